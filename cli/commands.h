@@ -1,0 +1,13 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace lamina::cli {
+
+// Each adds one subcommand: its options, its help with an example, and what it does when chosen.
+// One file each: parse, call the library, print.
+
+}  // namespace lamina::cli

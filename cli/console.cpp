@@ -1,0 +1,116 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "console.h"
+
+#include <fmt/core.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "lamina/core/error.h"
+
+namespace lamina::cli {
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+class Bar {
+ public:
+  explicit Bar(std::string label) : label_(std::move(label)) {}
+  ~Bar() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+
+  bool operator()(double finished) {
+    if (interrupted) return false;
+    if (!is_terminal_) return true;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return true;
+    const auto now = std::chrono::steady_clock::now();
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    if (elapsed < 1.0 || std::chrono::duration<double>(now - last_).count() < 0.1) return true;
+    last_ = now;
+    shown_ = true;
+    constexpr int width = 32;
+    const int filled = static_cast<int>(finished * width);
+    const double left = finished > 0.0 ? elapsed * (1.0 - finished) / finished : 0.0;
+    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {:.0f} s left\033[K", label_, "", filled,
+               "", width - filled, 100.0 * finished, left);
+    return true;
+  }
+
+ private:
+  std::string label_;
+  bool is_terminal_ = isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
+};
+
+}  // namespace
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--json", options.json, "write the result as JSON to FILE, or - for stdout")
+      ->type_name("FILE");
+  command.add_option("--threads", options.threads, "threads to use; 0 for all")
+      ->type_name("N")
+      ->check(CLI::Range(0, 4096));
+  command.add_option("--seed", options.seed, "seed of everything random")->type_name("N");
+}
+
+nlohmann::ordered_json make_result(std::string_view command) {
+  return {{"lamina", LAMINA_VERSION}, {"command", command}};
+}
+
+void write_json(const nlohmann::ordered_json& result, const CommonOptions& options) {
+  if (options.json.empty()) return;
+  const std::string text = result.dump(1) + "\n";
+  if (options.json == "-")
+    fmt::print("{}", text);
+  else
+    write_file(options.json, text);
+}
+
+void print(const CommonOptions& options, std::string_view text) {
+  if (options.json != "-") fmt::print("{}", text);
+}
+
+Progress make_progress(std::string label) {
+  return [bar = std::make_shared<Bar>(std::move(label))](double finished) {
+    return (*bar)(finished);
+  };
+}
+
+bool was_interrupted() { return interrupted; }
+
+void watch_for_interrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends at once
+  sigaction(SIGINT, &action, nullptr);
+}
+
+void write_file(const std::string& path, std::string_view text) {
+  const std::string beside = path + ".tmp";
+  std::ofstream file(beside, std::ios::binary);
+  file.write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(beside, path, error);
+  if (!file || error) {
+    std::filesystem::remove(beside, error);
+    throw WriteError(path + ": cannot be written");
+  }
+}
+
+}  // namespace lamina::cli

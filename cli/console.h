@@ -1,0 +1,48 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "lamina/core/progress.h"
+
+namespace CLI {
+class App;
+}
+
+namespace lamina::cli {
+
+/// Options that every subcommand has.
+struct CommonOptions {
+  std::string json;        ///< file for the machine-readable result, "-" for standard output, or ""
+  int threads = 0;         ///< 0: all
+  std::uint64_t seed = 0;
+};
+
+/// Adds --json, --threads and --seed; `options` must outlive the parse.
+void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// A result object that starts with "lamina": VERSION and "command": name.
+[[nodiscard]] nlohmann::ordered_json make_result(std::string_view command);
+
+/// Writes the result where --json says; does nothing if it was not given.
+void write_json(const nlohmann::ordered_json& result, const CommonOptions& options);
+
+/// Prints text for people, unless standard output is taken by --json -.
+void print(const CommonOptions& options, std::string_view text);
+
+/// A bar with the time left on standard error, shown if that is a terminal and the work lasts over
+/// a second. Asks the work to stop after Ctrl-C.
+[[nodiscard]] Progress make_progress(std::string label);
+
+/// Whether Ctrl-C was pressed; main then exits with 130.
+[[nodiscard]] bool was_interrupted();
+void watch_for_interrupt();
+
+/// Text put into a file whole or not at all: written beside it, then renamed.
+/// @throws WriteError
+void write_file(const std::string& path, std::string_view text);
+
+}  // namespace lamina::cli

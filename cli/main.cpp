@@ -1,0 +1,45 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <new>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+
+namespace {
+
+// Exit codes: 0 done, 1 the work failed, 2 wrong use or wrong input, 130 interrupted.
+int run(int argc, char** argv) {
+  using namespace lamina::cli;
+  CLI::App app("Light in layered translucent materials: predict, render, acquire.", "lamina");
+  app.set_version_flag("--version", LAMINA_VERSION);
+  app.require_subcommand(1);
+  try {
+    watch_for_interrupt();
+    app.parse(argc, argv);
+    return was_interrupted() ? 130 : 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    fmt::print(stderr, "lamina: {}\n", error.what());
+    return 2;
+  } catch (const lamina::WriteError& error) {
+    fmt::print(stderr, "lamina: {}\n", error.what());
+    return 1;
+  } catch (const lamina::Error& error) {
+    fmt::print(stderr, "lamina: {}\n", error.what());
+    return 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "lamina: not enough memory\n");
+    return 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lamina: {}\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return run(argc, argv); }

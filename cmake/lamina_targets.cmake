@@ -1,0 +1,22 @@
+# Flags for lamina's own targets, never for its users'.
+add_library(lamina_flags INTERFACE)
+target_compile_options(lamina_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  -Wno-missing-field-initializers  # designated initializers leave defaults out on purpose
+  $<$<BOOL:${LAMINA_WARNINGS_AS_ERRORS}>:-Werror>
+  -fno-math-errno -fno-trapping-math)  # without these, loops over exp, sqrt and floor do not vectorize
+
+# lamina_library(NAME SOURCES... HEADERS... LINKS...): the folder of that name as lamina::NAME.
+function(lamina_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS")
+  add_library(lamina_${name} ${arg_SOURCES})
+  add_library(lamina::${name} ALIAS lamina_${name})
+  target_sources(lamina_${name} PUBLIC FILE_SET HEADERS
+    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${arg_HEADERS})
+  target_compile_features(lamina_${name} PUBLIC cxx_std_20)
+  set_target_properties(lamina_${name} PROPERTIES
+    EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
+  target_link_libraries(lamina_${name} PUBLIC ${arg_LINKS}
+    PRIVATE ${arg_PRIVATE_LINKS} $<BUILD_INTERFACE:lamina_flags>)
+  install(TARGETS lamina_${name} EXPORT lamina_targets FILE_SET HEADERS)
+endfunction()

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# What lamina needs, by package name. Sourced by demo.sh and test.sh: `install_packages NAME...`
+# installs those that are missing; `build_packages` is what every build needs.
+set -euo pipefail
+
+build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
+  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev libtinygltf-dev
+  libtinyobjloader-dev)
+test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema)
+
+install_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "This system has no apt. Please install what these Debian 12 packages hold, then build with" >&2
+    echo "  cmake --preset release && cmake --build --preset release" >&2
+    echo "  $*" >&2
+    [ "${LAMINA_SKIP_PACKAGES:-}" = 1 ] && return 0
+    echo "and run this again with LAMINA_SKIP_PACKAGES=1." >&2
+    exit 2
+  fi
+  local missing=() name
+  for name in "$@"; do
+    dpkg-query -W -f '${Status}' "$name" 2>/dev/null | grep -q 'ok installed' || missing+=("$name")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  local sudo=""
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "Please install as root: ${missing[*]}" >&2; exit 2; }
+    sudo=sudo
+  fi
+  echo "Installing: ${missing[*]}"
+  $sudo apt-get update -qq
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}

@@ -1,0 +1,32 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace lamina {
+
+/// Pixels with named channels, linear unless a loader says otherwise. Row 0 is the top row.
+/// Channel names are those of OpenEXR: "R", "G", "B", "A", "normal.X", "540nm", ...
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::string> channels;
+  std::vector<float> pixels;  ///< [y][x][channel]
+
+  [[nodiscard]] std::size_t channel_count() const { return channels.size(); }
+  [[nodiscard]] float* at(int x, int y) {
+    return pixels.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                            static_cast<std::size_t>(x)) * channel_count();
+  }
+  [[nodiscard]] const float* at(int x, int y) const { return const_cast<Image*>(this)->at(x, y); }
+};
+
+/// A black image.
+[[nodiscard]] inline Image make_image(int width, int height, std::vector<std::string> channels) {
+  const std::size_t size =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels.size();
+  return {width, height, std::move(channels), std::vector<float>(size)};
+}
+
+}  // namespace lamina

@@ -1,0 +1,2 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/materials/material.h"

@@ -1,0 +1,160 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lamina/core/vec.h"
+#include "lamina/image/image.h"
+#include "lamina/materials/material.h"
+
+namespace lamina {
+
+/// Triangles with one vertex per distinct (position, normal, uv), in world space.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;  ///< [vertex] [mm]
+  std::vector<Vec3f> normals;    ///< [vertex], unit length
+  std::vector<Vec2f> uvs;        ///< [vertex], v upward; empty if the mesh has none
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> material;  ///< [triangle], an index into Scene::materials
+};
+
+/// An image that varies a quantity over a surface.
+struct ImageMap {
+  std::size_t image = 0;  ///< index into Scene::images
+  Vec2f repeat{1, 1};     ///< copies over the unit square of texture coordinates
+};
+
+/// Seeded, band-limited noise in space, for surfaces without texture coordinates too.
+struct NoiseMap {
+  enum class Kind {
+    smooth,    ///< gradient noise, about Gaussian, mean 0, standard deviation 1
+    cellular,  ///< pits around scattered points, 0 at a point and 1 between them, as pores
+  };
+  Kind kind = Kind::smooth;
+  float size = 1.0f;  ///< of the largest feature [mm]
+  int octaves = 1;    ///< each half the size of the last
+  std::uint32_t seed = 0;
+};
+
+/// A source of texture values, mapped as offset + scale * value.
+struct TextureMap {
+  std::variant<ImageMap, NoiseMap> source;
+  float scale = 1.0f, offset = 0.0f;
+};
+
+/// A linear Rec.709 colour, optionally times a map.
+struct ColorParameter {
+  Vec3f value{1, 1, 1};
+  std::optional<TextureMap> map;
+};
+
+/// A number, optionally times a map.
+struct ScalarParameter {
+  float value = 1.0f;
+  std::optional<TextureMap> map;
+};
+
+/// A layered translucent material under a rough surface.
+struct SubsurfaceSurface {
+  Material material;
+  ColorParameter color;  ///< what it does is `color_use`'s to say
+  enum class ColorUse {
+    none,
+    scale,   ///< the map, normalized to mean white, scales the light leaving: [DonnerJensen2005] §3.1
+    invert,  ///< the map is the diffuse reflectance wanted; albedo inversion: [Hery2003] §2
+  } color_use = ColorUse::none;
+  ScalarParameter thickness;  ///< of the object [mm] where it is thin; value 0: taken from geometry
+};
+
+struct DiffuseSurface {
+  ColorParameter color{.value = {0.5f, 0.5f, 0.5f}};  ///< reflectance
+};
+
+/// Smooth or rough dielectric: glass, a wet eye. roughness is the microfacet alpha.
+struct DielectricSurface {
+  float ior = 1.5f;
+  ScalarParameter roughness{.value = 0.0f};
+};
+
+/// Torrance-Sparrow reflection on top of a surface: oil, moisture, wax.
+struct Coat {
+  float ior = 1.45f;
+  ScalarParameter roughness{.value = 0.3f};  ///< microfacet alpha
+  ScalarParameter weight{.value = 1.0f};     ///< in [0, 1]
+  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
+};
+
+struct SurfaceMaterial {
+  std::string name;
+  std::variant<DiffuseSurface, SubsurfaceSurface, DielectricSurface> surface;
+  std::optional<Coat> coat;
+  std::optional<TextureMap> bump;        ///< height [mm], outward
+  std::optional<ImageMap> normal_map;    ///< tangent space, OpenGL convention
+};
+
+struct PointLight {
+  Vec3 position;         ///< [mm]
+  Vec3f intensity;       ///< [W/sr], linear Rec.709
+};
+struct DirectionalLight {
+  Vec3 direction;        ///< towards the light, unit length
+  Vec3f irradiance;      ///< on a surface facing the light
+};
+struct RectangleLight {
+  Vec3 center, edge_u, edge_v;  ///< [mm]; whole edges; it shines along edge_u x edge_v
+  Vec3f radiance;
+};
+struct EnvironmentLight {
+  std::optional<std::size_t> image;  ///< latitude-longitude, index into Scene::images; else constant
+  Vec3f scale{1, 1, 1};
+  float rotation = 0.0f;             ///< about +y, the map's up axis [rad]
+  bool is_visible = true;            ///< to the camera; else the background is black
+};
+using Light = std::variant<PointLight, DirectionalLight, RectangleLight, EnvironmentLight>;
+
+struct Camera {
+  Vec3 position{0, 0, 100}, look_at{}, up{0, 1, 0};  ///< [mm]
+  double horizontal_fov = 0.7;                       ///< [rad], in (0, pi)
+  double aperture_diameter = 0.0;                    ///< [mm]; 0 is a pinhole
+  double focus_distance = 0.0;                       ///< [mm]; 0: at look_at
+};
+
+struct Film {
+  int width = 512, height = 512;
+  float exposure = 0.0f;                                ///< [stops], for the PNG only
+  enum class View { standard, filmic } view = View::filmic;
+};
+
+struct RenderSettings {
+  enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
+  Method method = Method::profile;
+  int samples_per_pixel = 64;
+  int max_bounces = 4;  ///< of light between surfaces
+  std::uint64_t seed = 0;
+};
+
+/// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.
+struct Scene {
+  Camera camera;
+  Film film;
+  RenderSettings render;
+  std::vector<Image> images;  ///< linear
+  std::vector<SurfaceMaterial> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Light> lights;
+  std::vector<std::string> warnings;  ///< of loading, one line each: flipped normals, zero-area faces
+};
+
+/// Reads a scene file and all that it names; paths in it are relative to it.
+/// @throws FileError, InvalidInput with file, line and field.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file);
+
+}  // namespace lamina

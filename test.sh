@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds with warnings as errors, runs every test.
+set -euo pipefail
+cd "$(dirname "$0")"
+source ./setup.sh
+install_packages "${build_packages[@]}" "${test_packages[@]}"
+
+cmake --preset dev
+cmake --build --preset dev
+ctest --preset dev --output-on-failure -j "$(nproc)"
