@@ -1,0 +1,138 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/materials/skin.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/materials/chromophore_tables.h"
+
+namespace lamina {
+namespace {
+
+constexpr double ior_epidermis = 1.40, ior_dermis = 1.38;
+constexpr double junction_thickness = 1e-3;  // [mm]
+
+/// Natural absorption [1/mm] of a solution of `grams_per_litre` from its decadic molar extinction.
+double absorption(double extinction, double grams_per_litre, double grams_per_mole) {
+  constexpr double mm_per_cm = 10.0;
+  return std::numbers::ln10 * extinction * grams_per_litre / grams_per_mole / mm_per_cm;
+}
+
+double blood_absorption(double saturation, double wavelength) {
+  return saturation * oxyhemoglobin_absorption(wavelength) +
+         (1.0 - saturation) * deoxyhemoglobin_absorption(wavelength);
+}
+
+void check(const SkinParameters& skin) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    std::ostringstream message;
+    message << "skin: " << name << " must lie in [" << low << ", " << high << "], but is " << value;
+    throw InvalidInput(message.str());
+  };
+  require("melanin", skin.melanin, 0.0, 0.5);
+  require("melanin_blend", skin.melanin_blend, 0.0, 1.0);
+  require("hemoglobin_epidermis", skin.hemoglobin_epidermis, 0.0, 0.05);
+  require("hemoglobin_dermis", skin.hemoglobin_dermis, 0.0, 0.1);
+  require("carotene", skin.carotene, 0.0, 0.05);
+  require("saturation_epidermis", skin.saturation_epidermis, 0.0, 1.0);
+  require("saturation_dermis", skin.saturation_dermis, 0.0, 1.0);
+  require("baseline_scale", skin.baseline_scale, 0.0, 5.0);
+  require("scattering_scale", skin.scattering_scale, 0.1, 3.0);
+  require("scattering_power", skin.scattering_power, -2.0, 2.0);
+  require("epidermis_thickness", skin.epidermis_thickness, 1e-3, 10.0);
+  require("junction_absorption", skin.junction_absorption, 0.0, 10.0);
+}
+
+}  // namespace
+
+double eumelanin_absorption(double wavelength) { return 6.6e10 * std::pow(wavelength, -3.33); }
+
+double pheomelanin_absorption(double wavelength) { return 2.9e14 * std::pow(wavelength, -4.75); }
+
+double baseline_absorption(double wavelength) {
+  return 0.0244 + 8.53 * std::exp(-(wavelength - 154.0) / 66.2);
+}
+
+double oxyhemoglobin_absorption(double wavelength) {
+  return absorption(interpolate(oxyhemoglobin_extinction, wavelength), 150.0, 64'500.0);
+}
+
+double deoxyhemoglobin_absorption(double wavelength) {
+  return absorption(interpolate(deoxyhemoglobin_extinction, wavelength), 150.0, 64'500.0);
+}
+
+double carotene_absorption(double wavelength) {
+  return absorption(interpolate(carotene_extinction, wavelength), 1.0, 536.87);
+}
+
+SkinParameters with_constants(SkinParameters parameters, SkinConstants constants) {
+  struct Set {
+    double baseline_scale, scattering_scale, scattering_power, saturation;
+  };
+  const auto [baseline, scattering, power, saturation] = [&]() -> Set {
+    switch (constants) {
+      case SkinConstants::paper:
+        return {1.0, 1.0, 0.0, 0.75};
+      case SkinConstants::calibrated_diffusion:
+        return {0.167, 0.694, 1.06, 0.641};
+      case SkinConstants::calibrated:
+        break;
+    }
+    return {0.084, 0.568, 0.0, 0.624};
+  }();
+  parameters.baseline_scale = baseline;
+  parameters.scattering_scale = scattering;
+  parameters.scattering_power = power;
+  parameters.saturation_epidermis = parameters.saturation_dermis = saturation;
+  return parameters;
+}
+
+double epidermis_absorption(const SkinParameters& skin, double wavelength) {
+  const double melanin = skin.melanin_blend * eumelanin_absorption(wavelength) +
+                         (1.0 - skin.melanin_blend) * pheomelanin_absorption(wavelength);
+  const double rest = 1.0 - skin.melanin - skin.hemoglobin_epidermis - skin.carotene;
+  return skin.melanin * melanin +
+         skin.hemoglobin_epidermis * blood_absorption(skin.saturation_epidermis, wavelength) +
+         skin.carotene * carotene_absorption(wavelength) +
+         rest * skin.baseline_scale * baseline_absorption(wavelength);
+}
+
+double dermis_absorption(const SkinParameters& skin, double wavelength) {
+  return skin.hemoglobin_dermis * blood_absorption(skin.saturation_dermis, wavelength) +
+         (1.0 - skin.hemoglobin_dermis) * skin.baseline_scale * baseline_absorption(wavelength);
+}
+
+double epidermis_scattering(const SkinParameters& skin, double wavelength) {
+  const double printed = 14.74 * std::pow(wavelength, -0.22) + 2.2e11 * std::pow(wavelength, -4.0);
+  return skin.scattering_scale * std::pow(wavelength / 550.0, skin.scattering_power) * printed;
+}
+
+double skin_mean_cosine(double wavelength) { return 0.62 + 0.29e-3 * wavelength; }
+
+LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength) {
+  check(skin);
+  const double g = skin_mean_cosine(wavelength);
+  const double sigma_s = epidermis_scattering(skin, wavelength) / (1.0 - g);
+  std::vector<Layer> layers;
+  layers.push_back({.medium = {.sigma_a = epidermis_absorption(skin, wavelength),
+                               .sigma_s = sigma_s,
+                               .g = g,
+                               .ior = ior_epidermis},
+                    .thickness = skin.epidermis_thickness});
+  if (skin.junction_absorption > 0.0)
+    layers.push_back({.medium = {.sigma_a = 0.5 * skin.junction_absorption / junction_thickness,
+                                 .ior = ior_epidermis},
+                      .thickness = junction_thickness});
+  layers.push_back({.medium = {.sigma_a = dermis_absorption(skin, wavelength),
+                               .sigma_s = 0.5 * sigma_s,
+                               .g = g,
+                               .ior = ior_dermis}});
+  return LayerStack(std::move(layers));
+}
+
+}  // namespace lamina

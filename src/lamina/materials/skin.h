@@ -1,0 +1,78 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/optics/layer_stack.h"
+
+namespace lamina {
+
+// Absorption coefficients of pure substances [1/mm] at a wavelength [nm] in [350, 1000].
+
+/// Eumelanin: the inside of a melanosome, 6.6e10 nm^-3.33 [Jacques1998], as in [Donner2008].
+/// At 500 nm that is 67.9/mm, 31 % more than the 51.9/mm of [Jacques2013]: a melanin fraction means
+/// nothing without the name of its curve.
+[[nodiscard]] double eumelanin_absorption(double wavelength);
+
+/// Pheomelanin, 2.9e14 nm^-4.75, as in [Donner2008].
+[[nodiscard]] double pheomelanin_absorption(double wavelength);
+
+/// Skin without blood and pigment, 0.0244 + 8.53 exp(-(nm - 154) / 66.2). Source: [Jacques1998],
+/// rat.
+[[nodiscard]] double baseline_absorption(double wavelength);
+
+/// Whole blood of 150 g/L hemoglobin, all of it with or without oxygen.
+/// Source: [Prahl1998], natural units: ln 10 times the decadic extinction.
+[[nodiscard]] double oxyhemoglobin_absorption(double wavelength);
+[[nodiscard]] double deoxyhemoglobin_absorption(double wavelength);
+
+/// A solution of 1 g/L beta-carotene. [Donner2008] gives its fraction no unit; this is ours.
+[[nodiscard]] double carotene_absorption(double wavelength);
+
+/// What skin is made of at one place; fractions are of volume. Source: [Donner2008] Table 1 and
+/// eqs. 10-12, and three scales that measured skin asks for.
+struct SkinParameters {
+  double melanin = 0.02;                ///< of the epidermis, in [0, 0.5]
+  double melanin_blend = 0.6;           ///< share of eumelanin, in [0, 1]
+  double hemoglobin_epidermis = 0.002;  ///< whole blood in the epidermis, in [0, 0.05]
+  double hemoglobin_dermis = 0.01;      ///< whole blood in the dermis, in [0, 0.1]
+  double carotene = 0.001;              ///< 1 g/L solution in the epidermis, in [0, 0.05]
+  double saturation_epidermis = 0.624;  ///< oxygenated share of that blood, in [0, 1]
+  double saturation_dermis = 0.624;     ///< in [0, 1]
+  double baseline_scale = 0.084;        ///< times baseline_absorption, in [0, 5]
+  double scattering_scale = 0.568;      ///< times the scattering of eq. 12, in [0.1, 3]
+  double scattering_power = 0.0;        ///< further factor (nm / 550)^power, in [-2, 2]
+  double epidermis_thickness = 0.25;    ///< [mm], > 0
+  double junction_absorption =
+      0.0175;  ///< of the sheet between the layers, natural, per crossing, >= 0
+};
+
+/// The constants that no map gives: saturations, baseline and scattering. They belong to the solver
+/// that they were fitted with; mixing them up makes light skin 8-31 % too bright.
+enum class SkinConstants {
+  paper,                 ///< as printed in [Donner2008]; saturations .75, which it does not print
+  calibrated,            ///< fitted to 100 forearms [Cooksey2017] with exact totals
+  calibrated_diffusion,  ///< the same with the closed form of the multipole
+};
+
+/// The parameters with their constants replaced by those of a set.
+[[nodiscard]] SkinParameters with_constants(SkinParameters parameters, SkinConstants constants);
+
+/// Absorption of the epidermis and of the dermis [1/mm]. Source: [Donner2008] eqs. 10, 11.
+[[nodiscard]] double epidermis_absorption(const SkinParameters& skin, double wavelength);
+[[nodiscard]] double dermis_absorption(const SkinParameters& skin, double wavelength);
+
+/// Reduced scattering of the epidermis [1/mm]; the dermis has half of it. Source: [Donner2008]
+/// eq. 12.
+[[nodiscard]] double epidermis_scattering(const SkinParameters& skin, double wavelength);
+
+/// Mean cosine of scattering in skin, 0.62 + 0.29e-3 nm. Source: [VanGemert1989].
+[[nodiscard]] double skin_mean_cosine(double wavelength);
+
+/// Epidermis over a semi-infinite dermis, indices 1.4 and 1.38, at one wavelength.
+///
+/// The absorbing junction is a clear sheet of 1 µm between them. Its optical thickness is half of
+/// junction_absorption, because diffuse light crosses a thin sheet on a path of twice its
+/// thickness.
+/// @throws InvalidInput naming the parameter, its range and the value given.
+[[nodiscard]] LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength);
+
+}  // namespace lamina
