@@ -1,11 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/optics/interface_reflectance.h"
 
+#include "lamina/optics/facet_lattice.h"
+
 namespace lamina {
 namespace {
 
-constexpr int cosines = 129;                               // odd, for Simpson's rule
-constexpr int lattice_points = 2584, lattice_step = 1597;  // consecutive Fibonacci numbers
+constexpr int cosines = 129;  // odd, for Simpson's rule
 
 struct Fractions {
   double reflectance = 0.0, transmittance = 0.0;
@@ -16,22 +17,12 @@ Fractions smooth_fractions(double cos_i, double eta) {
   return {f, 1.0 - f};
 }
 
-/// Mean over the visible facets of a Fibonacci lattice in the unit square. t^2 (3 - 2t) makes the
-/// integrand periodic but for its kinks, at total reflection and where wo dips below the horizon.
 Fractions rough_fractions(const RoughInterface<double>& interface, double cos_i,
                           FacetMasking masking) {
   const Microfacets<double>& facets = interface.facets;
   const Vec3 wi = {std::sqrt(1.0 - cos_i * cos_i), 0.0, cos_i};
   Fractions sum;
-  double total = 0.0;
-  for (int k = 0; k < lattice_points; ++k) {
-    const double t1 = (k + 0.5) / lattice_points;
-    const double t2 =
-        std::fmod(static_cast<double>(k) * lattice_step + 0.5, lattice_points) / lattice_points;
-    const Vec3 h =
-        sample_visible_normal(facets, wi, t1 * t1 * (3.0 - 2.0 * t1), t2 * t2 * (3.0 - 2.0 * t2));
-    const double weight = t1 * (1.0 - t1) * t2 * (1.0 - t2);
-    total += weight;
+  detail::for_each_visible_facet(facets, wi, [&](const Vec3& h, double weight) {
     const double f = fresnel(std::clamp(dot(wi, h), 0.0, 1.0), interface.eta);
     if (const Vec3 wo = reflect(wi, h); wo.z > 0.0)
       sum.reflectance += weight * f *
@@ -39,11 +30,10 @@ Fractions rough_fractions(const RoughInterface<double>& interface, double cos_i,
                                                          : v_cavity_masking(wi, wo, h));
     if (const auto wo = refract(wi, h, interface.eta); wo && wo->z < 0.0)
       sum.transmittance += weight * (1.0 - f) * masking_shadowing_through(facets, wi, *wo);
-  }
+  });
   const double seen = projected_facet_area(facets, wi) / cos_i;  // 1 / masking(wi)
-  const double reflected = sum.reflectance * seen / total;
-  return {reflected,
-          masking == FacetMasking::smith ? sum.transmittance * seen / total : 1.0 - reflected};
+  const double reflected = sum.reflectance * seen;
+  return {reflected, masking == FacetMasking::smith ? sum.transmittance * seen : 1.0 - reflected};
 }
 
 double cosine_mean(const std::vector<double>& values) {

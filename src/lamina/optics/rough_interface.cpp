@@ -25,10 +25,13 @@ FacetEvent<T> make_facet_event(const RoughInterface<T>& interface, const BasicVe
   if (is_reflection) {
     event.share = reflectance;
     event.jacobian = T{1} / (T{4} * event.wo_h);
-  } else {  // [Walter2007] Eq. 17
-    const T sum = event.wi_h + interface.eta * event.wo_h;
+  } else {
+    // [Walter2007] Eq. 17 divides by (wi.h + eta wo.h)^2, a difference; by Snell's law it equals
+    // (1 - eta^2) over the sum.
+    const T eta = interface.eta;
+    const T sum = (event.wi_h - eta * event.wo_h) / ((eta - T{1}) * (eta + T{1}));
     event.share = T{1} - reflectance;
-    event.jacobian = interface.eta * interface.eta * -event.wo_h / (sum * sum);
+    event.jacobian = eta * eta * -event.wo_h * sum * sum;
   }
   return event;
 }
