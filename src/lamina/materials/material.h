@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -11,44 +12,66 @@
 
 namespace lamina {
 
+/// How particles scatter, as material files name it.
+enum class ParticlePhase {
+  henyey_greenstein,  ///< with the mean cosine g
+  rayleigh            ///< particles much smaller than the wavelength; g is 0
+};
+
 /// One part of a layer that is mixed by volume, as pigment in epidermis.
 /// Coefficients are those of the pure part. Source: [HanrahanKrueger1993] §3.
 struct MixturePart {
-  double fraction = 0.0;        ///< of the volume, in (0, 1]
-  std::vector<double> sigma_a;  ///< [band], [1/mm]
-  std::vector<double> sigma_s;  ///< [band], [1/mm]
-  std::vector<double> g;        ///< [band]
+  std::string name;
+  double fraction = 0.0;        ///< of the layer's volume, in [0, 1]
+  std::vector<double> sigma_a;  ///< [band], [1/mm], >= 0
+  std::vector<double> sigma_s;  ///< [band], [1/mm], >= 0
+  std::vector<double> g;        ///< [band], in (-1, 1)
+  ParticlePhase phase = ParticlePhase::henyey_greenstein;
+  friend bool operator==(const MixturePart&, const MixturePart&) = default;
 };
 
 /// A layer as a material file states it, with lengths in mm.
-/// Either `mixture` is empty or it replaces the coefficients sigma_a, sigma_s and g.
+/// With a mixture, sigma_a, sigma_s and g are those of what fills the rest of the volume, or empty
+/// if the fractions of the parts sum to 1.
 struct MaterialLayer {
   std::string name;
-  std::vector<double> sigma_a;  ///< [band], [1/mm]
-  std::vector<double> sigma_s;  ///< [band], [1/mm]
-  std::vector<double> g;        ///< [band]
-  std::vector<double> ior;      ///< [band]
+  std::vector<double> sigma_a;  ///< [band], [1/mm], >= 0
+  std::vector<double> sigma_s;  ///< [band], [1/mm], >= 0
+  std::vector<double> g;        ///< [band], in (-1, 1)
+  ParticlePhase phase = ParticlePhase::henyey_greenstein;
+  std::vector<double> ior;                                     ///< [band], > 0
   double thickness = std::numeric_limits<double>::infinity();  ///< [mm]
   Interface top;
   std::vector<MixturePart> mixture;
+  friend bool operator==(const MaterialLayer&, const MaterialLayer&) = default;
 };
+
+/// How far the fractions of a mixture without a rest may be from a sum of 1.
+inline constexpr double mixture_tolerance = 1e-6;
 
 /// A layered material: what a file with `"lamina": "material"` says, units turned to mm.
 struct Material {
   std::string name;
-  std::string source;
+  std::string source;  ///< where its numbers come from
   BandSet bands = BandSet::rgb();
   std::vector<double> ior_above;  ///< [band]
-  std::vector<double> ior_below;  ///< [band]
+  std::vector<double> ior_below;  ///< [band]; of the last layer if that is infinite
   Ground ground;
   std::vector<MaterialLayer> layers;
 };
 
 /// The optical layers of one band.
-/// @throws InvalidInput as LayerStack does.
+///
+/// A mixture adds up by volume fractions w: sigma_a = sum w sigma_a, sigma_s = sum w sigma_s, and
+/// its phase function is the mean of the parts' weighted with w sigma_s. Source:
+/// [HanrahanKrueger1993] §3. Holds where the parts are many and small against the mean free path,
+/// and where each scatters as if alone.
+///
+/// @param band  less than material.bands.size().
+/// @throws InvalidInput as LayerStack does, or if a vector has not a number for the band.
 [[nodiscard]] LayerStack layer_stack(const Material& material, std::size_t band);
 
-/// Reads a material file.
+/// Reads a material file; docs/materials.md has the format.
 /// @throws FileError if it is missing or unreadable; InvalidInput with file, line and field if what
 ///         it says is wrong.
 [[nodiscard]] Material load_material(const std::filesystem::path& file);
@@ -59,10 +82,16 @@ struct Material {
 /// A material as the text of a file that load_material reads back to equal numbers.
 [[nodiscard]] std::string format_material(const Material& material);
 
-/// The materials that lamina brings, in the order of the list that users see.
+/// The materials that lamina brings, in the order of the list that users see. Their names are
+/// those that find_material knows them by.
 [[nodiscard]] const std::vector<Material>& builtin_materials();
 
-/// The built-in material of that name, or else the file of that path.
+/// The text of a built-in material's file, with comments that say where each number comes from.
+/// @throws InvalidInput if there is no such material; suggests the nearest name.
+[[nodiscard]] std::string builtin_material_text(const std::string& name);
+
+/// The built-in material of that name, or else the file of that path. A file that is called as a
+/// built-in material is found by a path with a folder, as in ./jade.
 /// @throws as load_material; an unknown name suggests the nearest one.
 [[nodiscard]] Material find_material(const std::string& name_or_path);
 

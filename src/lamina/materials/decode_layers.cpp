@@ -1,0 +1,126 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "lamina/materials/material_file.h"
+
+namespace lamina::material_file {
+namespace {
+
+std::string short_number(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Coefficients of `value` in the file's unit, turned to 1/mm.
+std::vector<double> decode_coefficients(const JsonInput& value, const Context& context) {
+  const std::string unit = "1/" + context.length_unit;
+  const double largest = largest_number * context.mm_per_unit;
+  std::vector<double> values = value.number_or_numbers(context.bands, at_least(0.0, unit));
+  (void)value.number_or_numbers(context.bands, {.high = largest, .unit = unit});
+  for (double& x : values) x /= context.mm_per_unit;
+  return values;
+}
+
+/// The keys "sigma_a", "sigma_s", "g" and "phase" of a MaterialLayer or a MixturePart.
+void decode_substance(const JsonObject& object, const Context& context, auto& substance) {
+  substance.sigma_a = decode_coefficients(object.required("sigma_a"), context);
+  substance.sigma_s = decode_coefficients(object.required("sigma_s"), context);
+  if (const auto phase = object.optional("phase"))
+    substance.phase =
+        phase->choice<ParticlePhase>({{"henyey_greenstein", ParticlePhase::henyey_greenstein},
+                                      {"rayleigh", ParticlePhase::rayleigh}});
+  if (substance.phase == ParticlePhase::rayleigh) {
+    substance.g.assign(context.bands, 0.0);
+    if (const auto g = object.optional("g"))
+      if (g->number_or_numbers(context.bands) != substance.g)
+        g->fail("must be 0 or missing where phase is \"rayleigh\"");
+  } else {
+    substance.g = object.required("g").number_or_numbers(context.bands, inside(-1.0, 1.0));
+  }
+}
+
+std::vector<MixturePart> decode_mixture(const JsonInput& value, bool has_base,
+                                        const Context& context) {
+  std::vector<MixturePart> parts;
+  double sum = 0.0;
+  for (const JsonInput& element : value.array(1)) {
+    const JsonObject object =
+        element.object({"name", "fraction", "sigma_a", "sigma_s", "g", "phase"});
+    MixturePart& part = parts.emplace_back();
+    if (const auto name = object.optional("name")) part.name = name->string();
+    part.fraction = object.required("fraction").number(between(0.0, 1.0));
+    decode_substance(object, context, part);
+    sum += part.fraction;
+  }
+  if (has_base && sum > 1.0 + mixture_tolerance)
+    value.fail("fractions must sum to at most 1, but sum to " + short_number(sum));
+  if (!has_base && std::abs(sum - 1.0) > mixture_tolerance)
+    value.fail("fractions must sum to 1, but sum to " + short_number(sum) +
+               "; give the layer sigma_a, sigma_s and g for what fills the rest");
+  return parts;
+}
+
+double decode_thickness(const JsonInput& value, const Context& context) {
+  if (value.is_string() && value.string() == "infinite")
+    return std::numeric_limits<double>::infinity();
+  if (!value.is_number()) value.refuse("must be a number or \"infinite\"");
+  (void)value.number(above(0.0, context.length_unit));
+  const double thickness =
+      value.number({.high = largest_number / context.mm_per_unit, .unit = context.length_unit});
+  return thickness * context.mm_per_unit;
+}
+
+MaterialLayer decode_layer(const JsonInput& value, bool is_top, bool is_bottom,
+                           const Context& context) {
+  const JsonObject object = value.object({"name", "sigma_a", "sigma_s", "g", "phase", "ior",
+                                          "thickness", "mixture", "roughness", "distribution"});
+  MaterialLayer layer;
+  if (const auto name = object.optional("name")) layer.name = name->string();
+  const auto mixture = object.optional("mixture");
+  const bool has_base = !mixture || object.has("sigma_a") || object.has("sigma_s") ||
+                        object.has("g") || object.has("phase");
+  if (has_base) decode_substance(object, context, layer);
+  if (mixture) layer.mixture = decode_mixture(*mixture, has_base, context);
+  layer.ior = decode_ior(object.required("ior"), context);
+  const JsonInput thickness = object.required("thickness");
+  layer.thickness = decode_thickness(thickness, context);
+  if (std::isinf(layer.thickness) && !is_bottom)
+    thickness.fail("only the last layer may be infinite");
+  if (is_top)
+    for (const char* key : {"roughness", "distribution"})
+      if (const auto given = object.optional(key))
+        given->fail("the roughness of the lit surface stands under \"surface\", not in layers[0]");
+  if (!is_top) layer.top = decode_interface(object);
+  return layer;
+}
+
+}  // namespace
+
+Interface decode_interface(const JsonObject& object) {
+  Interface interface;
+  if (const auto roughness = object.optional("roughness"))
+    interface.roughness = roughness->number(between(0.0, 1.0));
+  if (const auto distribution = object.optional("distribution")) {
+    interface.distribution = distribution->choice<MicrofacetDistribution>(
+        {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
+    (void)object.required("roughness");
+  }
+  return interface;
+}
+
+std::vector<double> decode_ior(const JsonInput& value, const Context& context) {
+  return value.number_or_numbers(context.bands, between(0.1, 10.0));
+}
+
+std::vector<MaterialLayer> decode_layers(const JsonInput& layers, const Context& context) {
+  const std::vector<JsonInput> values = layers.array(1, 1000);
+  std::vector<MaterialLayer> decoded;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    decoded.push_back(decode_layer(values[i], i == 0, i + 1 == values.size(), context));
+  return decoded;
+}
+
+}  // namespace lamina::material_file

@@ -1,0 +1,99 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/materials/material_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lamina {
+namespace {
+
+using material_file::Context;
+using material_file::decode_interface;
+using material_file::decode_ior;
+using material_file::decode_layers;
+
+/// Descriptions by composition instead of `layers`. Each gets a decoder in a file of its own,
+/// declared in material_file.h beside decode_layers; until then its key is kept free.
+constexpr std::array<std::string_view, 3> recipes = {"skin", "leaf", "paint"};
+
+BandSet decode_bands(const JsonInput& value) {
+  if (value.is_string()) {
+    constexpr std::array<std::string_view, 1> names = {"rgb"};
+    (void)value.choice(names);
+    return BandSet::rgb();
+  }
+  if (!value.is_array()) value.refuse("must be \"rgb\" or an array of wavelengths [nm]");
+  std::vector<double> wavelengths;
+  for (const JsonInput& element : value.array(1, 10'000)) {
+    wavelengths.push_back(element.number(between(200.0, 3000.0, "nm")));
+    if (wavelengths.size() > 1 && wavelengths.back() <= *(wavelengths.end() - 2))
+      element.refuse("must be longer than the wavelength before it");
+  }
+  return BandSet(std::move(wavelengths));
+}
+
+double mm_per_unit(const JsonInput& unit) {
+  return unit.choice<double>({{"mm", 1.0}, {"cm", 10.0}, {"um", 1e-3}, {"m", 1000.0}});
+}
+
+/// "ior_below" and "ground", which have a meaning under a finite last layer only.
+void decode_below(const JsonObject& file, const Context& context, Material& material) {
+  const auto ior = file.optional("ior_below");
+  const auto ground = file.optional("ground");
+  if (std::isinf(material.layers.back().thickness)) {
+    for (const auto& given : {ior, ground})
+      if (given) given->fail("must be missing, because the last layer is infinite");
+    material.ior_below = material.layers.back().ior;
+    return;
+  }
+  if (!ior) file.value().fail("\"ior_below\" is required, because the last layer is finite");
+  material.ior_below = decode_ior(*ior, context);
+  if (!ground) return;
+  const JsonObject object = ground->object({"reflectance", "roughness", "distribution"});
+  material.ground.top = decode_interface(object);
+  if (const auto reflectance = object.optional("reflectance"))
+    material.ground.reflectance = reflectance->number(between(0.0, 1.0));
+}
+
+Material decode_material(const JsonInput& root) {
+  const JsonObject file =
+      root.file_object("material", 1,
+                       {"name", "source", "length_unit", "bands", "ior_above", "ior_below",
+                        "surface", "ground", "layers", recipes[0], recipes[1], recipes[2]});
+  for (const std::string_view recipe : recipes)
+    if (const auto given = file.optional(recipe))
+      given->fail("this version of lamina does not know this recipe yet; give \"layers\"");
+  Material material;
+  if (const auto name = file.optional("name")) material.name = name->string();
+  if (const auto source = file.optional("source")) material.source = source->string();
+  material.bands = decode_bands(file.required("bands"));
+  const JsonInput unit = file.required("length_unit");
+  const Context context{.bands = material.bands.size(),
+                        .length_unit = unit.string(),
+                        .mm_per_unit = mm_per_unit(unit)};
+  material.ior_above.assign(context.bands, 1.0);
+  if (const auto ior = file.optional("ior_above")) material.ior_above = decode_ior(*ior, context);
+  material.layers = decode_layers(file.required("layers"), context);
+  if (const auto surface = file.optional("surface")) {
+    const JsonObject object = surface->object({"roughness", "distribution"});
+    (void)object.required("roughness");
+    material.layers.front().top = decode_interface(object);
+  }
+  decode_below(file, context, material);
+  return material;
+}
+
+}  // namespace
+
+Material load_material(const std::filesystem::path& file) {
+  const JsonDocument document = load_json(file);
+  return decode_material(document.root());
+}
+
+Material parse_material(const std::string& text, const std::string& name) {
+  const JsonDocument document = parse_json(text, name);
+  return decode_material(document.root());
+}
+
+}  // namespace lamina
