@@ -1,0 +1,113 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/film_accumulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lamina/render/render.h"
+#include "lamina/render/texture.h"
+
+namespace lamina {
+
+FilmAccumulator::FilmAccumulator(int width, int height)
+    : width_(width),
+      height_(height),
+      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+
+void FilmAccumulator::add(int x, int y, const CameraSample& sample) {
+  Pixel& pixel = pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                         static_cast<std::size_t>(x)];
+  pixel.beauty += sample.beauty;
+  pixel.subsurface += sample.subsurface;
+  pixel.specular += sample.specular;
+  ++pixel.samples;
+  const float value = luminance(sample.beauty), from_mean = value - pixel.luminance_mean;
+  pixel.luminance_mean += from_mean / static_cast<float>(pixel.samples);
+  pixel.luminance_spread += from_mean * (value - pixel.luminance_mean);
+  if (!sample.is_hit) return;
+  ++pixel.hits;
+  pixel.subsurface_hits += sample.is_subsurface;
+  pixel.normal += sample.normal;
+  pixel.albedo += sample.albedo;
+  pixel.depth += sample.depth;
+}
+
+Image FilmAccumulator::image() const {
+  Image image =
+      make_image(width_, height_,
+                 {"R", "G", "B", "subsurface.R", "subsurface.G", "subsurface.B", "specular.R",
+                  "specular.G", "specular.B", "albedo.R", "albedo.G", "albedo.B", "normal.X",
+                  "normal.Y", "normal.Z", "depth.Z", "samples", "variance"});
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const Pixel& pixel = pixels_[i];
+    float* out = image.pixels.data() + i * image.channel_count();
+    const float n = static_cast<float>(std::max(pixel.samples, 1));
+    const float hits = static_cast<float>(pixel.hits);
+    const float normal_length = length(pixel.normal);
+    for (const Vec3f& value :
+         {pixel.beauty / n, pixel.subsurface / n, pixel.specular / n, pixel.albedo / n,
+          normal_length > 0.0f ? pixel.normal / normal_length : Vec3f{}}) {
+      *out++ = value.x;
+      *out++ = value.y;
+      *out++ = value.z;
+    }
+    *out++ = pixel.hits > 0 ? pixel.depth / hits : std::numeric_limits<float>::infinity();
+    *out++ = static_cast<float>(pixel.samples);
+    *out++ = pixel.samples > 1 ? pixel.luminance_spread / (n * (n - 1.0f)) : 0.0f;
+  }
+  return image;
+}
+
+std::vector<bool> FilmAccumulator::subsurface_pixels() const {
+  std::vector<bool> is_subsurface;
+  is_subsurface.reserve(pixels_.size());
+  for (const Pixel& pixel : pixels_)
+    is_subsurface.push_back(pixel.samples > 0 && pixel.subsurface_hits == pixel.samples);
+  return is_subsurface;
+}
+
+double FilmAccumulator::mean_samples() const {
+  double total = 0.0;
+  for (const Pixel& pixel : pixels_) total += pixel.samples;
+  return total / static_cast<double>(pixels_.size());
+}
+
+double relative_noise(const Image& image, const std::vector<bool>& is_subsurface) {
+  const int w = image.width, h = image.height;
+  const auto value = [&](int x, int y) {
+    const float* p = image.at(x, y);
+    return static_cast<double>(luminance({p[0], p[1], p[2]}));
+  };
+  const auto is_inside = [&](int x, int y) {
+    return is_subsurface[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                         static_cast<std::size_t>(x)];
+  };
+  struct Residual {
+    double mean, relative;
+  };
+  std::vector<Residual> residuals;
+  double total = 0.0;
+  for (int y = 1; y + 1 < h; ++y)
+    for (int x = 1; x + 1 < w; ++x) {
+      if (!(is_inside(x, y) && is_inside(x - 1, y) && is_inside(x + 1, y) && is_inside(x, y - 1) &&
+            is_inside(x, y + 1)))
+        continue;
+      const double mean =
+          0.25 * (value(x - 1, y) + value(x + 1, y) + value(x, y - 1) + value(x, y + 1));
+      if (!(mean > 0.0)) continue;
+      residuals.push_back({mean, std::abs(value(x, y) - mean) / mean});
+      total += mean;
+    }
+  // Lit: at least a quarter as bright as the average.
+  const double threshold =
+      0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
+  std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
+  if (residuals.empty()) return 0.0;
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end(),
+                   [](const Residual& a, const Residual& b) { return a.relative < b.relative; });
+  return middle->relative;
+}
+
+}  // namespace lamina

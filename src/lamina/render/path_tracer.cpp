@@ -1,0 +1,338 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/path_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/optics/fresnel.h"
+#include "lamina/optics/rough_interface.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr int max_steps = 48;  // of one path, glass included
+
+/// A direction around +z with density cos / pi.
+Vec3f draw_cosine(Vec2f u) {
+  // Concentric map of the square to the disc: it keeps the strata of the samples compact.
+  const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
+  float r = 0.0f, phi = 0.0f;
+  if (std::abs(a) > std::abs(b)) {
+    r = a;
+    phi = 0.25f * pi * (b / a);
+  } else if (b != 0.0f) {
+    r = b;
+    phi = 0.5f * pi - 0.25f * pi * (a / b);
+  }
+  return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - r * r))};
+}
+
+/// The normal turned so far towards the eye that it is seen.
+Vec3f make_visible(const Vec3f& n, const Vec3f& wo) {
+  constexpr float least = 0.02f;
+  const float cos_o = dot(n, wo);
+  return cos_o >= least ? n : normalize(n + (least - cos_o) * wo);
+}
+
+float square(float x) { return x * x; }
+
+}  // namespace
+
+template <int N>
+class PathTracer<N>::Gatherer final : public LightGatherer<N> {
+ public:
+  Gatherer(const PathTracer& tracer, int bounce) : tracer_(tracer), bounce_(bounce) {}
+  Bands entering_irradiance(const SurfacePoint& entry, PixelSamples& samples) const override {
+    return tracer_.entering_irradiance(entry, bounce_, samples);
+  }
+
+ private:
+  const PathTracer& tracer_;
+  int bounce_;
+};
+
+template <int N>
+float PathTracer<N>::weight_of_surface_sample(float pdf, float pdf_light) const {
+  if (pdf == 0.0f || pdf_light == 0.0f) return 1.0f;  // the light sampling cannot find it
+  if (options_.direct_light == DirectLight::surfaces_only) return 1.0f;
+  if (options_.direct_light == DirectLight::lights_only) return 0.0f;
+  return square(pdf) / (square(pdf) + square(pdf_light));  // the power heuristic
+}
+
+template <int N>
+float PathTracer<N>::weight_of_light_sample(const LightSample& light, float pdf) const {
+  if (light.is_delta || options_.direct_light == DirectLight::lights_only) return 1.0f;
+  if (options_.direct_light == DirectLight::surfaces_only) return 0.0f;
+  return square(light.pdf) / (square(pdf) + square(light.pdf));
+}
+
+template <int N>
+typename PathTracer<N>::Surface PathTracer<N>::make_surface(const SurfacePoint& point,
+                                                            const Vec3f& towards_eye) const {
+  Surface surface{.point = point, .boundary = boundary_at(scene_, point)};
+  SurfacePoint& p = surface.point;
+  const bool is_inside = dot(p.geometric_normal, towards_eye) < 0.0f;
+  if (is_inside) {
+    p.geometric_normal = -p.geometric_normal;
+    p.smooth_normal = -p.smooth_normal;
+    p.normal = -p.normal;
+  }
+  p.normal = make_visible(p.normal, towards_eye);
+  surface.frame = make_frame(p.normal);
+  surface.wo = surface.frame.to_local(towards_eye);
+  const auto& material = scene_.scene->materials[p.material];
+  if (const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) {
+    const Vec3f c = scene_.textures.color(diffuse->color, p);
+    surface.reflectance = conversion_.from_rgb(
+        {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)});
+  } else if (const auto* transport = transports_[p.material].get()) {
+    surface.reflectance = transport->local_reflectance(p);
+    if (!is_inside) surface.transport = transport;  // the inner side of an open mesh is diffuse
+  }
+  return surface;
+}
+
+template <int N>
+typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& surface,
+                                                              bool with_base, float specular_chance,
+                                                              float base_chance,
+                                                              PixelSamples& samples) const {
+  const float u_light = samples.next_1d();
+  const LightSample light =
+      scene_.lights.sample_light(surface.point.position, u_light, samples.next_2d());
+  if (!(light.pdf > 0.0f)) return {};
+  const Vec3f wi = surface.frame.to_local(light.direction);
+  if (!(wi.z > 0.0f) || !(dot(light.direction, surface.point.geometric_normal) > 0.0f)) return {};
+  const float specular = specular_brdf(surface.boundary, wi, surface.wo);
+  const float base = with_base ? (1.0f - reflectance(surface.boundary, wi.z)) *
+                                     exit_distribution(surface.boundary, surface.wo.z)
+                               : 0.0f;
+  if (!(specular + base > 0.0f)) return {};
+  float pdf = base_chance * wi.z / pi;
+  if (specular > 0.0f && !light.is_delta)
+    pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
+  const float scale = wi.z / light.pdf * weight_of_light_sample(light, pdf);
+  if (!(scale > 0.0f)) return {};
+  const Ray ray{leave_surface(surface.point, light.direction), light.direction};
+  const float visible = clear_fraction(scene_, ray, 0.9999f * light.distance);
+  if (visible == 0.0f) return {};
+  const Bands arriving = visible * scale * conversion_.from_rgb(light.radiance);
+  return {.specular = specular * arriving, .base = base * surface.reflectance * arriving};
+}
+
+template <int N>
+BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int bounce,
+                                                 PixelSamples& samples) const {
+  const SurfaceBoundary boundary = boundary_at(scene_, entry);
+  Bands irradiance;
+  const float u_light = samples.next_1d();
+  const LightSample light = scene_.lights.sample_light(entry.position, u_light, samples.next_2d());
+  const float cos_light = dot(light.direction, entry.normal);
+  if (light.pdf > 0.0f && cos_light > 0.0f && dot(light.direction, entry.geometric_normal) > 0.0f) {
+    const float scale = cos_light / light.pdf * weight_of_light_sample(light, cos_light / pi) *
+                        (1.0f - reflectance(boundary, cos_light));
+    const Ray ray{leave_surface(entry, light.direction), light.direction};
+    const float visible =
+        scale > 0.0f ? clear_fraction(scene_, ray, 0.9999f * light.distance) : 0.0f;
+    if (visible > 0.0f) irradiance += visible * scale * conversion_.from_rgb(light.radiance);
+  }
+  const Framef frame = make_frame(entry.normal);
+  const Vec3f wi = draw_cosine(samples.next_2d());
+  const Vec3f direction = frame.to_world(wi);
+  if (wi.z > 0.0f && dot(direction, entry.geometric_normal) > 0.0f) {
+    const Path path{
+        .bounce = bounce + 1, .pdf = wi.z / pi, .spread = 0.3f, .footprint = entry.footprint};
+    irradiance += pi * (1.0f - reflectance(boundary, wi.z)) *
+                  follow({leave_surface(entry, direction), direction}, path, samples, nullptr);
+  }
+  return irradiance;
+}
+
+template <int N>
+float PathTracer<N>::specular_chance(const Surface& surface) {
+  if (surface.boundary.count == 0) return 0.0f;
+  const float mirrored = reflectance(surface.boundary, surface.wo.z);
+  const float base = (1.0f - mirrored) * largest(surface.reflectance);
+  return std::clamp(mirrored / (mirrored + base + 1e-6f), 0.1f, 0.9f);
+}
+
+template <int N>
+bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path& path,
+                            Bands& throughput, bool& is_specular, PixelSamples& samples) const {
+  const float u = samples.next_1d();
+  const Vec2f u2 = samples.next_2d();
+  is_specular = u < chance;
+  Vec3f wi;
+  if (is_specular) {
+    const SpecularSample sample = sample_specular(surface.boundary, surface.wo, u / chance, u2);
+    if (!(sample.weight > 0.0f)) return false;
+    wi = sample.wi;
+    if (sample.is_mirror) {
+      throughput *= sample.weight / chance;
+      path.pdf = 0.0f;
+    }
+    path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
+    if (!sample.is_mirror) path.pdf = sample.pdf;
+  } else {
+    wi = draw_cosine(u2);
+    path.pdf = 1.0f;
+    path.spread = 0.3f;
+  }
+  if (!(wi.z > 0.0f)) return false;
+  if (path.pdf > 0.0f) {
+    // Both lobes may give this direction, so both count.
+    path.pdf = (1.0f - chance) * wi.z / pi +
+               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
+    const float base = (1.0f - reflectance(surface.boundary, wi.z)) *
+                       exit_distribution(surface.boundary, surface.wo.z);
+    throughput *=
+        (wi.z / path.pdf) * (base * surface.reflectance +
+                             Bands::filled(specular_brdf(surface.boundary, wi, surface.wo)));
+  }
+  ray.direction = surface.frame.to_world(wi);
+  if (!(dot(ray.direction, surface.point.geometric_normal) > 0.0f)) return false;
+  ray.origin = leave_surface(surface.point, ray.direction);
+  return true;
+}
+
+template <int N>
+bool PathTracer<N>::refract_at(const SurfacePoint& point, const DielectricSurface& glass, Ray& ray,
+                               Path& path, Bands& throughput, PixelSamples& samples) const {
+  const bool is_inside = dot(ray.direction, point.geometric_normal) > 0.0f;
+  const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, -ray.direction);
+  const Framef frame = make_frame(n);
+  const float alpha = std::clamp(scene_.textures.scalar(glass.roughness, point), 0.0f, 1.0f);
+  const RoughInterface<float> interface{.facets = {.alpha = alpha},
+                                        .eta = is_inside ? 1.0f / glass.ior : glass.ior};
+  const float u = samples.next_1d();
+  const Vec2f u2 = samples.next_2d();
+  const auto sample =
+      sample_rough_interface(interface, frame.to_local(-ray.direction), u2.x, u2.y, u);
+  if (!(sample.weight > 0.0f)) return false;
+  // Radiance over n², which glass passes unchanged, so no factor n² is needed on either side.
+  throughput *= sample.weight;
+  ray.direction = normalize(frame.to_world(sample.wo));
+  ray.origin = leave_surface(point, ray.direction);
+  path.pdf = 0.0f;
+  path.is_camera_ray = false;
+  return true;
+}
+
+template <int N>
+BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
+                                    CameraSample* first) const {
+  Bands radiance, throughput = Bands::filled(1.0f);
+  Bands before_specular;  // what had come home when the path was mirrored at the first surface
+  bool is_mirrored = false;
+  float t_near = 0.0f;
+  for (int step = 0; step < max_steps; ++step) {
+    const Hit hit = scene_.geometry.first_hit(ray, t_near);
+    scene_.lights.for_lights_seen(ray, t_near, hit.distance, path.is_camera_ray,
+                                  [&](const LightSeen& seen) {
+                                    radiance += weight_of_surface_sample(path.pdf, seen.pdf) *
+                                                throughput * conversion_.from_rgb(seen.radiance);
+                                  });
+    if (!hit.is_hit()) break;
+    const float footprint = path.footprint + path.spread * hit.distance;
+    const SurfacePoint point = surface_at(scene_, hit, footprint);
+    if (path.is_camera_ray && first) {
+      first->depth = hit.distance;
+      first->is_hit = true;
+      first->normal = point.normal;
+    }
+    const auto& material = scene_.scene->materials[point.material];
+    if (const auto* glass = std::get_if<DielectricSurface>(&material.surface)) {
+      if (path.is_from_eye) {
+        if (!refract_at(point, *glass, ray, path, throughput, samples)) break;
+        path.footprint = footprint;
+        t_near = 0.0f;
+        continue;
+      }
+      // Light on other surfaces passes glass straight, as in clear_fraction, or is mirrored.
+      const float cos_i = std::min(std::abs(dot(ray.direction, point.smooth_normal)), 1.0f);
+      if (samples.next_1d() < fresnel(cos_i, glass->ior)) {
+        ray.direction = normalize(reflect(-ray.direction, point.smooth_normal));
+        ray.origin = leave_surface(point, ray.direction);
+        path.pdf = 0.0f;
+        t_near = 0.0f;
+      } else {
+        t_near = hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
+      }
+      continue;
+    }
+    if (path.bounce > options_.max_bounces) break;
+
+    const Surface surface = make_surface(point, -ray.direction);
+    const bool is_first = path.is_from_eye && first;
+    path.footprint = footprint;
+    float chance = specular_chance(surface);
+    bool goes_on = true, is_specular = false;
+    if (is_first) first->albedo = conversion_.to_rgb(surface.reflectance);
+    if (path.is_from_eye && surface.transport) {
+      const ExitPoint exit{surface.point, surface.boundary, surface.wo.z};
+      const Bands inside = throughput * surface.transport->leaving_radiance(
+                                            exit, Gatherer(*this, path.bounce), samples);
+      radiance += inside;
+      if (is_first) {
+        first->is_subsurface = true;
+        first->subsurface = conversion_.to_rgb(inside);
+      }
+      if (surface.boundary.count == 0) break;
+      chance = std::min(1.0f, 0.2f + 4.0f * reflectance(surface.boundary, surface.wo.z));
+      const Bands mirrored =
+          throughput * direct_light(surface, false, chance, 0.0f, samples).specular;
+      radiance += mirrored;
+      if (is_first) first->specular += conversion_.to_rgb(mirrored);
+      const SpecularSample sample =
+          sample_specular(surface.boundary, surface.wo, samples.next_1d(), samples.next_2d());
+      goes_on = sample.weight > 0.0f && samples.next_1d() < chance;
+      is_specular = true;
+      if (goes_on) {
+        throughput *= sample.weight / chance;
+        path.pdf = sample.is_mirror ? 0.0f : sample.pdf * chance;
+        path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
+        ray.direction = surface.frame.to_world(sample.wi);
+        goes_on = dot(ray.direction, surface.point.geometric_normal) > 0.0f;
+        ray.origin = leave_surface(surface.point, ray.direction);
+      }
+    } else {
+      const Reflected direct = direct_light(surface, true, chance, 1.0f - chance, samples);
+      radiance += throughput * (direct.specular + direct.base);
+      if (is_first) first->specular += conversion_.to_rgb(throughput * direct.specular);
+      goes_on = scatter(surface, chance, ray, path, throughput, is_specular, samples);
+    }
+    if (!goes_on) break;
+    if (is_first && is_specular) {
+      is_mirrored = true;
+      before_specular = radiance;
+    }
+    path.is_camera_ray = path.is_from_eye = false;
+    ++path.bounce;
+    t_near = 0.0f;
+    // Russian roulette: a dim path goes on seldom, and then counts for those that did not.
+    if (path.bounce > 1) {
+      const float survival = std::min(1.0f, largest(throughput));
+      if (!(samples.next_1d() < survival)) break;
+      throughput *= 1.0f / survival;
+    }
+  }
+  if (is_mirrored) first->specular += conversion_.to_rgb(radiance - before_specular);
+  return radiance;
+}
+
+template <int N>
+CameraSample PathTracer<N>::trace_camera_ray(const Ray& ray, float spread,
+                                             PixelSamples& samples) const {
+  CameraSample sample;
+  const Path path{.spread = spread, .is_camera_ray = true, .is_from_eye = true};
+  sample.beauty = conversion_.to_rgb(follow(ray, path, samples, &sample));
+  return sample;
+}
+
+template class PathTracer<4>;
+template class PathTracer<8>;
+template class PathTracer<16>;
+
+}  // namespace lamina

@@ -1,0 +1,105 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lamina/render/band_conversion.h"
+#include "lamina/render/band_values.h"
+#include "lamina/render/low_discrepancy.h"
+#include "lamina/render/render_scene.h"
+#include "lamina/render/subsurface_transport.h"
+
+namespace lamina {
+
+/// What one camera ray brings home, in linear Rec.709.
+struct CameraSample {
+  Vec3f beauty, subsurface, specular;  ///< subsurface and specular: parts at the first surface
+  Vec3f normal, albedo;                ///< of the first surface
+  float depth = 0.0f;                  ///< distance to it [mm]
+  bool is_subsurface = false;
+  bool is_hit = false;
+};
+
+/// How directions are drawn at a surface. Each alone converges to the same image; they are for
+/// tests, together they have the least noise.
+enum class DirectLight { combined, lights_only, surfaces_only };
+
+struct PathOptions {
+  int max_bounces = 4;  ///< of light between surfaces
+  DirectLight direct_light = DirectLight::combined;
+};
+
+/// Follows light from the camera back to the lights.
+///
+/// At the first translucent surface both its reflection and its inside are followed; behind a
+/// bounce translucent surfaces count as diffuse ones of the same total reflectance, since the
+/// spread of light below them is lost in the next bounce anyway.
+template <int N>
+class PathTracer {
+ public:
+  using Bands = BandValues<N>;
+
+  /// `transports` holds one entry per material, null where it is not translucent. All must outlive
+  /// the tracer.
+  PathTracer(const RenderScene& scene, const BandConversion<N>& conversion,
+             const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports,
+             const PathOptions& options)
+      : scene_(scene), conversion_(conversion), transports_(transports), options_(options) {}
+
+  /// @param spread  angle between the rays of neighbouring pixels [rad]
+  [[nodiscard]] CameraSample trace_camera_ray(const Ray& ray, float spread,
+                                              PixelSamples& samples) const;
+
+ private:
+  class Gatherer;
+
+  /// An opaque surface seen from `wo`.
+  struct Surface {
+    SurfacePoint point;
+    SurfaceBoundary boundary;
+    Framef frame;
+    Vec3f wo;           ///< in the frame
+    Bands reflectance;  ///< of the base
+    const SubsurfaceTransport<N>* transport = nullptr;
+  };
+
+  struct Path {
+    int bounce = 0;
+    float pdf = 0.0f;        ///< with which its direction was drawn [1/sr]; 0: from a single one
+    float spread = 0.0f;     ///< growth of the footprint with distance [rad]
+    float footprint = 0.0f;  ///< at the origin of the ray [mm]
+    bool is_camera_ray = false;  ///< straight from the camera
+    bool is_from_eye = false;    ///< from the camera, maybe through glass
+  };
+
+  [[nodiscard]] Bands follow(Ray ray, Path path, PixelSamples& samples, CameraSample* first) const;
+  [[nodiscard]] Surface make_surface(const SurfacePoint& point, const Vec3f& towards_eye) const;
+
+  /// Light from one light sample, mirrored and, if asked for, scattered by the base.
+  struct Reflected {
+    Bands specular, base;
+  };
+  [[nodiscard]] Reflected direct_light(const Surface& surface, bool with_base,
+                                       float specular_chance, float base_chance,
+                                       PixelSamples& samples) const;
+  [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
+                                          PixelSamples& samples) const;
+  /// Chance that a path goes on by the boundary of a surface rather than its base.
+  [[nodiscard]] static float specular_chance(const Surface& surface);
+  /// Turns a path at a diffuse or coated surface; false if it ends there.
+  [[nodiscard]] bool scatter(const Surface& surface, float chance, Ray& ray, Path& path,
+                             Bands& throughput, bool& is_specular, PixelSamples& samples) const;
+  /// Turns a path from the eye at glass.
+  [[nodiscard]] bool refract_at(const SurfacePoint& point, const DielectricSurface& glass, Ray& ray,
+                                Path& path, Bands& throughput, PixelSamples& samples) const;
+  [[nodiscard]] float weight_of_surface_sample(float pdf, float pdf_light) const;
+  [[nodiscard]] float weight_of_light_sample(const LightSample& light, float pdf) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports_;
+  PathOptions options_;
+};
+
+}  // namespace lamina

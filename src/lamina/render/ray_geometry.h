@@ -1,0 +1,67 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "lamina/core/vec.h"
+#include "lamina/render/scene.h"
+
+namespace lamina {
+
+struct Ray {
+  Vec3f origin;
+  Vec3f direction;  ///< unit length
+};
+
+/// Where a ray meets a triangle.
+struct Hit {
+  float distance = std::numeric_limits<float>::infinity();  ///< [mm]
+  float u = 0.0f, v = 0.0f;  ///< barycentric weights of the second and third vertex
+  std::uint32_t mesh = 0, triangle = 0;
+  [[nodiscard]] bool is_hit() const { return distance < std::numeric_limits<float>::infinity(); }
+};
+
+/// All hits of one probe through an object, in no order.
+struct ProbeHits {
+  static constexpr int capacity = 24;  ///< further hits are left out
+  std::array<Hit, capacity> hits;
+  int count = 0;
+  [[nodiscard]] std::span<const Hit> all() const {
+    return {hits.data(), static_cast<std::size_t>(count)};
+  }
+};
+
+/// The triangles of a scene, ready for rays. Safe to use from any thread.
+class RayGeometry {
+ public:
+  /// `meshes` must outlive the geometry.
+  explicit RayGeometry(const std::vector<Mesh>& meshes);
+  ~RayGeometry();
+  RayGeometry(RayGeometry&&) noexcept;
+  RayGeometry& operator=(RayGeometry&&) noexcept;
+
+  /// The nearest hit between the distances t_near and t_far, both sides of a triangle counting.
+  [[nodiscard]] Hit first_hit(const Ray& ray, float t_near,
+                              float t_far = std::numeric_limits<float>::infinity()) const;
+
+  /// Whether anything lies between the distances t_near and t_far.
+  [[nodiscard]] bool is_blocked(const Ray& ray, float t_near, float t_far) const;
+
+  /// All hits with triangles of a material within the length of a segment: one traversal.
+  void all_hits(const Ray& ray, float length, std::uint32_t material, ProbeHits& found) const;
+
+  /// Smallest box around everything; both corners 0 if there is nothing.
+  [[nodiscard]] Vec3f box_low() const { return box_low_; }
+  [[nodiscard]] Vec3f box_high() const { return box_high_; }
+
+ private:
+  struct Traversal;
+  std::unique_ptr<Traversal> traversal_;
+  Vec3f box_low_, box_high_;
+};
+
+}  // namespace lamina

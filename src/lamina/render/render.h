@@ -1,0 +1,59 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/core/progress.h"
+#include "lamina/image/image.h"
+#include "lamina/render/scene.h"
+
+namespace lamina {
+
+/// What is not part of a scene but of how it is computed. The defaults are right for pictures.
+struct RenderOptions {
+  /// How light leaves a translucent surface over the angle.
+  enum class ExitAngle {
+    conserving,  ///< as much in total as the profile says: transmittance over its projected
+                 ///< integral
+    printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
+  };
+  ExitAngle exit_angle = ExitAngle::conserving;
+
+  /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
+  enum class DirectLight { combined, lights_only, surfaces_only };
+  DirectLight direct_light = DirectLight::combined;
+};
+
+struct RenderStatistics {
+  double wall_seconds = 0.0;
+  double cpu_seconds = 0.0;        ///< of all threads of the process while rendering
+  double samples_per_pixel = 0.0;  ///< mean; fewer than asked for after an early stop
+  double relative_noise = 0.0;     ///< see relative_noise()
+  double peak_memory_mib = 0.0;    ///< of the process so far
+  bool is_complete = true;         ///< false if progress asked to stop
+};
+
+struct RenderResult {
+  /// Channels R, G, B (linear Rec.709), subsurface.*, specular.*, albedo.* (R, G, B), normal.X, .Y,
+  /// .Z (outward, world space), depth.Z [mm, infinite where nothing is], samples, and variance (of
+  /// the pixel's luminance, if its samples were independent; stratification makes it smaller).
+  Image image;
+  RenderStatistics statistics;
+};
+
+/// Renders a scene as its render settings ask.
+///
+/// Passes over the whole frame double the samples each time, so an early stop leaves a complete but
+/// noisier image. The result depends on scene and seed, not on the number of threads.
+///
+/// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
+///         bands, a method that does not exist yet.
+[[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options = {},
+                                  const Progress& progress = {});
+
+/// Median over lit pixels of translucent surfaces of |pixel - mean of its 4 neighbours| over that
+/// mean, in luminance. Fine texture counts as noise. 0 if there is no such pixel.
+///
+/// @param image          an image as render() makes it
+/// @param is_subsurface  [y][x], whether all of a pixel shows a translucent surface
+[[nodiscard]] double relative_noise(const Image& image, const std::vector<bool>& is_subsurface);
+
+}  // namespace lamina

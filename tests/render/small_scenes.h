@@ -1,0 +1,76 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "lamina/render/render.h"
+#include "lamina/render/scene.h"
+
+namespace lamina {
+
+/// A square in the plane z = 0, facing +z.
+inline Mesh make_square(float size, std::uint32_t material = 0) {
+  const float h = 0.5f * size;
+  return {.name = "square",
+          .positions = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}},
+          .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+          .uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+          .triangles = {{0, 1, 2}, {0, 2, 3}},
+          .material = {material, material}};
+}
+
+/// A sphere around the origin.
+inline Mesh make_sphere(float radius, int rings = 48, std::uint32_t material = 0) {
+  Mesh mesh{.name = "sphere"};
+  const int sectors = 2 * rings;
+  for (int i = 0; i <= rings; ++i)
+    for (int j = 0; j <= sectors; ++j) {
+      const float theta =
+          std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(rings);
+      const float phi =
+          2.0f * std::numbers::pi_v<float> * static_cast<float>(j) / static_cast<float>(sectors);
+      const Vec3f n{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                    std::cos(theta)};
+      mesh.positions.push_back(radius * n);
+      mesh.normals.push_back(n);
+      mesh.uvs.push_back({static_cast<float>(j) / static_cast<float>(sectors),
+                          1.0f - static_cast<float>(i) / static_cast<float>(rings)});
+    }
+  const auto index = [&](int i, int j) {
+    return static_cast<std::uint32_t>(i * (sectors + 1) + j);
+  };
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < sectors; ++j) {
+      if (i > 0) mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i, j + 1)});
+      if (i + 1 < rings)
+        mesh.triangles.push_back({index(i, j + 1), index(i + 1, j), index(i + 1, j + 1)});
+    }
+  mesh.material.assign(mesh.triangles.size(), material);
+  return mesh;
+}
+
+/// A camera far away that sees a square of `size` mm around the origin from above, +y up.
+inline Camera camera_above(double size) {
+  const double distance = 100.0 * size;
+  return {.position = {0, 0, distance},
+          .look_at = {0, 0, 0},
+          .up = {0, 1, 0},
+          .horizontal_fov = 2.0 * std::atan(0.5 * size / distance)};
+}
+
+inline SurfaceMaterial diffuse_material(float reflectance) {
+  return {.name = "diffuse",
+          .surface = DiffuseSurface{.color = {.value = {reflectance, reflectance, reflectance}}}};
+}
+
+/// Mean of a channel over all pixels.
+inline double mean_of(const Image& image, std::size_t channel) {
+  double total = 0.0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) total += static_cast<double>(image.at(x, y)[channel]);
+  return total / (image.width * image.height);
+}
+
+}  // namespace lamina
