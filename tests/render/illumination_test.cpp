@@ -12,6 +12,7 @@ namespace lamina {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr float pi_f = std::numbers::pi_v<float>;
 
 /// One pixel's worth of the middle of a square of reflectance 1, so that radiance = irradiance /
 /// pi.
@@ -37,7 +38,7 @@ TEST(Lights, PointLightFallsOffWithDistanceSquaredAndCosine) {
 
 TEST(Lights, DirectionalLightGivesItsIrradianceTimesTheCosine) {
   Scene scene = white_square(1);
-  scene.lights = {DirectionalLight{.direction = {0.6, 0, 0.8}, .irradiance = {pi, pi, pi}}};
+  scene.lights = {DirectionalLight{.direction = {0.6, 0, 0.8}, .irradiance = {pi_f, pi_f, pi_f}}};
   EXPECT_NEAR(mean_of(render(scene).image, 0), 0.8, 1e-4);
 }
 
@@ -199,7 +200,7 @@ TEST(Camera, DepthOfFieldBlursAnEdgeByTheCircleOfConfusion) {
                   .aperture_diameter = 4.0,
                   .focus_distance = 50.0};
   scene.film = {.width = 100, .height = 2};  // 0.1 mm per pixel at the square
-  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {pi, pi, pi}}};
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {pi_f, pi_f, pi_f}}};
   const Image blurred = render(scene).image;
   int partial = 0;
   for (int x = 0; x < 100; ++x) {

