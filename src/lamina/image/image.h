@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lamina {
@@ -17,7 +19,8 @@ struct Image {
   [[nodiscard]] std::size_t channel_count() const { return channels.size(); }
   [[nodiscard]] float* at(int x, int y) {
     return pixels.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                            static_cast<std::size_t>(x)) * channel_count();
+                            static_cast<std::size_t>(x)) *
+                               channel_count();
   }
   [[nodiscard]] const float* at(int x, int y) const { return const_cast<Image*>(this)->at(x, y); }
 };
@@ -28,5 +31,15 @@ struct Image {
       static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels.size();
   return {width, height, std::move(channels), std::vector<float>(size)};
 }
+
+/// Where a channel stands in a pixel; absent if the image has none of that name.
+[[nodiscard]] std::optional<std::size_t> channel_index(const Image& image, std::string_view name);
+
+/// The channels of those names, in that order. @throws InvalidInput naming one that is missing.
+[[nodiscard]] Image select_channels(const Image& image, const std::vector<std::string>& names);
+
+/// "R", "G", "B" of an image that has them; of any other its "Y" or only channel, three times.
+/// @throws InvalidInput if it has neither.
+[[nodiscard]] Image rgb_image(const Image& image);
 
 }  // namespace lamina

@@ -1,0 +1,38 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "lamina/image/image.h"
+#include "lamina/image/image_file.h"
+
+// What image_file.cpp and the codecs share. Not installed.
+
+namespace lamina {
+
+/// An image file held in memory, and what messages call it.
+struct EncodedImage {
+  std::span<const std::byte> bytes;
+  std::string name;
+  ColorEncoding encoding;
+};
+
+[[nodiscard]] Image decode_exr(const EncodedImage& file);
+[[nodiscard]] Image decode_png(const EncodedImage& file);
+[[nodiscard]] Image decode_tiff(const EncodedImage& file);
+
+/// Throws FileError: `NAME: cannot be read as FORMAT: WHY`, in one line.
+[[noreturn]] void fail_to_decode(const EncodedImage& file, const char* format,
+                                 const std::string& why);
+
+/// Refuses a size that cannot be true, before memory is taken for it.
+void require_plausible_size(const EncodedImage& file, const char* format, std::int64_t width,
+                            std::int64_t height, std::int64_t channels);
+
+/// The linear value of an 8 or 16 bit number as a fraction of the largest one.
+[[nodiscard]] float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb);
+
+}  // namespace lamina

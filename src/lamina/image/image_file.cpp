@@ -1,0 +1,117 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/image/image_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <set>
+#include <string_view>
+
+#include "lamina/core/error.h"
+#include "lamina/image/codec.h"
+#include "lamina/image/file_bytes.h"
+#include "lamina/spectrum/srgb.h"
+
+namespace lamina {
+namespace {
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() &&
+         std::equal(magic.begin(), magic.end(), bytes.begin(), [](char a, std::byte b) {
+           return static_cast<unsigned char>(a) == std::to_integer<unsigned char>(b);
+         });
+}
+
+using namespace std::string_view_literals;
+
+/// Formats that people may well try, by their first bytes.
+std::string_view known_but_unread(std::span<const std::byte> bytes) {
+  constexpr std::array<std::array<std::string_view, 2>, 6> formats = {{{"\xff\xd8\xff", "a JPEG"},
+                                                                       {"#?R", "a Radiance HDR"},
+                                                                       {"GIF8", "a GIF"},
+                                                                       {"BM", "a BMP"},
+                                                                       {"RIFF", "a WebP"},
+                                                                       {"8BPS", "a Photoshop"}}};
+  for (const auto& [magic, what] : formats)
+    if (starts_with(bytes, magic)) return what;
+  return {};
+}
+
+}  // namespace
+
+void fail_to_decode(const EncodedImage& file, const char* format, const std::string& why) {
+  std::string line = why;
+  std::ranges::replace_if(line, [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
+  while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
+  throw FileError(file.name + ": cannot be read as " + format + ": " + line);
+}
+
+void require_plausible_size(const EncodedImage& file, const char* format, std::int64_t width,
+                            std::int64_t height, std::int64_t channels) {
+  constexpr std::int64_t longest_side = std::int64_t{1} << 20;
+  constexpr std::int64_t most_numbers = std::int64_t{1} << 31;
+  // A file this much shorter than its pixels is cut or lies: deflate shrinks 1032 times at most.
+  // Up to `always_allowed` numbers (64 MiB) even that is read, since uniform blocks of some EXR
+  // compressions shrink further.
+  constexpr std::int64_t largest_shrinkage = 1032;
+  constexpr std::int64_t always_allowed = std::int64_t{1} << 24;
+  if (width < 1 || height < 1 || channels < 1) fail_to_decode(file, format, "it has no pixels");
+  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels of " +
+                           std::to_string(channels) + (channels == 1 ? " channel" : " channels");
+  if (width > longest_side || height > longest_side || channels > 1024 ||
+      width * height > most_numbers / channels)
+    fail_to_decode(file, format, "it claims " + size + ", which is too large");
+  const std::int64_t numbers = width * height * channels;
+  if (numbers > always_allowed &&
+      numbers / largest_shrinkage > static_cast<std::int64_t>(file.bytes.size()))
+    fail_to_decode(
+        file, format,
+        "it claims " + size + ", but has only " + std::to_string(file.bytes.size()) + " bytes");
+}
+
+float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb) {
+  const double fraction = static_cast<double>(value) / static_cast<double>(largest);
+  return static_cast<float>(is_srgb ? srgb_decode(fraction) : fraction);
+}
+
+Image decode_image(std::span<const std::byte> bytes, const std::string& name,
+                   ColorEncoding encoding) {
+  const EncodedImage file{bytes, name, encoding};
+  if (bytes.empty()) throw FileError(name + ": must be an image, but is empty");
+  if (starts_with(bytes, "\x76\x2f\x31\x01"sv)) return decode_exr(file);
+  if (starts_with(bytes, "\x89PNG\r\n\x1a\n"sv)) return decode_png(file);
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+    if (starts_with(bytes, magic)) return decode_tiff(file);
+  const std::string_view other = known_but_unread(bytes);
+  throw FileError(name + ": must be an EXR, PNG or TIFF image, but " +
+                  (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
+}
+
+Image load_image(const std::filesystem::path& file, ColorEncoding encoding) {
+  return decode_image(read_file_bytes(file), file.string(), encoding);
+}
+
+void require_finite(const Image& image, const std::filesystem::path& file) {
+  const auto bad = std::ranges::find_if(image.pixels, [](float v) { return !std::isfinite(v); });
+  if (bad == image.pixels.end()) return;
+  const auto index = static_cast<std::size_t>(bad - image.pixels.begin());
+  const std::size_t pixel = index / image.channel_count();
+  const auto width = static_cast<std::size_t>(image.width);
+  throw FileError(file.string() + ": pixel (" + std::to_string(pixel % width) + ", " +
+                  std::to_string(pixel / width) + "), channel " +
+                  image.channels[index % image.channel_count()] + " must be finite, but is " +
+                  (std::isnan(*bad) ? "nan"
+                   : *bad > 0.0f    ? "inf"
+                                    : "-inf"));
+}
+
+void save_exr(const Image& image, const std::filesystem::path& file, ExrPrecision precision) {
+  write_file_bytes(file, encode_exr(image, precision));
+}
+
+void save_png(const Image& image, const std::filesystem::path& file) {
+  write_file_bytes(file, encode_png(image));
+}
+
+}  // namespace lamina

@@ -1,0 +1,64 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamina/image/image.h"
+
+namespace lamina {
+
+/// What the numbers of an 8 or 16 bit image mean. Alpha and floating point numbers are always
+/// linear.
+enum class ColorEncoding {
+  srgb,    ///< colours as displays take them; decoded to linear light on loading
+  linear,  ///< quantities: fractions of pigment, roughness, normals
+};
+
+/// Reads an EXR, PNG or TIFF file; what it is, its first bytes say, not its name.
+///
+/// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
+///   file with several parts the first. The image is the display window; pixels of the data window
+///   beyond it are dropped, pixels of it without data are 0. Deep images are refused.
+/// - PNG: every kind. Channels "Y" or "R", "G", "B", then "A" if there is transparency.
+/// - TIFF: grey or RGB, with or without alpha, 8 or 16 bits, or 16, 32 or 64 bit floating point.
+///
+/// @return  numbers of 8 and 16 bits scaled to [0, 1]; floating point numbers as they are,
+///          infinities and NaN included (see require_finite).
+/// @throws  FileError if the file is missing, not an image, cut short, damaged where that shows, or
+///          claims a size that its length cannot hold.
+[[nodiscard]] Image load_image(const std::filesystem::path& file,
+                               ColorEncoding encoding = ColorEncoding::srgb);
+
+/// The same for the bytes of a file, as in a GLB; `name` stands for the file in messages.
+[[nodiscard]] Image decode_image(std::span<const std::byte> bytes, const std::string& name,
+                                 ColorEncoding encoding = ColorEncoding::srgb);
+
+/// @throws FileError naming the first pixel and channel that is infinite or NaN.
+void require_finite(const Image& image, const std::filesystem::path& file);
+
+enum class ExrPrecision {
+  half,          ///< 11 significant bits; finite numbers beyond ±65504 become that
+  single_float,  ///< all of them
+};
+
+/// Writes all channels, with ZIP compression. The file appears whole or not at all.
+/// @throws InvalidInput if there are no pixels or two channels have one name; WriteError.
+void save_exr(const Image& image, const std::filesystem::path& file,
+              ExrPrecision precision = ExrPrecision::half);
+
+/// Writes 8 bit sRGB from linear "R", "G", "B" (or "Y"), and "A" if there is one, which stays
+/// linear; other channels are left out. Numbers outside [0, 1] are clamped, NaN is 0. Equal images
+/// give equal bytes. The file appears whole or not at all.
+/// @throws InvalidInput if there are no pixels or no such channels; WriteError.
+void save_png(const Image& image, const std::filesystem::path& file);
+
+/// The bytes that save_exr and save_png write.
+[[nodiscard]] std::vector<std::byte> encode_exr(const Image& image,
+                                                ExrPrecision precision = ExrPrecision::half);
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
+
+}  // namespace lamina
