@@ -17,6 +17,7 @@ int run(int argc, char** argv) {
   CLI::App app("Light in layered translucent materials: predict, render, acquire.", "lamina");
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
+  add_bsdf_command(app);
   try {
     watch_for_interrupt();
     app.parse(argc, argv);

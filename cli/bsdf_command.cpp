@@ -1,0 +1,58 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bsdf_options.h"
+#include "commands.h"
+#include "lamina/core/parallel.h"
+
+namespace lamina::cli {
+
+void add_bsdf_command(CLI::App& app) {
+  auto options = std::make_shared<BsdfOptions>();
+  CLI::App* command =
+      app.add_subcommand("bsdf", "Where light from one direction is scattered to: BRDF and BTDF.");
+  // Layered materials join here: the positional MATERIAL, and its methods in --method.
+  command->add_option("--model", options->model, "rough_transmission: a rough surface alone")
+      ->required()
+      ->check(CLI::IsMember({"rough_transmission"}));
+  command->add_option("--method", options->method,
+                      "rough_transmission: analytic (default), monte_carlo or height_field");
+  command->add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
+      ->capture_default_str();
+  command->add_option("--photons", options->photons, "rays of the random methods")
+      ->type_name("N")
+      ->capture_default_str();
+  const std::string rough = "Rough transmission";
+  command->add_option("--eta", options->eta, "index beyond the surface over that before it")
+      ->group(rough)
+      ->capture_default_str();
+  command
+      ->add_option("--smoothness", options->smoothness,
+                   "correlation length over RMS height; roughness alpha is 2 / smoothness")
+      ->group(rough)
+      ->capture_default_str();
+  command
+      ->add_option("--visibility", options->visibility,
+                   "of monte_carlo: xu_sun, as published, or smith, which loses no energy")
+      ->group(rough)
+      ->check(CLI::IsMember({"xu_sun", "smith"}))
+      ->capture_default_str();
+  command->add_option("--realizations", options->realizations, "surfaces made by height_field")
+      ->group(rough)
+      ->type_name("N")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+  add_common_options(*command, options->common);
+  command->footer(
+      "Example: a frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
+      "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
+      "lobes.svg\n"
+      "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -");
+  command->callback([options] {
+    set_thread_count(options->common.threads);
+    run_rough_transmission(*options);
+  });
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,30 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "console.h"
+
+namespace lamina::cli {
+
+/// What the user asked of `lamina bsdf`. Each model reads its own part.
+struct BsdfOptions {
+  CommonOptions common;
+  std::string model;   ///< "rough_transmission"
+  std::string method;  ///< of the model; "" for its default
+  double theta_i_deg = 30.0;
+  std::int64_t photons = 1'000'000;
+  std::string plot;  ///< SVG file or ""
+
+  // rough_transmission
+  double eta = 1.4;
+  double smoothness = 3.0;
+  std::string visibility = "xu_sun";
+  int realizations = 8;
+};
+
+/// The rough surface of Xu and Sun. @throws InvalidInput, WriteError
+void run_rough_transmission(const BsdfOptions& options);
+
+}  // namespace lamina::cli

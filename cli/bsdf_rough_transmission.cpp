@@ -1,0 +1,151 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <vector>
+
+#include "bsdf_options.h"
+#include "lamina/core/error.h"
+#include "lamina/optics/rough_surface_scattering.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& method) {
+  const GaussianSurface surface{.smoothness = options.smoothness, .eta = options.eta};
+  if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
+    throw InvalidInput(
+        fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));
+  const double theta_i = options.theta_i_deg * degree;
+  if (method == "analytic") return analytic_scattering(surface, theta_i);
+  if (method == "monte_carlo")
+    return simulate_scattering(
+        surface, theta_i,
+        {.rays = options.photons,
+         .seed = options.common.seed,
+         .visibility =
+             options.visibility == "smith" ? FacetVisibility::smith : FacetVisibility::xu_sun,
+         .progress = make_progress("rays")});
+  if (method == "height_field")
+    return trace_height_fields(surface, theta_i,
+                               {.rays = options.photons,
+                                .realizations = options.realizations,
+                                .seed = options.common.seed,
+                                .progress = make_progress("surfaces")});
+  throw InvalidInput(
+      "--method of rough_transmission must be analytic, monte_carlo or height_field, "
+      "but is " +
+      method);
+}
+
+/// values[theta * phis + phi] as array[theta][phi][band], of one band.
+ordered_json by_angles(const std::vector<double>& values, int phis) {
+  ordered_json rows = ordered_json::array();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k % static_cast<std::size_t>(phis) == 0) rows.push_back(ordered_json::array());
+    rows.back().push_back(ordered_json::array({values[k]}));
+  }
+  return rows;
+}
+
+ordered_json centers_deg(int cells, double range_deg) {
+  ordered_json centers = ordered_json::array();
+  for (int i = 0; i < cells; ++i) centers.push_back((i + 0.5) * range_deg / cells);
+  return centers;
+}
+
+ordered_json to_json(const BsdfOptions& options, const std::string& method,
+                     const RoughSurfaceScattering& result) {
+  const auto& [thetas, phis] = result.cells;
+  const auto one_band = [](double value) { return ordered_json::array({value}); };
+  ordered_json json = make_result("bsdf");
+  json["model"] = "rough_transmission";
+  json["method"] = method;
+  json["bands"] = ordered_json::array({"all"});
+  json["eta"] = options.eta;
+  json["smoothness"] = options.smoothness;
+  json["theta_i_deg"] = options.theta_i_deg;
+  if (method == "monte_carlo") json["visibility"] = options.visibility;
+  json["theta_o_deg"] = centers_deg(thetas, 90.0);
+  json["phi_o_deg"] = centers_deg(phis, 180.0);  // from the azimuth of the light
+  json["brdf"] = by_angles(result.brdf, phis);
+  json["btdf"] = by_angles(result.btdf, phis);
+  json["single_brdf"] = by_angles(result.single_brdf, phis);
+  json["single_btdf"] = by_angles(result.single_btdf, phis);
+  json["reflectance"] = one_band(result.reflectance.value);
+  json["transmittance"] = one_band(result.transmittance.value);
+  json["single_reflectance"] = one_band(result.single_reflectance.value);
+  json["single_transmittance"] = one_band(result.single_transmittance.value);
+  json["start_weight"] = one_band(result.start_weight.value);
+  if (method == "analytic") return json;
+  json["standard_error"] = {
+      {"brdf", by_angles(result.brdf_error, phis)},
+      {"btdf", by_angles(result.btdf_error, phis)},
+      {"reflectance", one_band(result.reflectance.standard_error)},
+      {"transmittance", one_band(result.transmittance.standard_error)},
+      {"single_reflectance", one_band(result.single_reflectance.standard_error)},
+      {"single_transmittance", one_band(result.single_transmittance.standard_error)},
+      {"start_weight", one_band(result.start_weight.standard_error)}};
+  return json;
+}
+
+std::string with_error(const Estimate& estimate) {
+  return estimate.standard_error > 0.0
+             ? fmt::format("{:.4f} ± {:.4f}", estimate.value, estimate.standard_error)
+             : fmt::format("{:.4f}", estimate.value);
+}
+
+/// Angle and height of the highest cell in the plane of incidence, forward or back.
+std::string peak_of(const std::vector<double>& bsdf, const ExitCells& cells) {
+  double best = -1.0, angle = 0.0;
+  for (int i = 0; i < cells.thetas; ++i)
+    for (const int j : {0, cells.phis - 1}) {
+      const double theta = (i + 0.5) * 90.0 / cells.thetas;
+      const double value = bsdf[static_cast<std::size_t>(i * cells.phis + j)];
+      if (value > best) best = value, angle = j == 0 ? -theta : theta;
+    }
+  return fmt::format("{:.3g} /sr at {:.0f}°", best, angle);
+}
+
+std::string to_text(const BsdfOptions& options, const std::string& method,
+                    const RoughSurfaceScattering& result) {
+  std::string text = fmt::format(
+      "rough surface, eta {:.4g}, smoothness {:.4g} (roughness {:.3g}), light from {:.4g}°, {}\n\n",
+      options.eta, options.smoothness, 2.0 / options.smoothness, options.theta_i_deg, method);
+  const bool single_only = method == "analytic";
+  const auto row = [&](const char* name, const Estimate& single, const Estimate& all,
+                       const std::vector<double>& bsdf) {
+    text += fmt::format("{:<13} one facet {:<18}", name, with_error(single));
+    if (!single_only) text += fmt::format("  all {:<18}", with_error(all));
+    text += fmt::format("  peak {}\n", peak_of(bsdf, result.cells));
+  };
+  row("reflectance", result.single_reflectance, result.reflectance, result.brdf);
+  row("transmittance", result.single_transmittance, result.transmittance, result.btdf);
+  const double returned = result.reflectance.value + result.transmittance.value;
+  if (single_only)
+    text += fmt::format("left out      {:.2f} % of the light, which meets more facets\n",
+                        100.0 * (1.0 - returned));
+  else if (method == "monte_carlo")
+    text += fmt::format("start weight  {} (energy lost {:.2f} %)\n",
+                        with_error(result.start_weight), 100.0 * (1.0 - returned));
+  if (result.given_up > 0.0)
+    text += fmt::format("given up      {:.2g} of the light\n", result.given_up);
+  return text;
+}
+
+}  // namespace
+
+void run_rough_transmission(const BsdfOptions& options) {
+  const std::string method = options.method.empty() ? "analytic" : options.method;
+  const RoughSurfaceScattering result = scatter(options, method);
+  write_json(to_json(options, method, result), options.common);
+  print(options.common, to_text(options, method, result));
+}
+
+}  // namespace lamina::cli
