@@ -18,6 +18,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
   add_bsdf_command(app);
+  add_materials_command(app);
   try {
     watch_for_interrupt();
     app.parse(argc, argv);

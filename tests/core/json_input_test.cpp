@@ -249,6 +249,7 @@ TEST(NearestName, ForgivesSlipsButDoesNotGuess) {
   EXPECT_EQ(nearest_name("simga_a", known), "sigma_a");
   EXPECT_EQ(nearest_name("thikness", known), "thickness");
   EXPECT_EQ(nearest_name("Thickness", known), "thickness");
+  EXPECT_EQ(nearest_name("sigma_S", known), "sigma_s");  // though sigma_a is one letter away, too
   EXPECT_EQ(nearest_name("sigma_s ", known), "sigma_s");
   EXPECT_FALSE(nearest_name("melanin", known).has_value());
   EXPECT_FALSE(nearest_name(std::string(1'000'000, 'x'), known).has_value());

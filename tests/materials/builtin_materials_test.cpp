@@ -79,7 +79,7 @@ TEST(BuiltinMaterials, AreListedWithNamesAndSources) {
   for (const Material& material : builtin_materials()) {
     EXPECT_TRUE(names.insert(material.name).second) << material.name << " is there twice";
     EXPECT_GT(material.source.size(), 15U) << material.name;
-    EXPECT_LE(material.source.size(), 100U) << material.name << " has no room in the list";
+    EXPECT_LE(material.source.size(), 80U) << material.name << " has no room in the list";
   }
   for (const char* name : {"donner_jensen_skin",
                            "hanrahan_krueger_skin",

@@ -208,5 +208,55 @@ TEST(MaterialFile, AnyMaterialReadsBackToEqualNumbers) {
   });
 }
 
+/// The ```jsonc blocks of docs/materials.md, and the page itself.
+struct Page {
+  std::string text;
+  std::vector<std::string> examples;
+};
+
+Page read_page() {
+  std::ifstream stream(fs::path(LAMINA_SOURCE_DIR) / "docs/materials.md");
+  Page page{.text = std::string(std::istreambuf_iterator<char>(stream), {}), .examples = {}};
+  const std::string open = "```jsonc\n", close = "```";
+  for (std::size_t at = 0; (at = page.text.find(open, at)) != std::string::npos;) {
+    at += open.size();
+    page.examples.push_back(page.text.substr(at, page.text.find(close, at) - at));
+  }
+  return page;
+}
+
+TEST(MaterialPage, ExamplesAreMaterials) {
+  const Page page = read_page();
+  ASSERT_EQ(page.examples.size(), 3U);
+  for (const std::string& example : page.examples) {
+    const Material material = parse_material(example, "docs/materials.md");
+    for (std::size_t band = 0; band < material.bands.size(); ++band)
+      EXPECT_NO_THROW((void)layer_stack(material, band)) << material.name;
+  }
+  const Medium wax = layer_stack(parse_material(page.examples[0], "wax"), 1).layers()[0].medium;
+  EXPECT_NEAR(mfp(wax), 0.13, 0.005);  // as the text says
+  EXPECT_NEAR(mfp_prime(wax), 0.66, 0.005);
+}
+
+TEST(MaterialPage, MessagesAreThoseOfTheDecoder) {
+  const Page page = read_page();
+  const auto message_after = [&](const std::string& from, const std::string& to) {
+    std::string text = page.examples.at(0);
+    text.replace(text.find(from), from.size(), to);
+    return message_of([&] { (void)parse_material(text, "wax.json"); });
+  };
+  for (const std::string& message :
+       {message_after("7.5", "-7.5"), message_after("\"sigma_s\"", "\"sigma_S\"")}) {
+    EXPECT_NE(message, "");
+    EXPECT_NE(page.text.find("    " + message + "\n"), std::string::npos) << message;
+  }
+}
+
+TEST(MaterialPage, ListsEveryBuiltinMaterial) {
+  const std::string text = read_page().text;
+  for (const Material& material : builtin_materials())
+    EXPECT_NE(text.find("`" + material.name + "`"), std::string::npos) << material.name;
+}
+
 }  // namespace
 }  // namespace lamina

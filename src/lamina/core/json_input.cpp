@@ -152,12 +152,16 @@ JsonObject JsonInput::object(std::initializer_list<std::string_view> keys) const
 }
 
 JsonObject JsonInput::checked_object(std::span<const std::string_view> keys) const {
-  for (const auto& [key, value] : entries()) {
+  const auto all = entries();
+  for (const auto& [key, value] : all) {
     if (std::ranges::find(keys, key) != keys.end()) continue;
+    std::vector<std::string_view> missing;  // what is there already was not meant
+    for (const std::string_view known : keys)
+      if (!peek(known)) missing.push_back(known);
     const std::string owner = path();
     throw InvalidInput(tree_->name + ":" + std::to_string(value.line()) + ": " +
                        (owner.empty() ? "" : owner + ": ") + "unknown key " + in_quotes(key) +
-                       did_you_mean(key, keys));
+                       did_you_mean(key, missing));
   }
   return JsonObject(*this);
 }

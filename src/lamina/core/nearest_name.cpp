@@ -3,25 +3,31 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 namespace lamina {
 namespace {
 
-/// Edits between two short names: the optimal string alignment distance, three rows at a time.
-std::size_t edits(std::string_view a, std::string_view b) {
+constexpr std::size_t edit = 2;         // cost of one
+constexpr std::size_t change_case = 1;  // a slip that is likelier than others
+
+char lower(char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Cost of the edits between two short names: the optimal string alignment distance, three rows at
+/// a time.
+std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j * edit;
   for (std::size_t i = 1; i <= a.size(); ++i) {
     before_last.swap(last);
     last.swap(row);
-    row[0] = i;
+    row[0] = i * edit;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min(
-          {last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? std::size_t{0} : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      const char x = a[i - 1], y = b[j - 1];
+      const std::size_t replace = x == y ? 0 : lower(x) == lower(y) ? change_case : edit;
+      row[j] = std::min({last[j] + edit, row[j - 1] + edit, last[j - 1] + replace});
+      if (i > 1 && j > 1 && x == b[j - 2] && a[i - 2] == y)
+        row[j] = std::min(row[j], before_last[j - 2] + edit);
     }
   }
   return row[b.size()];
@@ -34,12 +40,12 @@ std::optional<std::string_view> nearest_name(std::string_view name,
   constexpr std::size_t longest = 64;  // no name that lamina knows is longer
   if (name.size() > longest) return std::nullopt;
   std::optional<std::string_view> nearest;
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const std::string_view candidate : known) {
-    const std::size_t allowed = std::max<std::size_t>(1, candidate.size() / 3);
-    const std::size_t count = edits(name, candidate);
-    if (count > allowed || count >= fewest) continue;
-    fewest = count;
+    const std::size_t allowed = edit * std::max<std::size_t>(1, candidate.size() / 3);
+    const std::size_t cost = distance(name, candidate);
+    if (cost > allowed || cost >= least) continue;
+    least = cost;
     nearest = candidate;
   }
   return nearest;

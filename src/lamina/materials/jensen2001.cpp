@@ -45,7 +45,7 @@ std::vector<Material> jensen2001_materials() {
     Material& material = materials.emplace_back();
     material.name = std::string("jensen_") + row.name;
     material.source =
-        std::string(row.label) + ": Jensen et al. 2001, Figure 5; sigma_s is reduced, so g is 0";
+        std::string(row.label) + ": Jensen et al. 2001, Fig. 5; sigma_s is reduced, g 0";
     material.ior_above = {1.0, 1.0, 1.0};
     material.ior_below = ior;
     material.layers.push_back(std::move(layer));

@@ -1,0 +1,99 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/materials/material.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct MaterialsOptions {
+  CommonOptions common;
+  std::string name;
+};
+
+ordered_json bands_json(const BandSet& bands) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t band = 0; band < bands.size(); ++band) {
+    if (bands.is_rgb())
+      list.push_back(band_name(bands, band));
+    else
+      list.push_back(bands.wavelengths()[band]);
+  }
+  return list;
+}
+
+std::string bands_text(const BandSet& bands) {
+  return bands.is_rgb() ? "rgb" : fmt::format("{} nm", bands.size());
+}
+
+ordered_json summary(const Material& material) {
+  ordered_json layers = ordered_json::array();
+  for (const MaterialLayer& layer : material.layers) layers.push_back(layer.name);
+  return {{"name", material.name},
+          {"layers", layers},
+          {"bands", bands_json(material.bands)},
+          {"source", material.source}};
+}
+
+void list_materials(const CommonOptions& options) {
+  std::size_t width = 4;
+  for (const Material& material : builtin_materials())
+    width = std::max(width, material.name.size());
+  std::string text = fmt::format("{:<{}}  layers  bands  source\n", "name", width);
+  ordered_json list = ordered_json::array();
+  for (const Material& material : builtin_materials()) {
+    text += fmt::format("{:<{}}  {:>6}  {:<5}  {}\n", material.name, width, material.layers.size(),
+                        bands_text(material.bands), material.source);
+    list.push_back(summary(material));
+  }
+  print(options, text);
+  ordered_json result = make_result("materials");
+  result["materials"] = std::move(list);
+  write_json(result, options);
+}
+
+void show_material(const std::string& name, const CommonOptions& options) {
+  const Material material = find_material(name);
+  const bool is_builtin =
+      std::ranges::find(builtin_materials(), name, &Material::name) != builtin_materials().end();
+  const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);
+  print(options, text);
+  ordered_json result = make_result("materials");
+  result["material"] = ordered_json::parse(text, nullptr, true, true);
+  write_json(result, options);
+}
+
+}  // namespace
+
+void add_materials_command(CLI::App& app) {
+  auto options = std::make_shared<MaterialsOptions>();
+  CLI::App* command =
+      app.add_subcommand("materials", "List the built-in materials, or print the file of one");
+  command
+      ->add_option("name", options->name,
+                   "a built-in material, or a file to check and print in mm; without it, all "
+                   "built-in materials are listed")
+      ->type_name("NAME");
+  add_common_options(*command, options->common);
+  command->footer(
+      "Example: a material of your own, starting from a built-in one\n"
+      "  lamina materials jade > my_jade.json");
+  command->callback([options] {
+    if (options->name.empty())
+      list_materials(options->common);
+    else
+      show_material(options->name, options->common);
+  });
+}
+
+}  // namespace lamina::cli
