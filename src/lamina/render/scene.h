@@ -24,6 +24,7 @@ struct Mesh {
   std::vector<Vec2f> uvs;        ///< [vertex], v upward; empty if the mesh has none
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> material;  ///< [triangle], an index into Scene::materials
+  bool is_closed = false;               ///< every edge joins two faces: it has an inside
 };
 
 /// An image that varies a quantity over a surface.

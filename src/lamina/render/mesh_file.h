@@ -1,0 +1,39 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "lamina/render/polygon_mesh.h"
+
+namespace lamina {
+
+/// Reads a mesh of the format that its name ends in: .obj, .ply, .gltf or .glb. The units are those
+/// of the file, indices are as in the file, every index is in range and every number is finite.
+///
+/// @throws FileError naming the file, the place in it, what is required and what was found:
+/// missing,
+///         cut off, not of its format, an index out of range, a position that is not finite,
+///         no faces.
+[[nodiscard]] PolygonMesh load_polygon_mesh(const std::filesystem::path& file);
+
+// The same from the bytes of a file; `name` stands for it in messages. OBJ and PLY are read by
+// lamina's own code because every number that is not one must be named with its place.
+
+/// Wavefront OBJ: v, vt, vn, f, g, o and usemtl; a part is what shares a material, group and
+/// object.
+[[nodiscard]] PolygonMesh parse_obj(std::string_view bytes, const std::string& name);
+
+/// PLY, ascii or binary: elements `vertex` and `face`; others are skipped.
+[[nodiscard]] PolygonMesh parse_ply(std::string_view bytes, const std::string& name);
+
+/// glTF 2.0, as text or as GLB: the triangles of the scene's nodes, at rest. A part is a primitive:
+/// its labels are the names of its material, mesh and node. Paths of buffers are relative to the
+/// folder of `file`.
+[[nodiscard]] PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file);
+
+/// All bytes of a file. @throws FileError if it cannot be read, or is not a file, or is huge.
+[[nodiscard]] std::string read_bytes(const std::filesystem::path& file);
+
+}  // namespace lamina

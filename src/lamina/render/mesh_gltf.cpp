@@ -1,0 +1,285 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/render/gltf_data.h"
+#include "lamina/render/mesh_file.h"
+
+namespace lamina {
+namespace {
+
+constexpr std::size_t most_corners = 100'000'000;
+
+/// Extensions that say nothing about where the surface is.
+bool is_harmless(std::string_view extension) {
+  return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
+         extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" ||
+         extension == "KHR_mesh_quantization";  // whose integers are read as they are
+}
+
+std::string name_of(const JsonInput& value) {
+  const auto name = value.peek("name");
+  return name && name->is_string() ? name->string() : std::string();
+}
+
+Vec3 vector_or(const JsonInput& node, std::string_view key, const Vec3& otherwise) {
+  const auto given = node.peek(key);
+  if (!given) return otherwise;
+  const std::vector<double> v = given->numbers(3);
+  return {v[0], v[1], v[2]};
+}
+
+/// The transform of a node to its parent. Source: [glTF2] §3.5.2.
+Transform node_transform(const JsonInput& node) {
+  if (const auto matrix = node.peek("matrix")) {
+    const std::vector<double> m = matrix->numbers(16);  // column by column
+    return {.x_axis = {m[0], m[1], m[2]},
+            .y_axis = {m[4], m[5], m[6]},
+            .z_axis = {m[8], m[9], m[10]},
+            .translation = {m[12], m[13], m[14]}};
+  }
+  const Vec3 scale = vector_or(node, "scale", {1, 1, 1});
+  double x = 0, y = 0, z = 0, w = 1;  // unit quaternion
+  if (const auto rotation = node.peek("rotation")) {
+    const std::vector<double> q = rotation->numbers(4);
+    const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    if (!(norm > 0.0)) rotation->fail("must not be zero");
+    x = q[0] / norm, y = q[1] / norm, z = q[2] / norm, w = q[3] / norm;
+  }
+  return {
+      .x_axis = scale.x * Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+      .y_axis = scale.y * Vec3{2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+      .z_axis = scale.z * Vec3{2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+      .translation = vector_or(node, "translation", {})};
+}
+
+/// Vertex indices of triangles, three each. Source: [glTF2] §3.7.2.1.
+std::vector<std::uint32_t> triangle_indices(std::span<const std::uint32_t> given,
+                                            const JsonInput& primitive) {
+  constexpr int triangles = 4, strip = 5;
+  const auto mode = primitive.peek("mode");
+  const int kind = mode ? static_cast<int>(mode->integer(4, 6)) : triangles;
+  if (kind == triangles) {
+    if (given.size() % 3 != 0)
+      primitive.fail("triangles must have 3 indices each, but there are " +
+                     std::to_string(given.size()));
+    return {given.begin(), given.end()};
+  }
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i + 2 < given.size(); ++i) {
+    const std::size_t odd = i % 2;  // a strip turns every other triangle
+    if (kind == strip)
+      indices.insert(indices.end(), {given[i], given[i + 1 + odd], given[i + 2 - odd]});
+    else
+      indices.insert(indices.end(), {given[i + 1], given[i + 2], given[0]});
+  }
+  return indices;
+}
+
+class GltfReader {
+ public:
+  GltfReader(const JsonInput& root, std::string_view binary, const std::filesystem::path& file)
+      : root_(root),
+        data_(root, binary, file),
+        nodes_(gltf_list(root, "nodes")),
+        meshes_(gltf_list(root, "meshes")),
+        materials_(gltf_list(root, "materials")) {
+    mesh_.name = file.string();
+  }
+
+  PolygonMesh read() {
+    check_header();
+    std::vector<std::pair<JsonInput, Transform>> stack;  // nodes to visit
+    for (const JsonInput& node : root_nodes()) stack.emplace_back(node, Transform{});
+    std::vector<bool> seen(nodes_.size());
+    while (!stack.empty()) {
+      const auto [index, outer] = stack.back();
+      stack.pop_back();
+      const JsonInput& node = gltf_element(nodes_, index);
+      const auto place = static_cast<std::size_t>(index.number());
+      if (seen[place])
+        index.fail("a node must have one parent, but node " + std::to_string(place) +
+                   " has several");
+      seen[place] = true;
+      const Transform to_world = combine(outer, node_transform(node));
+      if (const auto mesh = node.peek("mesh"))
+        add_mesh(gltf_element(meshes_, *mesh), node, to_world);
+      if (const auto children = node.peek("children"))
+        for (const JsonInput& child : children->array()) stack.emplace_back(child, to_world);
+    }
+    if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no triangles");
+    return std::move(mesh_);
+  }
+
+ private:
+  void check_header() const {
+    const auto asset = root_.peek("asset");
+    const auto version = asset ? asset->peek("version") : std::nullopt;
+    if (!version) throw FileError(mesh_.name + ": must be glTF, but has no asset.version");
+    if (!version->string().starts_with("2.")) version->refuse("must be 2.0");
+    for (const JsonInput& extension : gltf_list(root_, "extensionsRequired")) {
+      const std::string name = extension.string();
+      if (name == "KHR_draco_mesh_compression")
+        extension.fail(
+            "the mesh is Draco compressed (KHR_draco_mesh_compression), which lamina does not "
+            "read; save it without compression");
+      if (!is_harmless(name)) extension.fail("lamina does not read the extension " + name);
+    }
+  }
+
+  /// Values of the file that are indices of nodes.
+  std::vector<JsonInput> root_nodes() const {
+    const std::vector<JsonInput> scenes = gltf_list(root_, "scenes");
+    if (scenes.empty()) throw FileError(mesh_.name + ": holds no scene");
+    const auto index = root_.peek("scene");
+    const auto nodes = (index ? gltf_element(scenes, *index) : scenes[0]).peek("nodes");
+    return nodes ? nodes->array() : std::vector<JsonInput>{};
+  }
+
+  void add_mesh(const JsonInput& mesh, const JsonInput& node, const Transform& to_world) {
+    const auto primitives = mesh.peek("primitives");
+    if (!primitives) mesh.fail("\"primitives\" is required, but missing");
+    for (const JsonInput& primitive : primitives->array()) {
+      const auto mode = primitive.peek("mode");
+      if (mode && mode->integer(0, 6) < 4) {
+        mesh_.notes.push_back(primitive.where() + ": points and lines are left out");
+        continue;
+      }
+      std::vector<std::string> labels;
+      if (const auto material = primitive.peek("material"))
+        labels.push_back(name_of(gltf_element(materials_, *material)));
+      labels.push_back(name_of(mesh));
+      labels.push_back(name_of(node));
+      std::erase(labels, std::string());
+      append(read_primitive(primitive), std::move(labels), to_world, primitive);
+    }
+    if (node.peek("skin"))
+      mesh_.notes.push_back(node.where() + ": the mesh is read at rest, without its skeleton");
+  }
+
+  PolygonMesh read_primitive(const JsonInput& primitive) {
+    if (const auto extensions = primitive.peek("extensions"))
+      if (extensions->peek("KHR_draco_mesh_compression"))
+        primitive.fail(
+            "is Draco compressed (KHR_draco_mesh_compression), which lamina does not "
+            "read; save it without compression");
+    const auto attributes = primitive.peek("attributes");
+    const auto position = attributes ? attributes->peek("POSITION") : std::nullopt;
+    if (!position) primitive.fail("attribute POSITION is required, but missing");
+    PolygonMesh piece;
+    piece.positions = read_vectors(*position, true);
+    const std::size_t count = piece.positions.size();
+    if (const auto normal = attributes->peek("NORMAL")) {
+      piece.normals = read_vectors(*normal, false);
+      if (piece.normals.size() != count) normal->fail("has not one element for each position");
+    }
+    if (const auto uv = attributes->peek("TEXCOORD_0")) {
+      piece.uvs = read_uvs(*uv);
+      if (piece.uvs.size() != count) uv->fail("has not one element for each position");
+    }
+    for (const std::uint32_t i : triangle_indices(read_indices(primitive, count), primitive))
+      piece.corners.push_back({.position = i,
+                               .normal = piece.normals.empty() ? no_index : i,
+                               .uv = piece.uvs.empty() ? no_index : i});
+    return piece;
+  }
+
+  std::vector<Vec3f> read_vectors(const JsonInput& accessor, bool must_be_finite) {
+    const GltfValues given = data_.read_accessor(accessor, 3);
+    std::vector<Vec3f> vectors(given.count);
+    for (std::size_t i = 0; i < given.count; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const double value = given.values[3 * i + static_cast<std::size_t>(c)];
+        vectors[i][c] = static_cast<float>(value);
+        if (must_be_finite && !std::isfinite(vectors[i][c]))
+          accessor.fail("vertex " + std::to_string(i) + " of " + std::to_string(given.count) +
+                        ": every coordinate must be finite, but one is " + std::to_string(value));
+      }
+    return vectors;
+  }
+
+  std::vector<Vec2f> read_uvs(const JsonInput& accessor) {
+    const GltfValues given = data_.read_accessor(accessor, 2);
+    std::vector<Vec2f> uvs(given.count);
+    for (std::size_t i = 0; i < given.count; ++i) {
+      uvs[i] = {static_cast<float>(given.values[2 * i]),
+                static_cast<float>(1.0 - given.values[2 * i + 1])};  // glTF counts v downward
+      if (!std::isfinite(uvs[i].x) || !std::isfinite(uvs[i].y))
+        accessor.fail("texture coordinate " + std::to_string(i) + " must be finite");
+    }
+    return uvs;
+  }
+
+  /// Those that the primitive gives, or else one after another.
+  std::vector<std::uint32_t> read_indices(const JsonInput& primitive, std::size_t count) {
+    std::vector<std::uint32_t> indices;
+    if (const auto accessor = primitive.peek("indices")) {
+      const GltfValues given = data_.read_accessor(*accessor, 1);
+      indices.reserve(given.count);
+      for (std::size_t i = 0; i < given.count; ++i) {
+        if (!(given.values[i] >= 0.0 && given.values[i] < static_cast<double>(count)))
+          accessor->fail("index " + std::to_string(i) + " must be < " + std::to_string(count) +
+                         ", but is " + std::to_string(given.values[i]));
+        indices.push_back(static_cast<std::uint32_t>(given.values[i]));
+      }
+    } else {
+      for (std::uint32_t i = 0; i < count; ++i) indices.push_back(i);
+    }
+    return indices;
+  }
+
+  void append(PolygonMesh piece, std::vector<std::string> labels, const Transform& to_world,
+              const JsonInput& primitive) {
+    if (piece.corners.size() > most_corners - mesh_.corners.size() ||
+        piece.positions.size() > most_corners - mesh_.positions.size())
+      primitive.fail("the file must not hold more than 100 million corners of triangles");
+    for (std::uint32_t c = 3; c <= piece.corners.size(); c += 3) piece.face_begin.push_back(c);
+    if (determinant(to_world) == 0.0) {
+      mesh_.notes.push_back(primitive.where() + ": is left out, for its node flattens it");
+      return;
+    }
+    apply(to_world, piece);
+    for (std::size_t i = 0; i < piece.positions.size(); ++i) {
+      const Vec3f& p = piece.positions[i];
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        primitive.fail("the transform of its node must leave vertex " + std::to_string(i) +
+                       " finite, but does not");
+    }
+    const auto offset = [](auto& from, auto& to) {
+      const auto begin = static_cast<std::uint32_t>(to.size());
+      to.insert(to.end(), from.begin(), from.end());
+      return begin;
+    };
+    const std::uint32_t first_position = offset(piece.positions, mesh_.positions);
+    const std::uint32_t first_normal = offset(piece.normals, mesh_.normals);
+    const std::uint32_t first_uv = offset(piece.uvs, mesh_.uvs);
+    for (MeshCorner& corner : piece.corners) {
+      corner.position += first_position;
+      if (corner.normal != no_index) corner.normal += first_normal;
+      if (corner.uv != no_index) corner.uv += first_uv;
+    }
+    const auto part = static_cast<std::uint32_t>(mesh_.parts.size());
+    mesh_.parts.push_back({std::move(labels)});
+    for (std::size_t f = 0; f < face_count(piece); ++f) add_face(mesh_, face(piece, f), part);
+  }
+
+  JsonInput root_;
+  GltfData data_;
+  std::vector<JsonInput> nodes_, meshes_, materials_;
+  PolygonMesh mesh_;
+};
+
+}  // namespace
+
+PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file) {
+  const GltfChunks chunks = split_gltf(bytes, file.string());
+  std::string_view text = chunks.json;
+  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
+  const JsonDocument document = parse_json(text, file.string());
+  return GltfReader(document.root(), chunks.binary, file).read();
+}
+
+}  // namespace lamina

@@ -1,0 +1,24 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <charconv>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace lamina {
+
+/// The number that a word of a mesh file spells, which may be infinite or NaN; absent if it spells
+/// none. Too large a number is infinite, too small a one 0.
+[[nodiscard]] inline std::optional<double> spelled_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (end != word.data() + word.size() || code == std::errc::invalid_argument) return std::nullopt;
+  if (code == std::errc::result_out_of_range)
+    return std::strtod(std::string(word).c_str(), nullptr);
+  return value;
+}
+
+}  // namespace lamina

@@ -1,0 +1,82 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamina/core/vec.h"
+
+namespace lamina {
+
+/// An index that points nowhere.
+inline constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
+
+/// One corner of a polygon: indices into the arrays of its PolygonMesh.
+struct MeshCorner {
+  std::uint32_t position = 0;
+  std::uint32_t normal = no_index;
+  std::uint32_t uv = no_index;
+};
+
+/// Faces that a scene can give a material of their own.
+struct MeshPart {
+  /// The names it answers to, the most telling first: material, group, object.
+  std::vector<std::string> labels;
+};
+
+/// Polygons as files and shapes give them: positions, normals and texture coordinates are indexed
+/// apart, so that the surface stays connected across seams of the texture.
+struct PolygonMesh {
+  std::string name;  ///< the file or shape, for messages
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;  ///< of corners; may be empty
+  std::vector<Vec2f> uvs;      ///< v upward; may be empty
+  std::vector<MeshCorner> corners;
+  std::vector<std::uint32_t> face_begin{0};  ///< [face], first corner; one more entry ends the last
+  std::vector<std::uint32_t> part;           ///< [face], an index into `parts`
+  std::vector<MeshPart> parts;
+  std::vector<std::string> notes;  ///< what the reader left out, one line each
+};
+
+[[nodiscard]] inline std::size_t face_count(const PolygonMesh& mesh) {
+  return mesh.face_begin.size() - 1;
+}
+
+[[nodiscard]] inline std::span<const MeshCorner> face(const PolygonMesh& mesh, std::size_t index) {
+  return std::span(mesh.corners)
+      .subspan(mesh.face_begin[index], mesh.face_begin[index + 1] - mesh.face_begin[index]);
+}
+
+/// Appends a face of a part.
+void add_face(PolygonMesh& mesh, std::span<const MeshCorner> corners, std::uint32_t part);
+
+/// Twice the vector area of a face: along its normal, counterclockwise seen from its tip.
+[[nodiscard]] Vec3 doubled_area(const PolygonMesh& mesh, std::size_t face_index);
+
+/// A linear map and a translation: p -> axes * p + translation.
+struct Transform {
+  Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};  ///< images of the axes
+  Vec3 translation;
+};
+
+[[nodiscard]] Vec3 transform_point(const Transform& transform, const Vec3& p);
+
+/// The transform that applies `inner` first and `outer` then.
+[[nodiscard]] Transform combine(const Transform& outer, const Transform& inner);
+
+/// Negative if the transform mirrors, 0 if it flattens space.
+[[nodiscard]] double determinant(const Transform& transform);
+
+/// Moves positions and normals. A mirroring transform also reverses the order of the corners, so
+/// that outside stays outside. The determinant must not be 0.
+void apply(const Transform& transform, PolygonMesh& mesh);
+
+/// Gives equal positions one index and, at each position, equal texture coordinates one index, so
+/// that indices tell how the surface and its texture are connected.
+void unify_indices(PolygonMesh& mesh);
+
+}  // namespace lamina
