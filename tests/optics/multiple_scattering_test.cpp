@@ -135,6 +135,39 @@ TEST(MultipleScattering, IsReciprocalAcrossTheInterface) {
   EXPECT_GT(up.value(), 1.15 * brdf(interface, wi, wo));
 }
 
+TEST(MultipleScattering, FillsTheReflectanceTableUpToAllTheLight) {
+  for (const double eta : {1.4, 1.0 / 1.4}) {
+    const RoughInterface<double> interface{{1.0}, eta};
+    const auto table = make_interface_reflectance(interface, FacetMasking::smith_multiple);
+    EXPECT_NEAR(table.diffuse_reflectance + table.diffuse_transmittance, 1.0, 1e-4);
+    for (const double cos_i : {0.3, 0.8}) {
+      Random random = make_random(12, 0);
+      constexpr int walks = 60'000;
+      int reflected = 0;
+      for (int i = 0; i < walks; ++i)
+        if (sample_multiple_scattering(interface, direction(std::acos(cos_i)), random).wo.z > 0.0)
+          ++reflected;
+      const double r = reflectance(table, cos_i);
+      EXPECT_NEAR(r + transmittance(table, cos_i), 1.0, 1e-12);
+      // Half of the light meets several facets, of which the table knows the share to 2 %.
+      EXPECT_NEAR(1.0 * reflected / walks, r, 4.0 * std::sqrt(r * (1.0 - r) / walks) + 0.01);
+    }
+  }
+}
+
+// Reciprocity for diffuse light: what passes into the denser medium is eta^2 times what passes out.
+// So roughness hardly changes the diffuse reflectance from inside, which single scattering misses.
+TEST(MultipleScattering, DiffuseTransmittanceFromInsideIsThatFromOutsideOverTheSquareOfTheIndex) {
+  const double eta = 1.4;
+  for (const double alpha : {0.1, 0.4}) {
+    const auto outside = make_interface_reflectance({{alpha}, eta}, FacetMasking::smith_multiple);
+    const auto inside =
+        make_interface_reflectance({{alpha}, 1.0 / eta}, FacetMasking::smith_multiple);
+    EXPECT_NEAR(inside.diffuse_transmittance, outside.diffuse_transmittance / (eta * eta), 2e-3);
+    EXPECT_NEAR(inside.diffuse_reflectance, 0.52, 0.01);
+  }
+}
+
 TEST(MultipleScattering, OfASmoothInterfaceIsFresnel) {
   Random random = make_random(11, 0);
   const Vec3 wi = direction(1.0);

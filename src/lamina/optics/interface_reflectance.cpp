@@ -2,6 +2,7 @@
 #include "lamina/optics/interface_reflectance.h"
 
 #include "lamina/optics/facet_lattice.h"
+#include "lamina/optics/multiple_scattering.h"
 
 namespace lamina {
 namespace {
@@ -26,14 +27,46 @@ Fractions rough_fractions(const RoughInterface<double>& interface, double cos_i,
     const double f = fresnel(std::clamp(dot(wi, h), 0.0, 1.0), interface.eta);
     if (const Vec3 wo = reflect(wi, h); wo.z > 0.0)
       sum.reflectance += weight * f *
-                         (masking == FacetMasking::smith ? masking_shadowing(facets, wi, wo)
-                                                         : v_cavity_masking(wi, wo, h));
+                         (masking == FacetMasking::v_cavity ? v_cavity_masking(wi, wo, h)
+                                                            : masking_shadowing(facets, wi, wo));
     if (const auto wo = refract(wi, h, interface.eta); wo && wo->z < 0.0)
       sum.transmittance += weight * (1.0 - f) * masking_shadowing_through(facets, wi, *wo);
   });
   const double seen = projected_facet_area(facets, wi) / cos_i;  // 1 / masking(wi)
   const double reflected = sum.reflectance * seen;
-  return {reflected, masking == FacetMasking::smith ? sum.transmittance * seen : 1.0 - reflected};
+  return {reflected,
+          masking == FacetMasking::v_cavity ? 1.0 - reflected : sum.transmittance * seen};
+}
+
+/// Of the light that meets several facets, the share that is reflected in the end.
+double reflected_share_of_higher_orders(const RoughInterface<double>& interface, double cos_i) {
+  const Vec3 wi = {std::sqrt(1.0 - cos_i * cos_i), 0.0, cos_i};
+  Random random = make_random(0, 0);  // the same for all angles: smooth tables
+  int found = 0, reflected = 0;
+  for (int walk = 0; walk < 30'000 && found < 2'000; ++walk) {
+    const MultipleScatteringSample sample = sample_multiple_scattering(interface, wi, random);
+    if (sample.order < 2) continue;
+    ++found;
+    if (sample.wo.z > 0.0) ++reflected;
+  }
+  return (reflected + 0.5) / (found + 1.0);
+}
+
+/// Adds the light that meets several facets, so that nothing is lost.
+void add_higher_orders(const RoughInterface<double>& interface, InterfaceReflectance& table) {
+  constexpr std::size_t stride = 8;  // the share varies slowly
+  static_assert((cosines - 1) % stride == 0);
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < cosines; i += stride)
+    shares.push_back(reflected_share_of_higher_orders(
+        interface, std::max(static_cast<double>(i) / (cosines - 1), 1e-3)));
+  for (std::size_t i = 0; i < cosines; ++i) {
+    const std::size_t k = std::min(i / stride, shares.size() - 2);
+    const double t = static_cast<double>(i - k * stride) / stride;
+    const double lost = 1.0 - table.reflectance[i] - table.transmittance[i];
+    table.reflectance[i] += lost * ((1.0 - t) * shares[k] + t * shares[k + 1]);
+    table.transmittance[i] = 1.0 - table.reflectance[i];
+  }
 }
 
 double cosine_mean(const std::vector<double>& values) {
@@ -66,6 +99,7 @@ InterfaceReflectance make_interface_reflectance(const RoughInterface<double>& in
     table.reflectance.push_back(f.reflectance);
     table.transmittance.push_back(f.transmittance);
   }
+  if (masking == FacetMasking::smith_multiple && !is_smooth) add_higher_orders(interface, table);
   table.diffuse_reflectance =
       is_smooth ? fresnel_diffuse(interface.eta) : cosine_mean(table.reflectance);
   table.diffuse_transmittance =

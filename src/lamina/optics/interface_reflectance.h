@@ -7,10 +7,11 @@
 
 namespace lamina {
 
-/// How facets hide one another.
+/// How facets hide one another, and which light counts.
 enum class FacetMasking {
-  smith,    ///< facets at independent heights, [Smith1967]
-  v_cavity  ///< grooves of two facets, [TorranceSparrow1967]; has no transmission of its own
+  smith,           ///< facets at independent heights, [Smith1967]; light that meets one facet
+  smith_multiple,  ///< the same with light that meets several, [Heitz2016]: nothing is lost
+  v_cavity         ///< grooves of two facets, [TorranceSparrow1967]; has no transmission of its own
 };
 
 /// Fractions of the flux that an interface reflects and transmits, over the angle of incidence; for
