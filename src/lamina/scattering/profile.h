@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace lamina {
@@ -12,8 +13,9 @@ enum class ProfilePer {
   arriving_flux,  ///< what arrives outside: exact and Monte Carlo profiles
 };
 
-/// Diffuse light around a normally incident pencil beam, all bands of a material on one radius grid.
-/// Any solver makes one; plots, fits and renderers take it without asking which solver it was.
+/// Diffuse light around a normally incident pencil beam, all bands of a material on one radius
+/// grid. Any solver makes one; plots, fits and renderers take it without asking which solver it
+/// was.
 struct Profile {
   ProfilePer per = ProfilePer::entered_flux;
   std::size_t bands = 0;
@@ -30,5 +32,37 @@ struct Profile {
     return transmittance_profile[i * bands + band];
   }
 };
+
+/// Diffuse reflectance per unit area at any distance r > 0 [mm] from the beam [1/mm²]: monotone
+/// between the profile's radii, without a corner in log-log axes. Nearer than the first radius it
+/// follows the first two as a power of r, no steeper than 1/r; beyond the last, no flatter than
+/// r^-3, the law of a half-space without absorption.
+///
+/// Source: [FritschButland1984] for the slopes at the radii.
+[[nodiscard]] double reflectance_profile(const Profile& profile, double r, std::size_t band);
+
+/// The same of the light that leaves at the bottom.
+[[nodiscard]] double transmittance_profile(const Profile& profile, double r, std::size_t band);
+
+/// How the flux of a profile adds up from the beam outward.
+struct FluxCurve {
+  std::vector<double> within;  ///< flux that leaves within profile.r[i] of the beam
+  double beyond = 0.0;         ///< flux beyond the last radius, by the law given above
+};
+
+/// Flux by radius; within.back() + beyond is the total up to the errors of the profile.
+[[nodiscard]] FluxCurve reflected_flux(const Profile& profile, std::size_t band);
+[[nodiscard]] FluxCurve transmitted_flux(const Profile& profile, std::size_t band);
+
+/// The profile per arriving flux.
+///
+/// @param profile             per either flux.
+/// @param entry_transmittance  fraction of the arriving light that enters, in (0, 1], [band].
+[[nodiscard]] Profile per_arriving_flux(Profile profile,
+                                        std::span<const double> entry_transmittance);
+
+/// The profile per entered flux.
+[[nodiscard]] Profile per_entered_flux(Profile profile,
+                                       std::span<const double> entry_transmittance);
 
 }  // namespace lamina
