@@ -19,7 +19,7 @@ using std::numbers::pi;
 // log k, and the width of the soft band limit there are chosen for the least error over profiles
 // from a point source to a Gaussian; see tests/scattering/hankel_test.cpp.
 constexpr double largest_k_step = 0.08;
-constexpr double limit_width = 6.0;
+constexpr double limit_width = 5.0;
 // The kernel is below 1e-14 beyond k r = exp(5.8), and equal to k r within 1e-6 below 1e-3.
 constexpr double log_last_kr = 5.8;
 constexpr double first_kr = 1e-3;

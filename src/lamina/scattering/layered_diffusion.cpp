@@ -26,8 +26,9 @@ double reflection_of_ground(const Ground& ground, double reflectance_outside) {
 }
 
 LayerResponse ground_response(const LayeredDiffusion& model) {
+  if (model.ground_reflection == 0.0) return {};
   return {.reflection_above = model.ground_reflection,
-          .transmission_down = model.ground_reflection > 0.0 ? 0.0 : 1.0,
+          .transmission_down = 0.0,
           .reflection_below = 0.0,
           .transmission_up = 0.0};
 }
