@@ -1,15 +1,20 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/band_conversion.h"
 
-#include "lamina/core/error.h"
+#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 
 template <int N>
 BandConversion<N> make_band_conversion(const BandSet& bands) {
   BandConversion<N> conversion;
-  if (!bands.is_rgb()) throw InvalidInput("rendering by wavelength");
-  for (int c = 0; c < 3; ++c) conversion.basis[c][c] = conversion.weights[c][c] = 1.0f;
+  const BandBasis basis = make_band_basis(bands);
+  const BandWeights weights = make_band_weights(bands);
+  for (std::size_t b = 0; b < bands.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c) {
+      conversion.basis[c][b] = static_cast<float>(basis[b][c]);
+      conversion.weights[c][b] = static_cast<float>(weights[b][c]);
+    }
   return conversion;
 }
 

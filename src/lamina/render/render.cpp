@@ -18,6 +18,7 @@
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/path_tracer.h"
+#include "lamina/render/profile_transport.h"
 #include "lamina/render/render_scene.h"
 
 namespace lamina {
@@ -83,13 +84,21 @@ BandSet common_bands(const Scene& scene) {
 template <int N>
 using Transports = std::vector<std::unique_ptr<SubsurfaceTransport<N>>>;
 
+/// The one place where a method of subsurface transport is chosen.
 template <int N>
-Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&,
-                              const RenderOptions&) {
-  Transports<N> transports(scene.scene->materials.size());
-  for (const SurfaceMaterial& material : scene.scene->materials)
-    if (std::holds_alternative<SubsurfaceSurface>(material.surface))
-      throw InvalidInput("material \"" + material.name + "\": subsurface is not ready");
+Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>& conversion,
+                              const RenderOptions& options) {
+  const auto& materials = scene.scene->materials;
+  Transports<N> transports(materials.size());
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (!std::holds_alternative<SubsurfaceSurface>(materials[i].surface)) continue;
+    if (scene.scene->render.method != RenderSettings::Method::profile)
+      throw InvalidInput(
+          "render: method must be \"profile\", the others do not exist in this version");
+    transports[i] = std::make_unique<ProfileTransport<N>>(
+        scene, conversion, static_cast<std::uint32_t>(i), diffusion_profile,
+        options.exit_angle == RenderOptions::ExitAngle::printed);
+  }
   return transports;
 }
 

@@ -1,0 +1,85 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "lamina/render/band_conversion.h"
+#include "lamina/render/render_scene.h"
+#include "lamina/render/spread_table.h"
+#include "lamina/render/subsurface_transport.h"
+#include "lamina/scattering/profile.h"
+
+namespace lamina {
+
+/// Makes the profile of a layered material, all bands.
+using ProfileMaker = std::function<Profile(const Material&)>;
+
+/// The profile of a layered material by diffusion.
+[[nodiscard]] Profile diffusion_profile(const Material& material);
+
+/// A material with an infinite last layer as a thin object: a slab with the same layers on both
+/// sides and what is left of the thickness [mm] of the last one between them.
+[[nodiscard]] Material make_slab(const Material& material, double thickness);
+
+/// Subsurface transport by the profile of a flat layered slab, laid over the real surface.
+///
+/// From the point where light leaves, probe rays are sent through the object at radii drawn from
+/// the profile, along the normal and now and then a tangent; one of their hits is where the light
+/// entered. All points within reach of the profile can be found along at least one axis, and a
+/// point counts with the density of all three.
+///
+/// Holds for surfaces that are flat over a mean free path and for objects without holes inside.
+/// Where the object is thin, the profiles are those of a slab of its thickness there, coated on
+/// both sides by the layers above the last, and transmission is blended in by the normals.
+///
+/// Source: [DonnerJensen2005] Eqs. 25, 27; the three axes [King2013]. Departures: the normal that
+/// probes start from is the smooth one, since a bump map's would throw them off; of several hits
+/// one is drawn by its weight.
+template <int N>
+class ProfileTransport final : public SubsurfaceTransport<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param material  index of a translucent material; the scene must outlive the transport
+  ProfileTransport(const RenderScene& scene, const BandConversion<N>& conversion,
+                   std::uint32_t material, const ProfileMaker& make_profile, bool is_printed_exit);
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
+
+ private:
+  /// The profiles at one exit point.
+  struct Local {
+    const SpreadTable<N>* low = nullptr;
+    const SpreadTable<N>* high = nullptr;      ///< a thicker slab
+    float blend = 0.0f;                        ///< from low to high
+    const SpreadTable<N>* sampling = nullptr;  ///< the one that radii are drawn from
+    bool is_inverted = false;
+    std::array<std::uint8_t, N> node{};  ///< [band] into by_absorption_, and how far to the next
+    Bands node_blend;
+    Bands scale = Bands::filled(1.0f);
+  };
+  [[nodiscard]] Local profiles_at(const SurfacePoint& point) const;
+  [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
+  void invert_albedo(const Bands& target, Local& local) const;
+  [[nodiscard]] Bands spread(const Local& local, const Vec3f& offset, const Vec3f& exit_normal,
+                             const Vec3f& entry_normal) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  const SubsurfaceSurface& surface_;
+  std::uint32_t material_;
+  bool is_printed_exit_;
+  float reach_ = 0.0f;                         ///< of all profiles [mm]
+  std::vector<SpreadTable<N>> by_thickness_;   ///< the last is the material as its file says
+  std::vector<float> thicknesses_;             ///< [mm] of by_thickness_ but the last
+  std::vector<SpreadTable<N>> by_absorption_;  ///< less and less reflecting
+  Vec3f mean_color_{1, 1, 1};
+};
+
+}  // namespace lamina
