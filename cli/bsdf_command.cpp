@@ -22,6 +22,7 @@ void add_bsdf_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--photons", options->photons, "rays of the random methods")
       ->type_name("N")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
       ->capture_default_str();
   const std::string rough = "Rough transmission";
   command->add_option("--eta", options->eta, "index beyond the surface over that before it")
@@ -43,12 +44,17 @@ void add_bsdf_command(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
+  command
+      ->add_flag("--compare", options->compare,
+                 "all methods side by side, with the light that each misplaces")
+      ->group(rough);
   add_common_options(*command, options->common);
   command->footer(
       "Example: a frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
       "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
       "lobes.svg\n"
-      "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -");
+      "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
+      "  lamina bsdf --model rough_transmission --smoothness 1 --compare");
   command->callback([options] {
     set_thread_count(options->common.threads);
     run_rough_transmission(*options);

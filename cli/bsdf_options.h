@@ -22,6 +22,7 @@ struct BsdfOptions {
   double smoothness = 3.0;
   std::string visibility = "xu_sun";
   int realizations = 8;
+  bool compare = false;  ///< all methods side by side
 };
 
 /// The rough surface of Xu and Sun. @throws InvalidInput, WriteError

@@ -17,7 +17,8 @@ using nlohmann::ordered_json;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& method) {
+RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& method,
+                               const std::string& visibility) {
   const GaussianSurface surface{.smoothness = options.smoothness, .eta = options.eta};
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
@@ -29,8 +30,7 @@ RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& me
         surface, theta_i,
         {.rays = options.photons,
          .seed = options.common.seed,
-         .visibility =
-             options.visibility == "smith" ? FacetVisibility::smith : FacetVisibility::xu_sun,
+         .visibility = visibility == "smith" ? FacetVisibility::smith : FacetVisibility::xu_sun,
          .progress = make_progress("rays")});
   if (method == "height_field")
     return trace_height_fields(surface, theta_i,
@@ -130,7 +130,7 @@ std::string to_text(const BsdfOptions& options, const std::string& method,
   const double returned = result.reflectance.value + result.transmittance.value;
   if (single_only)
     text += fmt::format("left out      {:.2f} % of the light, which meets more facets\n",
-                        100.0 * (1.0 - returned));
+                        100.0 * std::max(0.0, 1.0 - returned));
   else if (method == "monte_carlo")
     text += fmt::format("start weight  {} (energy lost {:.2f} %)\n",
                         with_error(result.start_weight), 100.0 * (1.0 - returned));
@@ -139,11 +139,55 @@ std::string to_text(const BsdfOptions& options, const std::string& method,
   return text;
 }
 
+struct Compared {
+  const char* name;
+  const char* method;
+  const char* visibility;
+  RoughSurfaceScattering result;
+};
+
+void compare_methods(const BsdfOptions& options) {
+  std::vector<Compared> all = {{"analytic", "analytic", "xu_sun", {}},
+                               {"monte_carlo, xu_sun", "monte_carlo", "xu_sun", {}},
+                               {"monte_carlo, smith", "monte_carlo", "smith", {}},
+                               {"height_field", "height_field", "", {}}};
+  ordered_json json = make_result("bsdf");
+  json["model"] = "rough_transmission";
+  json["method"] = "compare";
+  json["bands"] = ordered_json::array({"all"});
+  std::string text = fmt::format(
+      "rough surface, eta {:.4g}, smoothness {:.4g} (roughness {:.3g}), light from {:.4g}°\n\n"
+      "{:<20} {:>10} {:>13} {:>12} {:>13} {:>10}\n",
+      options.eta, options.smoothness, 2.0 / options.smoothness, options.theta_i_deg, "method",
+      "T, one", "T, all", "R, one", "R, all", "misplaced");
+  for (Compared& one : all) one.result = scatter(options, one.method, one.visibility);
+  for (const Compared& one : all) {
+    const auto& [name, method, visibility, result] = one;
+    const double misplaced = misplaced_transmission(result, all.back().result);
+    BsdfOptions as = options;
+    as.visibility = visibility;
+    json["methods"].push_back(to_json(as, method, result));
+    json["methods"].back()["misplaced_transmission"] = ordered_json::array({misplaced});
+    const bool is_truth = &one == &all.back();
+    text += fmt::format("{:<20} {:>10.4f} {:>13.4f} {:>12.4f} {:>13.4f} {:>10}\n", name,
+                        result.single_transmittance.value, result.transmittance.value,
+                        result.single_reflectance.value, result.reflectance.value,
+                        is_truth ? "" : fmt::format("{:.4f}", misplaced));
+  }
+  const RoughSurfaceScattering& truth = all.back().result;
+  text += fmt::format("{:<20} {:>10.4f} {:>13.4f} {:>12.4f} {:>13.4f}\n", "  standard error",
+                      truth.single_transmittance.standard_error, truth.transmittance.standard_error,
+                      truth.single_reflectance.standard_error, truth.reflectance.standard_error);
+  write_json(json, options.common);
+  print(options.common, text);
+}
+
 }  // namespace
 
 void run_rough_transmission(const BsdfOptions& options) {
+  if (options.compare) return compare_methods(options);
   const std::string method = options.method.empty() ? "analytic" : options.method;
-  const RoughSurfaceScattering result = scatter(options, method);
+  const RoughSurfaceScattering result = scatter(options, method, options.visibility);
   write_json(to_json(options, method, result), options.common);
   print(options.common, to_text(options, method, result));
 }

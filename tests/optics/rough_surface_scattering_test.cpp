@@ -158,6 +158,12 @@ TEST(RoughSurfaceScattering, DependsOnTheSeedAndNotOnThreads) {
   EXPECT_NE(btdf(1, 1), btdf(1, 2));
 }
 
+TEST(RoughSurfaceScattering, StopsWhenAskedAndHandsOverWhatItHas) {
+  const auto stopped = simulate_scattering(
+      {3.0, 1.4}, 0.5, {.rays = 1'000'000'000'000, .progress = [](double) { return false; }});
+  EXPECT_NEAR(stopped.reflectance.value + stopped.transmittance.value, 1.0, 0.05);
+}
+
 TEST(RoughSurfaceScattering, RefusesWhatIsNoSurface) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)analytic_scattering({0.0, 1.4}, 0.5), InvalidInput);

@@ -24,8 +24,8 @@ void check(const GaussianSurface& surface, double theta_i, ExitCells cells) {
   const auto require = [](bool holds, const std::string& rule, double given) {
     if (!holds) throw InvalidInput(rule + ", but is " + std::to_string(given));
   };
-  require(surface.smoothness > 0.0 && std::isfinite(surface.smoothness),
-          "smoothness must be > 0 and finite", surface.smoothness);
+  require(0.01 <= surface.smoothness && surface.smoothness <= 1e4,
+          "smoothness must lie in [0.01, 10000]", surface.smoothness);
   require(surface.eta > 0.0 && std::isfinite(surface.eta), "eta must be > 0 and finite",
           surface.eta);
   require(surface.eta != 1.0, "eta must differ from 1, where there is no surface to see",
@@ -76,31 +76,36 @@ void simulate_ray(const GaussianSurface& surface, const Vec3& wi, FacetVisibilit
   tally.leave(detail::direction_outside(walk), order, weight);
 }
 
-/// Runs `part(index, random, tally)` for all parts, in any order, and adds up; stops if asked to.
-template <class Part>
-RoughSurfaceScattering run_parts(std::size_t parts, std::uint64_t seed, ExitCells cells,
-                                 const Progress& progress, const Part& part) {
-  std::vector<ScatteringTally> tallies(parts, ScatteringTally(cells));
-  std::vector<char> is_done(parts, 0);
-  std::atomic<std::size_t> finished = 0;
-  std::atomic<bool> stopped = false;
-  parallel_for(parts, [&](std::size_t i) {
-    if (stopped) return;
-    Random random = make_random(seed, i);
-    part(i, random, tallies[i]);
-    is_done[i] = 1;
-    if (!report(progress, static_cast<double>(++finished) / static_cast<double>(parts)))
-      stopped = true;
-  });
-  std::vector<ScatteringTally> done;
-  for (std::size_t i = 0; i < parts; ++i)
-    if (is_done[i] != 0) done.push_back(std::move(tallies[i]));
-  return detail::scattering_of(done);
-}
-
 std::int64_t share_of(std::int64_t rays, std::size_t parts, std::size_t i) {
   const auto n = static_cast<std::int64_t>(parts), k = static_cast<std::int64_t>(i);
-  return rays * (k + 1) / n - rays * k / n;
+  return rays / n + (k < rays % n ? 1 : 0);
+}
+
+/// Traces all rays in parts of their own random streams, and adds up; stops early if asked to.
+///
+/// @param make_tracer  called once per part with its random stream: what traces one ray of it.
+template <class MakeTracer>
+RoughSurfaceScattering run_parts(std::size_t parts, std::int64_t rays, std::uint64_t seed,
+                                 ExitCells cells, const Progress& progress,
+                                 const MakeTracer& make_tracer) {
+  std::vector<ScatteringTally> tallies(parts, ScatteringTally(cells));
+  std::atomic<std::int64_t> traced = 0;
+  std::atomic<bool> is_stopped = false;
+  parallel_for(parts, [&](std::size_t i) {
+    if (is_stopped) return;
+    Random random = make_random(seed, i);
+    const auto trace_ray = make_tracer(random);
+    constexpr std::int64_t chunk = 4096;
+    for (std::int64_t left = share_of(rays, parts, i); left > 0 && !is_stopped; left -= chunk) {
+      const std::int64_t now = std::min(left, chunk);
+      for (std::int64_t k = 0; k < now; ++k) trace_ray(random, tallies[i]);
+      traced += now;
+      if (!report(progress, static_cast<double>(traced) / static_cast<double>(rays)))
+        is_stopped = true;
+    }
+  });
+  std::erase_if(tallies, [](const ScatteringTally& tally) { return tally.rays() == 0; });
+  return detail::scattering_of(tallies);
 }
 
 }  // namespace
@@ -149,11 +154,11 @@ RoughSurfaceScattering simulate_scattering(const GaussianSurface& surface, doubl
     throw InvalidInput("rays must be >= 1, but is " + std::to_string(options.rays));
   const Vec3 wi = {std::sin(theta_i), 0.0, std::cos(theta_i)};
   constexpr std::size_t parts = 64;
-  return run_parts(parts, options.seed, options.cells, options.progress,
-                   [&](std::size_t i, Random& random, ScatteringTally& tally) {
-                     const std::int64_t rays = share_of(options.rays, parts, i);
-                     for (std::int64_t k = 0; k < rays; ++k)
+  return run_parts(parts, options.rays, options.seed, options.cells, options.progress,
+                   [&](Random&) {
+                     return [&](Random& random, ScatteringTally& tally) {
                        simulate_ray(surface, wi, options.visibility, random, tally);
+                     };
                    });
 }
 
@@ -166,16 +171,34 @@ RoughSurfaceScattering trace_height_fields(const GaussianSurface& surface, doubl
     throw InvalidInput("realizations must be >= 2, but is " + std::to_string(options.realizations));
   const Vec3 wi = {std::sin(theta_i), 0.0, std::cos(theta_i)};
   const auto parts = static_cast<std::size_t>(options.realizations);
-  return run_parts(parts, options.seed, options.cells, options.progress,
-                   [&](std::size_t i, Random& random, ScatteringTally& tally) {
-                     const GaussianHeightField field({.smoothness = surface.smoothness}, random);
-                     const std::int64_t rays = share_of(options.rays, parts, i);
-                     for (std::int64_t k = 0; k < rays; ++k) {
-                       tally.start(1.0);
-                       const auto path = trace_path(field, surface.eta, wi, random);
-                       tally.leave(path.wo, path.order, 1.0);
-                     }
-                   });
+  return run_parts(
+      parts, options.rays, options.seed, options.cells, options.progress, [&](Random& first) {
+        return [&, field = GaussianHeightField({.smoothness = surface.smoothness}, first)](
+                   Random& random, ScatteringTally& tally) {
+          tally.start(1.0);
+          const HeightFieldPath path = trace_path(field, surface.eta, wi, random);
+          tally.leave(path.wo, path.order, 1.0);
+        };
+      });
+}
+
+double misplaced_transmission(const RoughSurfaceScattering& one,
+                              const RoughSurfaceScattering& other) {
+  constexpr int thetas = 15, phis = 6;
+  const ExitCells cells = one.cells;
+  assert(cells.thetas == other.cells.thetas && cells.phis == other.cells.phis);
+  assert(cells.thetas % thetas == 0 && cells.phis % phis == 0);
+  std::vector<double> difference(static_cast<std::size_t>(thetas * phis), 0.0);
+  for (int i = 0; i < cells.thetas; ++i)
+    for (int j = 0; j < cells.phis; ++j) {
+      const auto cell = static_cast<std::size_t>(i * cells.phis + j);
+      const int coarse = i * thetas / cells.thetas * phis + j * phis / cells.phis;
+      difference[static_cast<std::size_t>(coarse)] +=
+          (one.btdf[cell] - other.btdf[cell]) * detail::projected_solid_angle(cells, i);
+    }
+  double sum = 0.0;
+  for (const double d : difference) sum += 0.5 * std::abs(d);
+  return sum;
 }
 
 }  // namespace lamina

@@ -32,7 +32,9 @@ struct RoughSurfaceScattering {
 
 /// The model of [XuSun2008] Eq. 25 and its reflection counterpart: order 1 alone.
 ///
+/// @param surface  smoothness in [0.01, 10000], eta > 0 and not 1: here and below.
 /// @param theta_i  angle of incidence, in [0, pi/2) [rad].
+/// @throws InvalidInput if an argument is out of its range; so do the other methods.
 [[nodiscard]] RoughSurfaceScattering analytic_scattering(const GaussianSurface& surface,
                                                          double theta_i, ExitCells cells = {});
 
@@ -74,5 +76,13 @@ struct HeightFieldOptions {
 [[nodiscard]] RoughSurfaceScattering trace_height_fields(const GaussianSurface& surface,
                                                          double theta_i,
                                                          const HeightFieldOptions& options);
+
+/// How far two results differ in their transmitted light of all orders: half the sum over cells of
+/// 6 x 30 degrees of |flux of one - flux of the other|, as a fraction of the arriving flux. Light
+/// that goes elsewhere counts fully, light that is missing by half.
+///
+/// Both must have the same cells, of numbers that 15 and 6 divide.
+[[nodiscard]] double misplaced_transmission(const RoughSurfaceScattering& one,
+                                            const RoughSurfaceScattering& other);
 
 }  // namespace lamina
