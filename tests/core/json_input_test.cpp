@@ -69,6 +69,8 @@ TEST(JsonInput, SaysWhereANumberIsOutOfRange) {
             "head.json:3: layers[1].sigma_a must be >= 0 [1/mm], but is -3");
   EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(2, inside(-1.0, 1.0)); }),
             "head.json:4: layers[1].g[1] must lie in (-1, 1), but is 1");
+  EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(2, between(200.0, 3000.0, "nm")); }),
+            "head.json:4: layers[1].g[0] must lie in [200, 3000] nm, but is 0");
   EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(3); }),
             "head.json:4: layers[1].g must hold 3 values, but holds 2");
   EXPECT_EQ(message_of([&] { (void)layer.peek("g")->number(); }),
@@ -124,6 +126,9 @@ TEST(JsonInput, FileOfAnotherKindOrVersionIsCalledThat) {
     });
   };
   EXPECT_EQ(open(R"({"lamina": "material", "version": 1, "name": ""})"), "");
+  EXPECT_EQ(open(R"({"$schema": "s.json", "lamina": "material", "version": 1})"), "");
+  EXPECT_EQ(open(R"({"$schema": 3, "lamina": "material", "version": 1})"),
+            "f:1: $schema must be a string, but is 3");
   EXPECT_EQ(open(R"({"lamina": "scene", "camera": 1})"),
             "f:1: lamina must be \"material\", but is \"scene\"");
   EXPECT_EQ(open(R"({"lamina": "material", "version": 2})"), "f:1: version must be 1, but is 2");

@@ -122,7 +122,8 @@ TEST(BuiltinMaterials, ArePhysical) {
         EXPECT_LT(mfp_prime(layer.medium), 10.0);
         EXPECT_GE(layer.medium.ior, 1.3);
         EXPECT_LE(layer.medium.ior, 1.7);
-        EXPECT_GT(albedo_prime(layer.medium), 0.015);  // ketchup in blue
+        EXPECT_GT(albedo_prime(layer.medium), 0.015);         // ketchup in blue
+        EXPECT_GT(layer.thickness, mfp_prime(layer.medium));  // the multipole's source is within
       }
       const Totals light = diffusion(stack);
       EXPECT_GT(light.reflectance, 0.0);

@@ -36,7 +36,7 @@ bool contains(const NumberRange& range, double value) {
          (range.includes_high ? value <= range.high : value < range.high);
 }
 
-/// "must be >= 0 [1/mm]".
+/// "must be >= 0 [1/mm]", "must lie in (0, 180) deg".
 std::string rule(const NumberRange& range) {
   const std::string unit = range.unit.empty() ? "" : " [" + std::string(range.unit) + "]";
   if (std::isinf(range.low) && std::isinf(range.high)) return "must be a number" + unit;
@@ -45,7 +45,8 @@ std::string rule(const NumberRange& range) {
   if (std::isinf(range.low))
     return (range.includes_high ? "must be <= " : "must be < ") + digits(range.high) + unit;
   return std::string("must lie in ") + (range.includes_low ? "[" : "(") + digits(range.low) + ", " +
-         digits(range.high) + (range.includes_high ? "]" : ")") + unit;
+         digits(range.high) + (range.includes_high ? "]" : ")") +
+         (range.unit.empty() ? "" : " " + std::string(range.unit));
 }
 
 /// `"mm", "cm" or "m"`.
@@ -174,7 +175,8 @@ JsonObject JsonInput::file_object(std::string_view kind, int version,
   const JsonInput given_version = JsonObject(*this).required("version");
   if (!given_version.is_number() || given_version.number() != version)
     given_version.refuse("must be " + std::to_string(version));
-  std::vector<std::string_view> all = {"lamina", "version"};
+  if (const auto schema = peek("$schema")) (void)schema->string();
+  std::vector<std::string_view> all = {"lamina", "version", "$schema"};
   all.insert(all.end(), keys.begin(), keys.end());
   return checked_object(all);
 }

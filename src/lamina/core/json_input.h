@@ -110,7 +110,8 @@ class JsonInput {
   [[nodiscard]] JsonObject object(std::initializer_list<std::string_view> keys) const;
 
   /// The object that a file of lamina's is: its keys "lamina" and "version" are checked before the
-  /// other keys, which are given here; so a file of another kind is called that.
+  /// other keys, which are given here; so a file of another kind is called that. The key "$schema",
+  /// which tells an editor where the JSON schema is, is allowed and ignored.
   [[nodiscard]] JsonObject file_object(std::string_view kind, int version,
                                        std::initializer_list<std::string_view> keys) const;
 
