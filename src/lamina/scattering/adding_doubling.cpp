@@ -1,0 +1,155 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/adding_doubling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/scattering/adding_doubling_stack.h"
+
+namespace lamina {
+namespace {
+
+using detail::GridStack;
+using detail::Matrix;
+using detail::StackOperators;
+
+std::vector<double> transmit(const Matrix& m, const std::vector<double>& x) {
+  std::vector<double> y(m.rows, 0.0);
+  for (std::size_t j = 0; j < m.columns; ++j)
+    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
+  return y;
+}
+
+/// Flux of a state vector, whose entries are flux over the square root of etendue.
+double flux(const GridStack& stack, const std::vector<double>& state) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < state.size(); ++i) sum += std::sqrt(stack.grid.etendue[i]) * state[i];
+  return sum;
+}
+
+/// Unit flux from above, in the directions of the incidence.
+std::vector<double> incident_state(const GridStack& stack, const Incidence& incidence) {
+  std::vector<double> state(active_count(stack.grid, stack.ior.front()), 0.0);
+  if (!incidence.is_diffuse) {
+    const std::size_t beam = stack.grid.extra.front();
+    state[beam] = 1.0 / std::sqrt(stack.grid.etendue[beam]);
+    return state;
+  }
+  double all = 0.0;
+  for (std::size_t i = 0; i < state.size(); ++i) all += stack.grid.etendue[i];
+  for (std::size_t i = 0; i < state.size(); ++i) state[i] = std::sqrt(stack.grid.etendue[i]) / all;
+  return state;
+}
+
+/// Fraction of the incident light that the top surface sends back at once.
+double first_reflection(const GridStack& stack, const std::vector<double>& incident) {
+  const std::size_t inside = active_count(stack.grid, stack.ior[1]);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < incident.size(); ++i) {
+    const double r =
+        i < inside ? detail::node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0;
+    sum += r * std::sqrt(stack.grid.etendue[i]) * incident[i];
+  }
+  return sum;
+}
+
+AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& incidence,
+                                    int nodes) {
+  std::vector<double> beams;
+  if (!incidence.is_diffuse) beams.push_back(stack.ior_above() * std::sin(incidence.theta));
+  const GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
+  const StackOperators operators = detail::stack_operators(on_grid, 0);
+
+  AddingDoublingTotals result{.nodes = nodes};
+  SlabTotals& totals = result.totals;
+  std::vector<double> down = incident_state(on_grid, incidence);
+  totals.specular_reflectance = first_reflection(on_grid, down);
+  totals.diffuse_reflectance =
+      flux(on_grid, transmit(operators.reflection, down)) - totals.specular_reflectance;
+  for (std::size_t i = 0; i < down.size(); ++i) {
+    if (down[i] == 0.0) continue;
+    const double arriving = std::sqrt(on_grid.grid.etendue[i]) * down[i];
+    const auto unscattered = detail::unscattered_flux(on_grid, i, detail::Unscattered::by_medium);
+    result.unscattered_reflectance += arriving * unscattered.reflectance;
+    result.unscattered_transmittance += arriving * unscattered.down.back();
+  }
+
+  // Down through the stack: net flux behind each crossing; a layer keeps the difference.
+  double net_before = 0.0;
+  for (std::size_t c = 0; c < operators.crossings.size(); ++c) {
+    const detail::Crossing& crossing = operators.crossings[c];
+    down = transmit(crossing.pass, down);
+    const double net =
+        flux(on_grid, down) - flux(on_grid, transmit(crossing.reflection_below, down));
+    const bool is_layer = c % 2 == 1;
+    if (is_layer) totals.absorptance.push_back(net_before - net);
+    net_before = net;
+  }
+  totals.transmittance = net_before;
+  return result;
+}
+
+double largest_difference(const SlabTotals& a, const SlabTotals& b) {
+  double largest = std::max({std::abs(a.specular_reflectance - b.specular_reflectance),
+                             std::abs(a.diffuse_reflectance - b.diffuse_reflectance),
+                             std::abs(a.transmittance - b.transmittance)});
+  for (std::size_t k = 0; k < a.absorptance.size(); ++k)
+    largest = std::max(largest, std::abs(a.absorptance[k] - b.absorptance[k]));
+  return largest;
+}
+
+void check(const Incidence& incidence) {
+  if (!incidence.is_diffuse &&
+      !(0.0 <= incidence.theta && incidence.theta < 0.5 * std::numbers::pi))
+    throw InvalidInput("angle of incidence: must lie in [0, pi/2), but is " +
+                       std::to_string(incidence.theta));
+}
+
+void check(const AddingDoublingOptions& options) {
+  if (!(1e-10 <= options.accuracy && options.accuracy <= 0.1))
+    throw InvalidInput("accuracy: must lie in [1e-10, 0.1], but is " +
+                       std::to_string(options.accuracy));
+  if (!(4 <= options.max_nodes && options.max_nodes <= 1000))
+    throw InvalidInput("max_nodes: must lie in [4, 1000], but is " +
+                       std::to_string(options.max_nodes));
+}
+
+}  // namespace
+
+AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidence,
+                                     const AddingDoublingOptions& options) {
+  check(incidence);
+  check(options);
+  detail::require_smooth(stack, "adding-doubling");
+  constexpr int coarsest = 6;
+  AddingDoublingTotals result =
+      totals_on_grid(stack, incidence, std::min(coarsest, options.max_nodes));
+  result.estimated_error = 1.0;
+  while (!result.is_accurate && result.nodes < options.max_nodes) {
+    AddingDoublingTotals finer =
+        totals_on_grid(stack, incidence, std::min(result.nodes * 3 / 2, options.max_nodes));
+    // Two grids may agree by chance; then the step before has its say.
+    finer.estimated_error =
+        std::max(largest_difference(finer.totals, result.totals), 0.02 * result.estimated_error);
+    finer.is_accurate = finer.estimated_error <= options.accuracy;
+    result = std::move(finer);
+  }
+  return result;
+}
+
+std::vector<AddingDoublingTotals> adding_doubling(std::span<const LayerStack> bands,
+                                                  Incidence incidence,
+                                                  const AddingDoublingOptions& options) {
+  std::vector<AddingDoublingTotals> results(bands.size());
+  parallel_for(bands.size(), [&](std::size_t band) {
+    results[band] = adding_doubling(bands[band], incidence, options);
+  });
+  return results;
+}
+
+}  // namespace lamina

@@ -1,0 +1,189 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/adding_doubling_stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "lamina/core/error.h"
+
+namespace lamina::detail {
+namespace {
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix out(a.rows, b.columns);
+  matrix_kernels().multiply(static_cast<int>(a.rows), static_cast<int>(a.columns),
+                            static_cast<int>(b.columns), a.values.data(), b.values.data(),
+                            out.values.data());
+  return out;
+}
+
+/// Light between two reflectors: inverse of (1 - a b).
+Matrix between(const Matrix& a, const Matrix& b) {
+  Matrix out(a.rows, a.columns);
+  matrix_kernels().joint(static_cast<int>(a.rows), a.values.data(), b.values.data(),
+                         out.values.data());
+  return out;
+}
+
+struct Covered {
+  Crossing crossing;
+  Matrix reflection;
+};
+
+Covered cover_by_layer(const LayerOperators& layer, Matrix below) {
+  const Matrix pass = product(between(layer.reflection, below), layer.transmission);
+  Matrix reflection = product(layer.transmission, product(below, pass));
+  for (std::size_t k = 0; k < reflection.values.size(); ++k)
+    reflection.values[k] += layer.reflection.values[k];
+  return {{pass, std::move(below)}, std::move(reflection)};
+}
+
+Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, double ior_behind,
+                                  Matrix below) {
+  const std::size_t before = active_count(grid, ior_before), behind = below.rows;
+  const std::size_t common = std::min(before, behind);
+  std::vector<double> r(std::max(before, behind), 1.0);  // total reflection where not common
+  for (std::size_t i = 0; i < common; ++i) r[i] = node_fresnel(grid, i, ior_before, ior_behind);
+
+  Matrix mirror(behind, behind);
+  for (std::size_t i = 0; i < behind; ++i) mirror(i, i) = r[i];
+  const Matrix returns = between(mirror, below);
+  const Matrix sent_back = product(below, returns);
+  Covered covered{{Matrix(behind, before), std::move(below)}, Matrix(before, before)};
+  for (std::size_t j = 0; j < common; ++j) {
+    for (std::size_t i = 0; i < behind; ++i)
+      covered.crossing.pass(i, j) = returns(i, j) * (1.0 - r[j]);
+    for (std::size_t i = 0; i < common; ++i)
+      covered.reflection(i, j) = (1.0 - r[i]) * sent_back(i, j) * (1.0 - r[j]);
+  }
+  for (std::size_t i = 0; i < before; ++i) covered.reflection(i, i) += r[i];
+  return covered;
+}
+
+/// A Lambertian ground sends back equal radiance in all directions, so only in mode 0.
+Matrix ground_reflection(const GridStack& stack, int m) {
+  const std::size_t n = active_count(stack.grid, stack.ior.back());
+  Matrix ground(n, n);
+  if (m != 0 || stack.ground_reflectance == 0.0) return ground;
+  const auto& etendue = stack.grid.etendue;
+  const double all =
+      std::accumulate(etendue.begin(), etendue.begin() + static_cast<std::ptrdiff_t>(n), 0.0);
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < n; ++i)
+      ground(i, j) = stack.ground_reflectance * std::sqrt(etendue[i] * etendue[j]) / all;
+  return ground;
+}
+
+}  // namespace
+
+std::vector<double> merged_indices(const LayerStack& stack) {
+  std::vector<double> ior{stack.ior_above()};
+  for (const Layer& layer : stack.layers()) ior.push_back(layer.medium.ior);
+  ior.push_back(stack.ior_below());
+  std::vector<double> sorted = ior;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t k = 1; k < sorted.size(); ++k) {
+    if (sorted[k] == sorted[k - 1] || sorted[k] - sorted[k - 1] > 1e-9 * sorted[k]) continue;
+    std::replace(ior.begin(), ior.end(), sorted[k], sorted[k - 1]);
+    sorted[k] = sorted[k - 1];
+  }
+  return ior;
+}
+
+GridStack make_grid_stack(const LayerStack& stack, int nodes, std::span<const double> extra_p) {
+  GridStack made;
+  made.ior = merged_indices(stack);
+  made.grid = make_direction_grid(made.ior, nodes, extra_p);
+  const std::vector<double> reach =
+      reach_of_layers(stack.layers(), made.ior, stack.ground().reflectance > 0.0);
+  for (std::size_t k = 0; k < stack.layers().size(); ++k) {
+    made.layers.push_back(make_grid_layer(stack.layers()[k], made.ior[k + 1], reach[k], made.grid));
+    made.interfaces.push_back(stack.layers()[k].top);
+  }
+  made.interfaces.push_back(stack.ground().top);
+  made.ground_reflectance = stack.ground().reflectance;
+  made.is_semi_infinite = is_semi_infinite(stack);
+  return made;
+}
+
+double node_fresnel(const DirectionGrid& grid, std::size_t node, double ior_a, double ior_b) {
+  if (ior_a == ior_b) return 0.0;
+  const double cos_a = cosine(grid, node, ior_a), cos_b = cosine(grid, node, ior_b);
+  const double r_s = (ior_a * cos_a - ior_b * cos_b) / (ior_a * cos_a + ior_b * cos_b);
+  const double r_p = (ior_b * cos_a - ior_a * cos_b) / (ior_b * cos_a + ior_a * cos_b);
+  return 0.5 * (r_s * r_s + r_p * r_p);
+}
+
+StackOperators stack_operators(const GridStack& stack, int m) {
+  StackOperators operators;
+  const auto take = [&](Covered covered) {
+    operators.crossings.push_back(std::move(covered.crossing));
+    operators.reflection = std::move(covered.reflection);
+  };
+  const auto cover_by_interface = [&](std::size_t k) {
+    take(cover_by_smooth_interface(stack.grid, stack.ior[k], stack.ior[k + 1],
+                                   std::move(operators.reflection)));
+  };
+  operators.reflection = ground_reflection(stack, m);
+  for (std::size_t k = stack.layers.size(); k-- > 0;) {
+    cover_by_interface(k + 1);
+    take(cover_by_layer(layer_operators(stack.layers[k], m), std::move(operators.reflection)));
+  }
+  cover_by_interface(0);
+  std::reverse(operators.crossings.begin(), operators.crossings.end());
+  return operators;
+}
+
+void require_smooth(const LayerStack& stack, const std::string& method) {
+  const auto require = [&](const Interface& interface, const std::string& where) {
+    if (interface.roughness > 0.0)
+      throw InvalidInput(where + ": " + method + " needs smooth boundaries, but the roughness is " +
+                         std::to_string(interface.roughness));
+  };
+  for (std::size_t k = 0; k < stack.layers().size(); ++k)
+    require(stack.layers()[k].top, "layer " + std::to_string(k));
+  require(stack.ground().top, "ground");
+}
+
+UnscatteredFlux unscattered_flux(const GridStack& stack, std::size_t node, Unscattered which) {
+  const std::size_t count = 2 * stack.layers.size() + 1;
+  const auto is_active = [&](std::size_t medium) {
+    return node < active_count(stack.grid, stack.ior[medium]);
+  };
+  std::vector<double> below(count), pass(count);  // [crossing]
+  double r_below = 0.0;                           // nothing comes back unscattered from a ground
+  for (std::size_t c = count; c-- > 0;) {
+    below[c] = r_below;
+    const std::size_t k = c / 2;
+    if (c % 2 == 0) {
+      const bool is_common = is_active(k) && is_active(k + 1);
+      const double r =
+          is_common ? node_fresnel(stack.grid, node, stack.ior[k], stack.ior[k + 1]) : 1.0;
+      pass[c] = r < 1.0 ? (1.0 - r) / (1.0 - r * r_below) : 0.0;
+      r_below = r + (1.0 - r) * r_below * pass[c];
+    } else {
+      const GridLayer& layer = stack.layers[k];
+      const bool is_fed = is_active(k + 1) && (layer.sigma_s > 0.0 || node < layer.reach);
+      const double extinction = which == Unscattered::by_medium || !is_fed
+                                    ? layer.extinction
+                                    : node_extinction(layer, node);
+      pass[c] = !is_fed ? 0.0
+                : extinction == 0.0
+                    ? 1.0
+                    : std::exp(-extinction * layer.thickness / cosine(stack.grid, node, layer.ior));
+      r_below *= pass[c] * pass[c];
+    }
+  }
+  UnscatteredFlux flux{std::vector<double>(count), std::vector<double>(count), r_below};
+  double down = 1.0;
+  for (std::size_t c = 0; c < count; ++c) {
+    down *= pass[c];
+    flux.down[c] = down;
+    flux.up[c] = down * below[c];
+  }
+  return flux;
+}
+
+}  // namespace lamina::detail
