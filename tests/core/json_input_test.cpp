@@ -199,6 +199,8 @@ TEST(JsonInput, MalformedTextIsRefusedWithItsLine) {
             "f.json:1: is not valid JSON: invalid literal; expected '}', near 0x");
   EXPECT_EQ(refusal("{'a': 1}"),
             "f.json:1: is not valid JSON: invalid literal; expected string literal, near {'");
+  EXPECT_EQ(refusal("// A comment.\nint main() {"),
+            "f.json:2: is not valid JSON: invalid literal, near i");
   EXPECT_NE(refusal("{\"a\": 'b'}"), "");
   EXPECT_NE(refusal("{\"a\": +1}"), "");
   EXPECT_NE(refusal("{\"a\": \"\n\"}"), "");
@@ -256,6 +258,7 @@ TEST(NearestName, ForgivesSlipsButDoesNotGuess) {
   EXPECT_EQ(nearest_name("Thickness", known), "thickness");
   EXPECT_EQ(nearest_name("sigma_S", known), "sigma_s");  // though sigma_a is one letter away, too
   EXPECT_EQ(nearest_name("sigma_s ", known), "sigma_s");
+  EXPECT_EQ(nearest_name("thick", known), "thickness");
   EXPECT_FALSE(nearest_name("melanin", known).has_value());
   EXPECT_FALSE(nearest_name(std::string(1'000'000, 'x'), known).has_value());
   EXPECT_EQ(did_you_mean("melanin", known), "");

@@ -253,6 +253,8 @@ TEST(FindMaterial, SuggestsTheNearestName) {
   EXPECT_EQ(message("jensen_skin"),
             "there is no built-in material and no file \"jensen_skin\"; did you mean "
             "\"jensen_skin1\"?");
+  EXPECT_EQ(message("skin"),
+            "there is no built-in material and no file \"skin\"; did you mean \"jensen_skin1\"?");
   EXPECT_EQ(message("unobtainium"), "there is no built-in material and no file \"unobtainium\"");
   EXPECT_EQ(message("./jade"), "./jade: there is no such file");
   EXPECT_EQ(message("jade.json"), "jade.json: there is no such file");

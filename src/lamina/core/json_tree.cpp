@@ -178,15 +178,26 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       const std::size_t expected = message.rfind("'; expected ");
       const std::size_t end =
           expected != std::string::npos && expected >= start ? expected : message.size() - 1;
-      const std::string near = in_quotes(std::string_view(message).substr(start, end - start));
+      const std::string near = last_line(message.substr(start, end - start));
       message.erase(read, end + 1 - read);
-      message += ", near " + near.substr(1, near.size() - 2);
+      message += ", near " + near;
     }
     constexpr std::size_t longest = 200;
     if (message.size() > longest) message = message.substr(0, longest) + "...";
     for (char& c : message)
       if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
     return "is not valid JSON: " + message;
+  }
+
+  /// The end of what the parser read, which may start with comments and hold any bytes.
+  static std::string last_line(std::string read) {
+    constexpr std::string_view newline = "<U+000A>";  // as the parser writes it
+    constexpr std::size_t longest = 40;
+    if (const auto end = read.rfind(newline);
+        end != std::string::npos && end + newline.size() < read.size())
+      read.erase(0, end + newline.size());
+    read.erase(0, read.find_first_not_of(' '));
+    return read.size() > longest ? "..." + read.substr(read.size() - longest) : read;
   }
 
   Tree& tree_;

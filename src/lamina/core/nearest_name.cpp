@@ -48,6 +48,11 @@ std::optional<std::string_view> nearest_name(std::string_view name,
     least = cost;
     nearest = candidate;
   }
+  if (nearest || name.size() < 3) return nearest;
+  for (const std::string_view candidate : known)
+    if (candidate.find(name) != std::string_view::npos &&
+        (!nearest || candidate.size() < nearest->size()))
+      nearest = candidate;
   return nearest;
 }
 

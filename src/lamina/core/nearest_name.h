@@ -9,8 +9,9 @@
 namespace lamina {
 
 /// The known name that a misspelled one most likely stands for: the fewest insertions, deletions,
-/// replacements and exchanges of neighbours turn one into the other. Absent if every known name
-/// differs in more than a third of its letters (in more than one for short names).
+/// replacements and exchanges of neighbours turn one into the other. If every known name differs in
+/// more than a third of its letters (in more than one for short names), the shortest that contains
+/// the whole of the given name; absent if none does.
 [[nodiscard]] std::optional<std::string_view> nearest_name(std::string_view name,
                                                            std::span<const std::string_view> known);
 
