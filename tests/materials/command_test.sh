@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-# `lamina materials`: what it prints, and how it ends.   command_test.sh LAMINA
+# `lamina materials`: what it prints, and how it ends.   command_test.sh LAMINA PYTHON
 set -euo pipefail
-lamina=$1
+lamina=$1 python=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -33,7 +33,7 @@ for name in $names; do
   "$lamina" materials ./again.json | cmp -s - again.json || fail "$name changes when read again"
 done
 
-"$lamina" materials --json - | /usr/bin/python3 -c '
+"$lamina" materials --json - | "$python" -c '
 import json, sys
 result = json.load(sys.stdin)
 assert result["command"] == "materials" and len(result["materials"]) >= 20
@@ -41,6 +41,6 @@ skin = result["materials"][0]
 assert skin["name"] == "donner_jensen_skin" and skin["bands"] == ["R", "G", "B"]
 assert skin["layers"] == ["epidermis", "upper dermis", "bloody dermis"]'
 "$lamina" materials jade --json jade_result.json >/dev/null
-/usr/bin/python3 -c '
+"$python" -c '
 import json
 assert json.load(open("jade_result.json"))["material"]["layers"][0]["ior"] == 1.61'
