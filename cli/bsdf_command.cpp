@@ -4,6 +4,7 @@
 
 #include "bsdf_options.h"
 #include "commands.h"
+#include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 
 namespace lamina::cli {
@@ -12,17 +13,27 @@ void add_bsdf_command(CLI::App& app) {
   auto options = std::make_shared<BsdfOptions>();
   CLI::App* command =
       app.add_subcommand("bsdf", "Where light from one direction is scattered to: BRDF and BTDF.");
-  // Layered materials join here: the positional MATERIAL, and its methods in --method.
-  command->add_option("--model", options->model, "rough_transmission: a rough surface alone")
-      ->required()
+  command->add_option("MATERIAL", options->material, "a file, or the name of a built-in material");
+  command->add_option("--model", options->model, "in place of a material: rough_transmission")
       ->check(CLI::IsMember({"rough_transmission"}));
   command->add_option("--method", options->method,
-                      "rough_transmission: analytic (default), monte_carlo or height_field");
+                      "of a material: adding_doubling (default); of rough_transmission: analytic "
+                      "(default), monte_carlo or height_field");
   command->add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
       ->capture_default_str();
   command->add_option("--photons", options->photons, "rays of the random methods")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
+      ->capture_default_str();
+  const std::string layered = "Layered materials";
+  command
+      ->add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
+      ->group(layered)
+      ->check(CLI::Range(1e-8, 0.1))
+      ->capture_default_str();
+  command->add_option("--step", options->step_deg, "between the angles to look from, in degrees")
+      ->group(layered)
+      ->check(CLI::Range(0.5, 45.0))
       ->capture_default_str();
   const std::string rough = "Rough transmission";
   command->add_option("--eta", options->eta, "index beyond the surface over that before it")
@@ -50,14 +61,18 @@ void add_bsdf_command(CLI::App& app) {
       ->group(rough);
   add_common_options(*command, options->common);
   command->footer(
-      "Example: a frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
+      "Example: how skin scatters light from 45 degrees\n"
+      "  lamina bsdf donner_jensen_skin --theta-i 45 --json skin.json\n"
+      "A frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
       "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
       "lobes.svg\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --compare");
   command->callback([options] {
     set_thread_count(options->common.threads);
-    run_rough_transmission(*options);
+    if (options->material.empty() == options->model.empty())
+      throw InvalidInput("bsdf: either a MATERIAL or --model is required");
+    options->model.empty() ? run_material_bsdf(*options) : run_rough_transmission(*options);
   });
 }
 

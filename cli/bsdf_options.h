@@ -11,11 +11,16 @@ namespace lamina::cli {
 /// What the user asked of `lamina bsdf`. Each model reads its own part.
 struct BsdfOptions {
   CommonOptions common;
-  std::string model;   ///< "rough_transmission"
+  std::string material;  ///< file or built-in; "" if a model is asked for
+  std::string model;     ///< "rough_transmission" or ""
   std::string method;  ///< of the model; "" for its default
   double theta_i_deg = 30.0;
   std::int64_t photons = 1'000'000;
   std::string plot;  ///< SVG file or ""
+
+  // layered materials
+  double accuracy = 1e-3;
+  double step_deg = 5.0;  ///< between the angles to look from
 
   // rough_transmission
   double eta = 1.4;
@@ -24,6 +29,9 @@ struct BsdfOptions {
   int realizations = 8;
   bool compare = false;  ///< all methods side by side
 };
+
+/// A layered material. @throws InvalidInput, FileError, WriteError
+void run_material_bsdf(const BsdfOptions& options);
 
 /// The rough surface of Xu and Sun. @throws InvalidInput, WriteError
 void run_rough_transmission(const BsdfOptions& options);

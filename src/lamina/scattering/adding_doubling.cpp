@@ -15,15 +15,7 @@ namespace lamina {
 namespace {
 
 using detail::GridStack;
-using detail::Matrix;
 using detail::StackOperators;
-
-std::vector<double> transmit(const Matrix& m, const std::vector<double>& x) {
-  std::vector<double> y(m.rows, 0.0);
-  for (std::size_t j = 0; j < m.columns; ++j)
-    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
-  return y;
-}
 
 /// Flux of a state vector, whose entries are flux over the square root of etendue.
 double flux(const GridStack& stack, const std::vector<double>& state) {
@@ -70,7 +62,7 @@ AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& in
   std::vector<double> down = incident_state(on_grid, incidence);
   totals.specular_reflectance = first_reflection(on_grid, down);
   totals.diffuse_reflectance =
-      flux(on_grid, transmit(operators.reflection, down)) - totals.specular_reflectance;
+      flux(on_grid, detail::product(operators.reflection, down)) - totals.specular_reflectance;
   for (std::size_t i = 0; i < down.size(); ++i) {
     if (down[i] == 0.0) continue;
     const double arriving = std::sqrt(on_grid.grid.etendue[i]) * down[i];
@@ -83,9 +75,9 @@ AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& in
   double net_before = 0.0;
   for (std::size_t c = 0; c < operators.crossings.size(); ++c) {
     const detail::Crossing& crossing = operators.crossings[c];
-    down = transmit(crossing.pass, down);
+    down = detail::product(crossing.pass, down);
     const double net =
-        flux(on_grid, down) - flux(on_grid, transmit(crossing.reflection_below, down));
+        flux(on_grid, down) - flux(on_grid, detail::product(crossing.reflection_below, down));
     const bool is_layer = c % 2 == 1;
     if (is_layer) totals.absorptance.push_back(net_before - net);
     net_before = net;

@@ -78,6 +78,13 @@ Matrix ground_reflection(const GridStack& stack, int m) {
 
 }  // namespace
 
+std::vector<double> product(const Matrix& m, const std::vector<double>& x) {
+  std::vector<double> y(m.rows, 0.0);
+  for (std::size_t j = 0; j < m.columns; ++j)
+    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
+  return y;
+}
+
 std::vector<double> merged_indices(const LayerStack& stack) {
   std::vector<double> ior{stack.ior_above()};
   for (const Layer& layer : stack.layers()) ior.push_back(layer.medium.ior);
@@ -145,6 +152,14 @@ void require_smooth(const LayerStack& stack, const std::string& method) {
   for (std::size_t k = 0; k < stack.layers().size(); ++k)
     require(stack.layers()[k].top, "layer " + std::to_string(k));
   require(stack.ground().top, "ground");
+}
+
+GridStack turned_over(const GridStack& stack) {
+  GridStack turned = stack;
+  std::reverse(turned.ior.begin(), turned.ior.end());
+  std::reverse(turned.layers.begin(), turned.layers.end());
+  std::reverse(turned.interfaces.begin(), turned.interfaces.end());
+  return turned;
 }
 
 UnscatteredFlux unscattered_flux(const GridStack& stack, std::size_t node, Unscattered which) {

@@ -42,6 +42,9 @@ struct Crossing {
   Matrix reflection_below;  ///< of what lies behind it
 };
 
+/// The matrix times a vector.
+[[nodiscard]] std::vector<double> product(const Matrix& m, const std::vector<double>& x);
+
 /// How a stack reflects and where its light goes, for one azimuthal mode.
 struct StackOperators {
   std::vector<Crossing> crossings;  ///< top surface, first layer, second surface, ...
@@ -55,6 +58,9 @@ struct StackOperators {
 
 /// @throws InvalidInput naming the layer whose boundary is rough; `method` names who refuses.
 void require_smooth(const LayerStack& stack, const std::string& method);
+
+/// The same stack seen from below: above and below exchanged. Not for half-spaces.
+[[nodiscard]] GridStack turned_over(const GridStack& stack);
 
 /// Which extinction weakens unscattered light.
 enum class Unscattered {
