@@ -56,6 +56,8 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
     material.ground.reflectance = reflectance->number(between(0.0, 1.0));
 }
 
+}  // namespace
+
 Material decode_material(const JsonInput& root) {
   const JsonObject file =
       root.file_object("material", 1,
@@ -83,8 +85,6 @@ Material decode_material(const JsonInput& root) {
   decode_below(file, context, material);
   return material;
 }
-
-}  // namespace
 
 Material load_material(const std::filesystem::path& file) {
   const JsonDocument document = load_json(file);

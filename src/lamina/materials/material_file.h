@@ -10,6 +10,14 @@
 
 // What the decoders of a material file share: one for `layers`, one per recipe.
 
+namespace lamina {
+
+/// A material file as a value, as in a scene that holds the whole of it.
+/// @throws InvalidInput as parse_material.
+[[nodiscard]] Material decode_material(const JsonInput& root);
+
+}  // namespace lamina
+
 namespace lamina::material_file {
 
 /// What the rest of the file says about its numbers.

@@ -1,0 +1,152 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/scene_file.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace lamina {
+namespace scene_file {
+
+std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
+  const std::filesystem::path path = file.file_path().lexically_normal();
+  const auto found = index_of_.find({path, encoding});
+  if (found != index_of_.end()) return found->second;
+  Image image = load_for(file, [&] {
+    Image loaded = load_image(path, encoding);
+    require_finite(loaded, path);
+    return loaded;
+  });
+  return index_of_[{path, encoding}] = add(std::move(image));
+}
+
+std::size_t Images::add(Image image) {
+  images_.push_back(std::move(image));
+  return images_.size() - 1;
+}
+
+Vec3 decode_vector(const JsonInput& value, double scale) {
+  const double most = longest / std::max(scale, 1e-9);
+  const std::vector<double> v = value.numbers(3, between(-most, most));
+  return scale * Vec3{v[0], v[1], v[2]};
+}
+
+Vec3 decode_direction(const JsonInput& value) {
+  const Vec3 v = decode_vector(value);
+  if (!(length(v) > 0.0)) value.fail("must be a direction, but is 0 0 0");
+  return normalize(v);
+}
+
+Vec3f decode_color(const JsonInput& value, const NumberRange& range) {
+  const std::vector<double> v = value.number_or_numbers(3, range);
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+}  // namespace scene_file
+
+namespace {
+
+using scene_file::decode_direction;
+using scene_file::decode_vector;
+using scene_file::DecodedMaterial;
+using scene_file::longest;
+
+Camera decode_camera(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object(
+      {"position", "look_at", "up", "horizontal_fov", "aperture_diameter", "focus_distance"});
+  Camera camera{.position = decode_vector(object.required("position"), mm_per_unit),
+                .look_at = decode_vector(object.required("look_at"), mm_per_unit)};
+  const Vec3 forward = camera.look_at - camera.position;
+  if (!(length(forward) > 0.0))
+    object.required("look_at").fail("must differ from the camera's position");
+  if (const auto up = object.optional("up")) camera.up = decode_direction(*up);
+  if (length(cross(normalize(forward), camera.up)) < 1e-6)
+    (object.has("up") ? object.required("up") : value)
+        .fail("the camera's up must not be parallel to its direction of view");
+  double degrees = 40.0;
+  if (const auto fov = object.optional("horizontal_fov"))
+    degrees = fov->number(between(0.01, 175.0, "deg"));
+  camera.horizontal_fov = degrees * std::numbers::pi / 180.0;
+  const NumberRange length_range = between(0.0, longest / mm_per_unit);
+  if (const auto aperture = object.optional("aperture_diameter"))
+    camera.aperture_diameter = mm_per_unit * aperture->number(length_range);
+  if (const auto distance = object.optional("focus_distance"))
+    camera.focus_distance = mm_per_unit * distance->number(length_range);
+  return camera;
+}
+
+Film decode_film(const JsonInput& value) {
+  const JsonObject object = value.object({"width", "height", "exposure", "view"});
+  Film film;
+  constexpr int most = 16384;
+  if (const auto width = object.optional("width"))
+    film.width = static_cast<int>(width->integer(1, most));
+  if (const auto height = object.optional("height"))
+    film.height = static_cast<int>(height->integer(1, most));
+  if (const auto exposure = object.optional("exposure"))
+    film.exposure = static_cast<float>(exposure->number(between(-50.0, 50.0, "stops")));
+  if (const auto view = object.optional("view"))
+    film.view = view->choice<Film::View>(
+        {{"standard", Film::View::standard}, {"filmic", Film::View::filmic}});
+  return film;
+}
+
+RenderSettings decode_render_settings(const JsonInput& value) {
+  const JsonObject object = value.object({"method", "samples_per_pixel", "max_bounces", "seed"});
+  using Method = RenderSettings::Method;
+  RenderSettings settings;
+  if (const auto method = object.optional("method"))
+    settings.method = method->choice<Method>({{"profile", Method::profile},
+                                              {"layered_bsdf", Method::layered_bsdf},
+                                              {"hierarchy", Method::hierarchy},
+                                              {"shadow_map", Method::shadow_map},
+                                              {"texture_space", Method::texture_space},
+                                              {"random_walk", Method::random_walk}});
+  if (const auto samples = object.optional("samples_per_pixel"))
+    settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
+  if (const auto bounces = object.optional("max_bounces"))
+    settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
+  if (const auto seed = object.optional("seed"))
+    settings.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
+  return settings;
+}
+
+Scene decode_scene(const JsonInput& root) {
+  const JsonObject file = root.file_object("scene", 1,
+                                           {"$schema", "name", "mm_per_unit", "camera", "film",
+                                            "materials", "meshes", "lights", "render"});
+  const double mm_per_unit = file.required("mm_per_unit").number(between(1e-6, 1e6, "mm"));
+  Scene scene;
+  for (const std::string_view text : {"$schema", "name"})  // for other readers
+    if (const auto given = file.optional(text)) (void)given->string();
+  // What is cheap to check comes before what takes time to load.
+  scene.camera = decode_camera(file.required("camera"), mm_per_unit);
+  if (const auto film = file.optional("film")) scene.film = decode_film(*film);
+  if (const auto render = file.optional("render")) scene.render = decode_render_settings(*render);
+  scene_file::Images images;
+  std::vector<DecodedMaterial> materials;
+  for (const auto& [name, value] : file.required("materials").entries())
+    materials.push_back(decode_surface_material(name, value, images));
+  for (const JsonInput& light : file.required("lights").array(0, 100'000))
+    scene.lights.push_back(decode_light(light, images, mm_per_unit));
+  for (const JsonInput& mesh : file.required("meshes").array(1, 100'000)) {
+    auto [decoded, warnings] = decode_mesh(mesh, materials, mm_per_unit);
+    scene.meshes.push_back(std::move(decoded));
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
+  }
+  if (scene.lights.empty())
+    scene.warnings.push_back(file.required("lights").where() +
+                             " is empty: the picture will be black");
+  for (DecodedMaterial& material : materials)
+    scene.materials.push_back(std::move(material.material));
+  scene.images = images.take();
+  return scene;
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file) {
+  const JsonDocument document = load_json(file);
+  return decode_scene(document.root());
+}
+
+}  // namespace lamina

@@ -1,0 +1,83 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/core/json_input.h"
+#include "lamina/image/image_file.h"
+#include "lamina/render/scene.h"
+
+// What the decoders of a scene file share: one each for materials, meshes and lights.
+
+namespace lamina::scene_file {
+
+/// Lengths beyond this [mm] are taken for mistakes.
+inline constexpr double longest = 1e9;
+
+/// Light beyond this is taken for a mistake.
+inline constexpr double brightest = 1e12;
+
+/// Calls `load`, and says in its errors which value of the scene asked for it.
+template <class Load>
+auto load_for(const JsonInput& value, const Load& load) {
+  try {
+    return load();
+  } catch (const FileError& error) {
+    throw FileError(value.where() + ": " + error.what());
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(value.where() + ": " + error.what());
+  }
+}
+
+/// The images of a scene, each file once.
+class Images {
+ public:
+  /// The index of an image, which is loaded if it is new. All its numbers are finite.
+  [[nodiscard]] std::size_t load(const JsonInput& file, ColorEncoding encoding);
+
+  /// The index of an image that is made, not loaded.
+  [[nodiscard]] std::size_t add(Image image);
+
+  [[nodiscard]] Image& operator[](std::size_t index) { return images_[index]; }
+  [[nodiscard]] std::vector<Image> take() { return std::move(images_); }
+
+ private:
+  std::vector<Image> images_;
+  std::map<std::pair<std::filesystem::path, ColorEncoding>, std::size_t> index_of_;
+};
+
+/// A material and whether an image varies it, which takes texture coordinates.
+struct DecodedMaterial {
+  SurfaceMaterial material;
+  std::string mapped;  ///< the first field that an image varies; empty if there is none
+};
+
+[[nodiscard]] DecodedMaterial decode_surface_material(const std::string& name,
+                                                      const JsonInput& value, Images& images);
+
+struct DecodedMesh {
+  Mesh mesh;
+  std::vector<std::string> warnings;
+};
+
+[[nodiscard]] DecodedMesh decode_mesh(const JsonInput& value,
+                                      const std::vector<DecodedMaterial>& materials,
+                                      double mm_per_unit);
+
+[[nodiscard]] Light decode_light(const JsonInput& value, Images& images, double mm_per_unit);
+
+/// Three numbers as a vector, times `scale`.
+[[nodiscard]] Vec3 decode_vector(const JsonInput& value, double scale = 1.0);
+
+/// The same; not all of them may be 0. Unit length.
+[[nodiscard]] Vec3 decode_direction(const JsonInput& value);
+
+/// A number, or three for red, green and blue.
+[[nodiscard]] Vec3f decode_color(const JsonInput& value, const NumberRange& range);
+
+}  // namespace lamina::scene_file
