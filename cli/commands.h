@@ -11,5 +11,7 @@ namespace lamina::cli {
 // One file each: parse, call the library, print.
 void add_bsdf_command(CLI::App& app);
 void add_materials_command(CLI::App& app);
+void add_profile_command(CLI::App& app);
+void add_slab_command(CLI::App& app);
 
 }  // namespace lamina::cli

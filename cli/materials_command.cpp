@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/materials/material.h"
+#include "material_bands.h"
 
 namespace lamina::cli {
 namespace {
@@ -20,17 +21,6 @@ struct MaterialsOptions {
   CommonOptions common;
   std::string name;
 };
-
-ordered_json bands_json(const BandSet& bands) {
-  ordered_json list = ordered_json::array();
-  for (std::size_t band = 0; band < bands.size(); ++band) {
-    if (bands.is_rgb())
-      list.push_back(band_name(bands, band));
-    else
-      list.push_back(bands.wavelengths()[band]);
-  }
-  return list;
-}
 
 std::string bands_text(const BandSet& bands) {
   return bands.is_rgb() ? "rgb" : fmt::format("{} nm", bands.size());

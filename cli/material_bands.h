@@ -1,0 +1,17 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "lamina/materials/material.h"
+
+namespace lamina::cli {
+
+/// The optical layers of all bands of a material, [band].
+[[nodiscard]] std::vector<LayerStack> layer_stacks(const Material& material);
+
+/// The "bands" of a JSON result: "R", "G", "B", or wavelengths in nm.
+[[nodiscard]] nlohmann::ordered_json bands_json(const BandSet& bands);
+
+}  // namespace lamina::cli

@@ -1,0 +1,234 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/parallel.h"
+#include "lamina/materials/material.h"
+#include "lamina/scattering/diffusion_profile.h"
+#include "lamina/scattering/dipole_profile.h"
+#include "material_bands.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct ProfileOptions {
+  CommonOptions common;
+  std::string material, method;
+  bool compare = false;
+  RadialGrid grid;
+};
+
+/// What a method gives: the profile, and remarks on how far to trust it, one line each.
+struct ProfileResult {
+  Profile profile;
+  std::vector<std::string> remarks;
+};
+
+/// A solver: its name in --method, and what it does with the stacks, [band].
+struct ProfileMethod {
+  std::string name;
+  std::function<ProfileResult(const std::vector<LayerStack>&, const ProfileOptions&)> solve;
+};
+
+ProfileResult by_multipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+  DiffusionProfile result = make_diffusion_profile(stacks, {}, options.grid);
+  std::vector<std::string> remarks;
+  for (std::size_t band = 0; band < stacks.size(); ++band) {
+    for (const std::size_t layer : result.thin_layers[band])
+      remarks.push_back(fmt::format(
+          "band {}, layer {}: thinner than one reduced mean free path, diffusion is crude there",
+          band, layer));
+    const double clamped = result.clamped_reflectance[band] + result.clamped_transmittance[band];
+    if (clamped > 1e-6)
+      remarks.push_back(fmt::format(
+          "band {}: the model is negative at some radii, by {:.1e} of the flux; set to 0", band,
+          clamped));
+  }
+  return {std::move(result.profile), std::move(remarks)};
+}
+
+ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+  return {make_dipole_profile(stacks, {}, options.grid), {}};
+}
+
+/// Every method of `lamina profile`; the first is the default.
+const std::vector<ProfileMethod>& profile_methods() {
+  static const std::vector<ProfileMethod> methods = {{"multipole", by_multipole},
+                                                     {"dipole", by_dipole}};
+  return methods;
+}
+
+ordered_json table_json(std::span<const double> table, std::size_t columns) {
+  auto rows = ordered_json::array();
+  for (std::size_t i = 0; i < table.size(); i += columns)
+    rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
+                                       table.begin() + static_cast<std::ptrdiff_t>(i + columns)));
+  return rows;
+}
+
+ordered_json profile_json(const Profile& profile) {
+  const bool entered = profile.per == ProfilePer::entered_flux;
+  return {{"per", entered ? "entered_flux" : "arriving_flux"},
+          {"r_mm", profile.r},
+          {"reflectance_profile", table_json(profile.reflectance_profile, profile.bands)},
+          {"transmittance_profile", table_json(profile.transmittance_profile, profile.bands)},
+          {"total_reflectance", profile.total_reflectance},
+          {"total_transmittance", profile.total_transmittance}};
+}
+
+using Value = std::function<double(std::size_t i, std::size_t band)>;
+
+/// A row of numbers per radius; some 16 radii are enough to read.
+std::string table_text(const BandSet& bands, const Profile& profile, const std::string& title,
+                       const Value& value, const char* format) {
+  std::string text = fmt::format("\n{}\n{:>10}", title, "r [mm]");
+  for (std::size_t band = 0; band < bands.size(); ++band)
+    text += fmt::format("  {:>10}", band_name(bands, band));
+  const std::size_t n = profile.r.size(), rows = std::min<std::size_t>(n, 16);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t i = rows > 1 ? row * (n - 1) / (rows - 1) : 0;
+    text += fmt::format("\n{:10.4g}", profile.r[i]);
+    for (std::size_t band = 0; band < bands.size(); ++band)
+      text += fmt::format(fmt::runtime(format), value(i, band));
+  }
+  return text + "\n";
+}
+
+std::string totals_text(const BandSet& bands, const std::string& name,
+                        std::span<const double> totals) {
+  std::string text = fmt::format("\n{:<26}", name);
+  for (std::size_t band = 0; band < bands.size(); ++band)
+    text += fmt::format("  {:8.5f}", totals[band]);
+  return text;
+}
+
+bool transmits(const Profile& profile) {
+  return std::ranges::any_of(profile.total_transmittance, [](double t) { return t > 0.0; });
+}
+
+std::string profile_text(const Material& material, const Profile& profile) {
+  const BandSet& bands = material.bands;
+  std::string text = fmt::format(
+      "{:<26}", profile.per == ProfilePer::entered_flux ? "per entered flux" : "per arriving flux");
+  for (std::size_t band = 0; band < bands.size(); ++band)
+    text += fmt::format("  {:>8}", band_name(bands, band));
+  text += totals_text(bands, "total reflectance", profile.total_reflectance);
+  if (transmits(profile))
+    text += totals_text(bands, "total transmittance", profile.total_transmittance);
+  text += "\n";
+  text += table_text(
+      bands, profile, "R(r) [1/mm²]",
+      [&](std::size_t i, std::size_t b) { return profile.reflectance_at(i, b); }, "  {:10.3e}");
+  if (transmits(profile))
+    text += table_text(
+        bands, profile, "T(r) [1/mm²]",
+        [&](std::size_t i, std::size_t b) { return profile.transmittance_at(i, b); }, "  {:10.3e}");
+  return text;
+}
+
+/// Relative difference of the dipole; where the layered profile is below 1e-8 of its peak neither
+/// matters, and 0 stands for it.
+double difference(const Profile& layered, const Profile& dipole, std::size_t i, std::size_t band) {
+  const double value = layered.reflectance_at(i, band);
+  if (!(value > 1e-8 * layered.reflectance_at(0, band))) return 0.0;
+  return dipole.reflectance_at(i, band) / value - 1.0;
+}
+
+std::string comparison_text(const Material& material, const Profile& layered,
+                            const Profile& dipole) {
+  std::string text = "\nSingle-layer dipole";
+  text += totals_text(material.bands, "total reflectance", dipole.total_reflectance);
+  if (transmits(dipole))
+    text += totals_text(material.bands, "total transmittance", dipole.total_transmittance);
+  text += "\n" + table_text(
+                     material.bands, layered, "R(r) of the dipole over that of the layers - 1 [%]",
+                     [&](std::size_t i, std::size_t b) {
+                       return 100.0 * difference(layered, dipole, i, b);
+                     },
+                     "  {:10.1f}");
+  return text;
+}
+
+ordered_json comparison_json(const Profile& layered, const Profile& dipole) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < layered.r.size(); ++i)
+    for (std::size_t band = 0; band < layered.bands; ++band)
+      differences.push_back(difference(layered, dipole, i, band));
+  ordered_json json = {{"method", "dipole"}};
+  json.update(profile_json(dipole));
+  json["relative_difference"] = table_json(differences, layered.bands);
+  return json;
+}
+
+void run_profile(const ProfileOptions& options) {
+  const Material material = find_material(options.material);
+  const std::vector<LayerStack> stacks = layer_stacks(material);
+  for (const ProfileMethod& method : profile_methods()) {
+    if (method.name != options.method) continue;
+    const ProfileResult result = method.solve(stacks, options);
+    for (const std::string& remark : result.remarks) fmt::print(stderr, "note: {}\n", remark);
+    print(options.common, profile_text(material, result.profile));
+    ordered_json json = make_result("profile");
+    json["method"] = method.name;
+    json["material"] = material.name;
+    json["bands"] = bands_json(material.bands);
+    json.update(profile_json(result.profile));
+    if (!result.remarks.empty()) json["remarks"] = result.remarks;
+    if (options.compare) {
+      const Profile dipole = by_dipole(stacks, options).profile;
+      print(options.common, comparison_text(material, result.profile, dipole));
+      json["comparison"] = comparison_json(result.profile, dipole);
+    }
+    write_json(json, options.common);
+  }
+}
+
+}  // namespace
+
+void add_profile_command(CLI::App& app) {
+  auto options = std::make_shared<ProfileOptions>();
+  CLI::App* command = app.add_subcommand(
+      "profile", "Light around a pencil beam on a layered material: R(r) and T(r).");
+  command->add_option("material", options->material, "a material file or a built-in material")
+      ->type_name("MATERIAL")
+      ->required();
+  std::vector<std::string> names;
+  for (const ProfileMethod& method : profile_methods()) names.push_back(method.name);
+  options->method = names[0];
+  command
+      ->add_option("--method", options->method,
+                   "multipole: layers by diffusion; dipole: one half-space like them")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  command->add_flag("--compare", options->compare, "show the single-layer dipole beside it");
+  command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")
+      ->type_name("N")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_option("--r-min", options->grid.first, "first radius [mm]")->capture_default_str();
+  command->add_option("--r-max", options->grid.last, "last radius [mm]")->capture_default_str();
+  add_common_options(*command, options->common);
+  command->footer(
+      "The dipole has the coefficients of a single layer, made infinitely thick; of several "
+      "layers\n"
+      "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
+      "d).\n\n"
+      "Example: how far light spreads in skin, and what one layer would make of it\n"
+      "  lamina profile donner_jensen_skin --compare --json profile.json");
+  command->callback([options] {
+    set_thread_count(options->common.threads);
+    run_profile(*options);
+  });
+}
+
+}  // namespace lamina::cli

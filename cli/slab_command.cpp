@@ -1,0 +1,163 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/materials/material.h"
+#include "lamina/scattering/layered_diffusion.h"
+#include "material_bands.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct SlabOptions {
+  CommonOptions common;
+  std::string material, method, incidence = "normal";
+};
+
+/// What a method gives: the totals, [band].
+struct SlabResult {
+  std::vector<SlabTotals> totals;
+};
+
+/// A solver: its name in --method, and what it does with the stacks, [band].
+struct SlabMethod {
+  std::string name;
+  std::function<SlabResult(const std::vector<LayerStack>&, const Incidence&, const SlabOptions&)>
+      solve;
+};
+
+SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                        const SlabOptions&) {
+  SlabResult result;
+  for (std::size_t band = 0; band < stacks.size(); ++band)
+    result.totals.push_back(diffusion_totals(stacks[band], incidence));
+  return result;
+}
+
+/// Every method of `lamina slab`; the first is the default.
+const std::vector<SlabMethod>& slab_methods() {
+  static const std::vector<SlabMethod> methods = {{"diffusion", by_diffusion}};
+  return methods;
+}
+
+Incidence parse_incidence(const std::string& text) {
+  if (text == "normal") return {};
+  if (text == "diffuse") return {.is_diffuse = true};
+  std::size_t used = 0;
+  double degrees = -1.0;
+  try {
+    degrees = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used != text.size() || !(degrees >= 0.0 && degrees < 90.0))
+    throw InvalidInput(fmt::format(
+        "--incidence: normal, diffuse or an angle in [0, 90) degrees is required, but is {}",
+        text));
+  return {.theta = degrees * std::numbers::pi / 180.0};
+}
+
+ordered_json slab_json(const SlabResult& result) {
+  ordered_json specular, reflected, transmitted, absorbed = ordered_json::array();
+  for (const SlabTotals& band : result.totals) {
+    specular.push_back(band.specular_reflectance);
+    reflected.push_back(band.diffuse_reflectance);
+    transmitted.push_back(band.transmittance);
+  }
+  for (std::size_t layer = 0; layer < result.totals[0].absorptance.size(); ++layer) {
+    ordered_json row;
+    for (const SlabTotals& band : result.totals) row.push_back(band.absorptance[layer]);
+    absorbed.push_back(row);
+  }
+  return {{"specular_reflectance", specular},
+          {"diffuse_reflectance", reflected},
+          {"transmittance", transmitted},
+          {"absorptance", absorbed}};
+}
+
+std::string slab_text(const Material& material, const SlabResult& result) {
+  std::size_t width = 22;
+  for (const MaterialLayer& layer : material.layers)
+    width = std::max(width, layer.name.size() + 12);
+  std::string text = fmt::format("{:<{}}", "fraction of the light", width);
+  for (std::size_t band = 0; band < result.totals.size(); ++band)
+    text += fmt::format("  {:>8}", band_name(material.bands, band));
+  const auto row = [&](const std::string& name, const auto& value) {
+    text += fmt::format("\n{:<{}}", name, width);
+    for (const SlabTotals& band : result.totals) text += fmt::format("  {:8.5f}", value(band));
+  };
+  row("specular reflectance", [](const SlabTotals& t) { return t.specular_reflectance; });
+  row("diffuse reflectance", [](const SlabTotals& t) { return t.diffuse_reflectance; });
+  row("transmittance", [](const SlabTotals& t) { return t.transmittance; });
+  for (std::size_t i = 0; i < material.layers.size(); ++i)
+    row("absorbed: " + (material.layers[i].name.empty() ? fmt::format("layer {}", i)
+                                                        : material.layers[i].name),
+        [i](const SlabTotals& t) { return t.absorptance[i]; });
+  return text + "\n";
+}
+
+void run_slab(const SlabOptions& options) {
+  const Incidence incidence = parse_incidence(options.incidence);
+  const Material material = find_material(options.material);
+  const std::vector<LayerStack> stacks = layer_stacks(material);
+  for (const SlabMethod& method : slab_methods()) {
+    if (method.name != options.method) continue;
+    const SlabResult result = method.solve(stacks, incidence, options);
+    print(options.common, slab_text(material, result));
+    ordered_json json = make_result("slab");
+    json["method"] = method.name;
+    json["material"] = material.name;
+    json["bands"] = bands_json(material.bands);
+    json["incidence"] = options.incidence;
+    json.update(slab_json(result));
+    write_json(json, options.common);
+  }
+}
+
+}  // namespace
+
+void add_slab_command(CLI::App& app) {
+  auto options = std::make_shared<SlabOptions>();
+  CLI::App* command = app.add_subcommand(
+      "slab", "Totals of a layered material: reflected, transmitted, absorbed by each layer.");
+  command->add_option("material", options->material, "a material file or a built-in material")
+      ->type_name("MATERIAL")
+      ->required();
+  std::vector<std::string> names;
+  for (const SlabMethod& method : slab_methods()) names.push_back(method.name);
+  options->method = names[0];
+  command->add_option("--method", options->method, "how to solve")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  command
+      ->add_option("--incidence", options->incidence,
+                   "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
+      ->type_name("normal|diffuse|DEG")
+      ->capture_default_str();
+  add_common_options(*command, options->common);
+  command->footer(
+      "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"
+      "all other light that leaves at the top is diffuse.\n\n"
+      "Example: where the light goes in skin, lit from all sides\n"
+      "  lamina slab donner_jensen_skin --method diffusion --incidence diffuse");
+  command->callback([options] {
+    set_thread_count(options->common.threads);
+    run_slab(*options);
+  });
+}
+
+}  // namespace lamina::cli
