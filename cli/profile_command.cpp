@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/parallel.h"
+#include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/diffusion_profile.h"
 #include "lamina/scattering/dipole_profile.h"
@@ -23,7 +24,7 @@ using nlohmann::ordered_json;
 
 struct ProfileOptions {
   CommonOptions common;
-  std::string material, method;
+  std::string material, method, plot;
   bool compare = false;
   RadialGrid grid;
 };
@@ -170,6 +171,54 @@ ordered_json comparison_json(const Profile& layered, const Profile& dipole) {
   return json;
 }
 
+/// R or T of all bands, with the single-layer dipole dashed; down to 1e-8 of the highest peak.
+Panel profile_panel(const Material& material, const Profile& layered, const Profile& dipole,
+                    bool is_reflectance) {
+  Panel panel;
+  panel.title = is_reflectance ? "Reflectance" : "Transmittance";
+  panel.x = {.label = "distance r from the beam [mm]", .scale = AxisScale::logarithmic};
+  panel.y = {.label = is_reflectance ? "R(r) [mm⁻²]" : "T(r) [mm⁻²]",
+             .scale = AxisScale::logarithmic};
+  const auto value = [&](const Profile& profile, std::size_t i, std::size_t b) {
+    return is_reflectance ? profile.reflectance_at(i, b) : profile.transmittance_at(i, b);
+  };
+  double peak = 0.0;
+  for (std::size_t i = 0; i < layered.r.size(); ++i)
+    for (std::size_t b = 0; b < layered.bands; ++b) peak = std::max(peak, value(layered, i, b));
+  double last_r = layered.r[0];
+  const auto add = [&](const Profile& profile, CurveStyle style, const std::string& kind) {
+    for (std::size_t b = 0; b < profile.bands; ++b) {
+      Curve curve{.name = band_label(material.bands, b) + kind,
+                  .color = band_color(material.bands, b),
+                  .style = style,
+                  .width = style == CurveStyle::line ? 1.8 : 1.2};
+      for (std::size_t i = 0; i < profile.r.size() && value(profile, i, b) > 1e-8 * peak; ++i) {
+        curve.x.push_back(profile.r[i]);
+        curve.y.push_back(value(profile, i, b));
+        last_r = std::max(last_r, profile.r[i]);
+      }
+      panel.curves.push_back(std::move(curve));
+    }
+  };
+  add(layered, CurveStyle::line, "");
+  add(dipole, CurveStyle::dashed, ", one layer");
+  panel.x.low = layered.r[0];
+  panel.x.high = last_r;
+  panel.y.low = 1e-8 * peak;
+  return panel;
+}
+
+void save_plot(const std::string& file, const Material& material, const std::string& method,
+               const Profile& layered, const Profile& dipole) {
+  Plot plot;
+  plot.title = material.name;
+  plot.caption = fmt::format("Lines: {}, per {} flux. Dashed: dipole of a single layer.", method,
+                             layered.per == ProfilePer::entered_flux ? "entered" : "arriving");
+  plot.panels.push_back(profile_panel(material, layered, dipole, true));
+  if (transmits(layered)) plot.panels.push_back(profile_panel(material, layered, dipole, false));
+  save_svg(plot, file);
+}
+
 void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material);
   const std::vector<LayerStack> stacks = layer_stacks(material);
@@ -184,10 +233,14 @@ void run_profile(const ProfileOptions& options) {
     json["bands"] = bands_json(material.bands);
     json.update(profile_json(result.profile));
     if (!result.remarks.empty()) json["remarks"] = result.remarks;
-    if (options.compare) {
+    if (options.compare || !options.plot.empty()) {
       const Profile dipole = by_dipole(stacks, options).profile;
-      print(options.common, comparison_text(material, result.profile, dipole));
-      json["comparison"] = comparison_json(result.profile, dipole);
+      if (options.compare) {
+        print(options.common, comparison_text(material, result.profile, dipole));
+        json["comparison"] = comparison_json(result.profile, dipole);
+      }
+      if (!options.plot.empty())
+        save_plot(options.plot, material, method.name, result.profile, dipole);
     }
     write_json(json, options.common);
   }
@@ -211,6 +264,8 @@ void add_profile_command(CLI::App& app) {
       ->check(CLI::IsMember(names))
       ->capture_default_str();
   command->add_flag("--compare", options->compare, "show the single-layer dipole beside it");
+  command->add_option("--plot", options->plot, "write R(r) and T(r) with the dipole as SVG to FILE")
+      ->type_name("FILE");
   command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")
       ->type_name("N")
       ->check(CLI::Range(2, 100000))
@@ -224,7 +279,7 @@ void add_profile_command(CLI::App& app) {
       "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
       "d).\n\n"
       "Example: how far light spreads in skin, and what one layer would make of it\n"
-      "  lamina profile donner_jensen_skin --compare --json profile.json");
+      "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
   command->callback([options] {
     set_thread_count(options->common.threads);
     run_profile(*options);

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+# The commands slab and profile by diffusion: results, JSON, and one line for wrong use.
+set -euo pipefail
+lamina=$1
+folder=$(mktemp -d)
+trap 'rm -r "$folder"' EXIT
+fail() { echo "FAILED: $1" >&2; exit 1; }
+
+"$lamina" slab donner_jensen_skin --method diffusion --json "$folder/slab.json" | grep -q "bloody dermis" ||
+  fail "slab names the layers"
+python3 - "$folder/slab.json" <<'PY'
+import json, sys
+slab = json.load(open(sys.argv[1]))
+assert slab["command"] == "slab" and slab["method"] == "diffusion" and slab["bands"] == ["R", "G", "B"]
+entered = [1 - f for f in slab["specular_reflectance"]]
+# Totals per entered flux of Donner and Jensen's skin, from an independent program.
+for b, expected in enumerate((.40861, .39882, .33281)):
+    assert abs(slab["diffuse_reflectance"][b] / entered[b] - expected) < 1e-5
+    total = slab["specular_reflectance"][b] + slab["diffuse_reflectance"][b] + slab["transmittance"][b]
+    assert abs(total + sum(layer[b] for layer in slab["absorptance"]) - 1) < 1e-12
+PY
+
+"$lamina" profile leaf --compare --radii 40 --plot "$folder/leaf.svg" --json "$folder/leaf.json" > /dev/null 2>&1 ||
+  fail "profile with comparison and plot"
+grep -q "Transmittance" "$folder/leaf.svg" || fail "the plot has T(r)"
+python3 - "$folder/leaf.json" <<'PY'
+import json, sys
+profile = json.load(open(sys.argv[1]))
+assert profile["per"] == "entered_flux" and profile["method"] == "multipole"
+assert len(profile["r_mm"]) == len(profile["reflectance_profile"]) == len(profile["transmittance_profile"]) == 40
+assert len(profile["reflectance_profile"][0]) == len(profile["total_transmittance"]) == 3
+assert profile["comparison"]["method"] == "dipole"
+PY
+
+refused() {
+  local status=0
+  "$lamina" "$@" > /dev/null 2> "$folder/error" || status=$?
+  [ "$status" = 2 ] || fail "$* must exit with 2, not $status"
+  [ "$(wc -l < "$folder/error")" = 1 ] || fail "$* must say so in one line"
+}
+refused slab
+refused slab no_such_material
+refused slab leaf --method diffusion --incidence 90
+refused slab leaf --method guess
+refused profile leaf --r-min 0
+refused profile leaf --radii 1
+refused profile leaf --r-min nan
