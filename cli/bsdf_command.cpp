@@ -25,6 +25,8 @@ void add_bsdf_command(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
       ->capture_default_str();
+  command->add_option("--plot", options->plot, "draw the lobes of rough_transmission as SVG")
+      ->type_name("FILE");
   const std::string layered = "Layered materials";
   command
       ->add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
@@ -67,11 +69,13 @@ void add_bsdf_command(CLI::App& app) {
       "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
       "lobes.svg\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
-      "  lamina bsdf --model rough_transmission --smoothness 1 --compare");
+      "  lamina bsdf --model rough_transmission --smoothness 1 --compare --plot b.svg");
   command->callback([options] {
     set_thread_count(options->common.threads);
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
+    if (options->model.empty() && !options->plot.empty())
+      throw InvalidInput("bsdf: --plot is for --model rough_transmission");
     options->model.empty() ? run_material_bsdf(*options) : run_rough_transmission(*options);
   });
 }

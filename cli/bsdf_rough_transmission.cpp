@@ -4,10 +4,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
+#include "lamina/image/plot.h"
 #include "lamina/optics/rough_surface_scattering.h"
 
 namespace lamina::cli {
@@ -139,18 +141,71 @@ std::string to_text(const BsdfOptions& options, const std::string& method,
   return text;
 }
 
-struct Compared {
-  const char* name;
-  const char* method;
-  const char* visibility;
+/// A method and what it found.
+struct Named {
+  std::string name;
   RoughSurfaceScattering result;
 };
 
+/// Light that leaves in the plane of incidence, from the cells along it: bsdf * cos(theta_o) over
+/// the angle from the upward normal, positive away from the light. Where the cells are noisy, means
+/// over three by three of them.
+Curve lobe_of(const Named& named, bool is_transmitted) {
+  const RoughSurfaceScattering& result = named.result;
+  const auto& [thetas, phis] = result.cells;
+  const std::vector<double>& bsdf = is_transmitted ? result.btdf : result.brdf;
+  const std::vector<double>& error = is_transmitted ? result.btdf_error : result.brdf_error;
+  double values = 0.0, errors = 0.0;
+  for (int i = 0; i < thetas; ++i) {
+    values += bsdf[static_cast<std::size_t>(i * phis + phis - 1)];
+    errors += error[static_cast<std::size_t>(i * phis + phis - 1)];
+  }
+  const int merged = errors > 0.05 * values ? 3 : 1;
+
+  Curve curve{.name = named.name};
+  const auto add = [&](int first_theta, int first_phi, double sign) {
+    double flux = 0.0, weight = 0.0;
+    for (int i = first_theta; i < first_theta + merged; ++i)
+      for (int j = first_phi; j < first_phi + merged; ++j) {
+        const double theta = (i + 0.5) * 90.0 / thetas * degree;
+        flux += bsdf[static_cast<std::size_t>(i * phis + j)] * std::cos(theta) * std::sin(theta);
+        weight += std::sin(theta);
+      }
+    const double theta = (first_theta + 0.5 * merged) * 90.0 / thetas * degree;
+    curve.x.push_back(sign * (is_transmitted ? std::numbers::pi - theta : theta));
+    curve.y.push_back(flux / weight);
+  };
+  for (int i = thetas - merged; i >= 0; i -= merged) add(i, 0, -1.0);
+  for (int i = 0; i < thetas; i += merged) add(i, phis - merged, 1.0);
+  return curve;
+}
+
+/// Polar diagrams in the style of [XuSun2008] Figures 5 to 9.
+void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
+  if (options.plot.empty()) return;
+  Plot plot{.title = fmt::format("Rough surface, eta {:.4g}, smoothness {:.4g}", options.eta,
+                                 options.smoothness),
+            .caption = "power per solid angle in the plane of incidence, of 1 that arrives"};
+  for (const bool is_transmitted : {false, true}) {
+    Panel& panel = plot.panels.emplace_back();
+    panel.title = is_transmitted ? "transmitted" : "reflected";
+    panel.kind = PanelKind::polar;
+    panel.y.label = "[1/sr]";
+    panel.arrow_angle = -options.theta_i_deg * degree;
+    for (const Named& named : results) panel.curves.push_back(lobe_of(named, is_transmitted));
+    if (is_transmitted)  // one legend serves both
+      for (Curve& curve : panel.curves) curve.name.clear();
+  }
+  save_svg(plot, options.plot);
+}
+
 void compare_methods(const BsdfOptions& options) {
-  std::vector<Compared> all = {{"analytic", "analytic", "xu_sun", {}},
-                               {"monte_carlo, xu_sun", "monte_carlo", "xu_sun", {}},
-                               {"monte_carlo, smith", "monte_carlo", "smith", {}},
-                               {"height_field", "height_field", "", {}}};
+  const std::vector<Named> all = {
+      {"analytic", scatter(options, "analytic", "")},
+      {"monte_carlo, xu_sun", scatter(options, "monte_carlo", "xu_sun")},
+      {"monte_carlo, smith", scatter(options, "monte_carlo", "smith")},
+      {"height_field", scatter(options, "height_field", "")}};
+  const RoughSurfaceScattering& truth = all.back().result;
   ordered_json json = make_result("bsdf");
   json["model"] = "rough_transmission";
   json["method"] = "compare";
@@ -160,24 +215,19 @@ void compare_methods(const BsdfOptions& options) {
       "{:<20} {:>10} {:>13} {:>12} {:>13} {:>10}\n",
       options.eta, options.smoothness, 2.0 / options.smoothness, options.theta_i_deg, "method",
       "T, one", "T, all", "R, one", "R, all", "misplaced");
-  for (Compared& one : all) one.result = scatter(options, one.method, one.visibility);
-  for (const Compared& one : all) {
-    const auto& [name, method, visibility, result] = one;
-    const double misplaced = misplaced_transmission(result, all.back().result);
-    BsdfOptions as = options;
-    as.visibility = visibility;
-    json["methods"].push_back(to_json(as, method, result));
+  for (const auto& [name, result] : all) {
+    const double misplaced = misplaced_transmission(result, truth);
+    json["methods"].push_back(to_json(options, name, result));
     json["methods"].back()["misplaced_transmission"] = ordered_json::array({misplaced});
-    const bool is_truth = &one == &all.back();
     text += fmt::format("{:<20} {:>10.4f} {:>13.4f} {:>12.4f} {:>13.4f} {:>10}\n", name,
                         result.single_transmittance.value, result.transmittance.value,
                         result.single_reflectance.value, result.reflectance.value,
-                        is_truth ? "" : fmt::format("{:.4f}", misplaced));
+                        &result == &truth ? "" : fmt::format("{:.4f}", misplaced));
   }
-  const RoughSurfaceScattering& truth = all.back().result;
   text += fmt::format("{:<20} {:>10.4f} {:>13.4f} {:>12.4f} {:>13.4f}\n", "  standard error",
                       truth.single_transmittance.standard_error, truth.transmittance.standard_error,
                       truth.single_reflectance.standard_error, truth.reflectance.standard_error);
+  write_plot(options, all);
   write_json(json, options.common);
   print(options.common, text);
 }
@@ -188,6 +238,7 @@ void run_rough_transmission(const BsdfOptions& options) {
   if (options.compare) return compare_methods(options);
   const std::string method = options.method.empty() ? "analytic" : options.method;
   const RoughSurfaceScattering result = scatter(options, method, options.visibility);
+  write_plot(options, {{method, result}});
   write_json(to_json(options, method, result), options.common);
   print(options.common, to_text(options, method, result));
 }

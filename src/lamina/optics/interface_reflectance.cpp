@@ -1,13 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/optics/interface_reflectance.h"
 
+#include "lamina/core/parallel.h"
 #include "lamina/optics/facet_lattice.h"
 #include "lamina/optics/multiple_scattering.h"
 
 namespace lamina {
 namespace {
 
-constexpr int cosines = 129;  // odd, for Simpson's rule
+constexpr std::size_t cosines = 129;  // odd, for Simpson's rule
 
 struct Fractions {
   double reflectance = 0.0, transmittance = 0.0;
@@ -56,10 +57,11 @@ double reflected_share_of_higher_orders(const RoughInterface<double>& interface,
 void add_higher_orders(const RoughInterface<double>& interface, InterfaceReflectance& table) {
   constexpr std::size_t stride = 8;  // the share varies slowly
   static_assert((cosines - 1) % stride == 0);
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < cosines; i += stride)
-    shares.push_back(reflected_share_of_higher_orders(
-        interface, std::max(static_cast<double>(i) / (cosines - 1), 1e-3)));
+  std::vector<double> shares((cosines - 1) / stride + 1);
+  parallel_for(shares.size(), [&](std::size_t k) {
+    shares[k] = reflected_share_of_higher_orders(
+        interface, std::max(static_cast<double>(k * stride) / (cosines - 1), 1e-3));
+  });
   for (std::size_t i = 0; i < cosines; ++i) {
     const std::size_t k = std::min(i / stride, shares.size() - 2);
     const double t = static_cast<double>(i - k * stride) / stride;
@@ -92,13 +94,15 @@ InterfaceReflectance make_interface_reflectance(const RoughInterface<double>& in
                                                 FacetMasking masking) {
   const bool is_smooth = is_specular(interface);
   InterfaceReflectance table;
-  for (int i = 0; i < cosines; ++i) {
+  table.reflectance.resize(cosines);
+  table.transmittance.resize(cosines);
+  parallel_for(cosines, [&](std::size_t i) {
     const double cos_i = static_cast<double>(i) / (cosines - 1);
     const Fractions f = is_smooth ? smooth_fractions(cos_i, interface.eta)
                                   : rough_fractions(interface, std::max(cos_i, 1e-6), masking);
-    table.reflectance.push_back(f.reflectance);
-    table.transmittance.push_back(f.transmittance);
-  }
+    table.reflectance[i] = f.reflectance;
+    table.transmittance[i] = f.transmittance;
+  });
   if (masking == FacetMasking::smith_multiple && !is_smooth) add_higher_orders(interface, table);
   table.diffuse_reflectance =
       is_smooth ? fresnel_diffuse(interface.eta) : cosine_mean(table.reflectance);

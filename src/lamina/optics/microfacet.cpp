@@ -62,13 +62,17 @@ T sample_slope_from_above(T a, T u) {
   T e = c - (T{1} + c) * std::pow(T{1} - u, fit);
   T low = -edge, high = c;
   T x = T{0};
-  for (int step = 0; step < 40; ++step) {
+  for (int round = 0; round < 40; ++round) {
     if (!(low <= e && e <= high)) e = T{0.5} * (low + high);
     x = erf_inverse(e);
-    const T error = norm * (sqrtpi * a * (T{1} + e) + std::exp(-x * x)) - u;
+    const T bell = std::exp(-x * x);
+    const T error = norm * (sqrtpi * a * (T{1} + e) + bell) - u;
     if (std::abs(error) < inversion_tolerance<T>) break;
     (error > T{0} ? high : low) = e;
-    e -= error / (norm * sqrtpi * (a - x));
+    const T slope = sqrtpi * (a - x);
+    const T step = error / (norm * slope);
+    e -= step / std::max(T{0.5},
+                         T{1} + T(0.25) * std::numbers::pi_v<T> * step / (bell * slope));  // Halley
   }
   return std::min(x, a);
 }
