@@ -57,7 +57,7 @@ TEST(Microfacets, ProjectedAreaIsTheIntegralOverTheFacetsThatFaceTheView) {
       }
 }
 
-// What is seen fills the view: G1 times the area that faces it is the cosine, [Heitz2014] Eq. 14.
+// What is seen fills the view: G1 times the area that faces it is the cosine: [Heitz2014].
 TEST(Microfacets, MaskingLeavesTheAreaOfTheMeanPlane) {
   for (const auto distribution : distributions)
     for (const double alpha : {0.01, 0.3, 1.0})

@@ -6,7 +6,7 @@
 
 namespace lamina::detail {
 
-/// Light on its way between the facets of a rough interface, [Heitz2016] §5.
+/// Light on its way between the facets of a rough interface, [Heitz2016].
 ///
 /// Heights enter only through u, the share of facets that are lower, so that the walk is the same
 /// for every law of heights. Light inside the second medium is described in a frame turned over:
@@ -25,7 +25,7 @@ struct FacetWalk {
 /// Where the light goes next: true, and u at the facet, if it meets one; false if it leaves.
 ///
 /// A ray that rises from u is blocked below u' with the probability 1 - (u / u')^Lambda, one that
-/// falls below u' with 1 - (u' / u)^(1 + Lambda), so it always is: [Heitz2016] Eqs. 14-18.
+/// falls below u' with 1 - (u' / u)^(1 + Lambda), so it always is: [Heitz2016].
 ///
 /// @param lambda  Smith's Lambda of the upward direction of the ray, or a rival's.
 [[nodiscard]] inline bool meets_facet(FacetWalk& walk, double lambda, Random& random) {

@@ -9,8 +9,8 @@ namespace {
 template <class T>
 constexpr T inversion_tolerance = sizeof(T) == 4 ? T(1e-6) : T(1e-12);
 
-/// Inverse of erf on (-1, 1). Source: [Giles2012] Table 5, to 4e-7 relative; in double one step of
-/// Halley's method follows, to 1e-13.
+/// Inverse of erf on (-1, 1). Source: [Giles2012], single precision, to 4e-7 relative; in double
+/// one step of Halley's method follows, to 1e-13.
 template <class T>
 T erf_inverse(T x) {
   T w = -std::log((T{1} - x) * (T{1} + x));
@@ -49,7 +49,8 @@ double erfc_scaled(double z) {
 /// Slope x of a visible facet of a unit-roughness Beckmann surface along the view: its density is
 /// proportional to (a - x) exp(-x^2) for x < a, where a >= 0 is the cotangent of the view's angle.
 ///
-/// As a function of e = erf(x) the distribution is concave, so that Newton's method is safe.
+/// As a function of e = erf(x) the distribution is concave, so that Newton's and Halley's steps
+/// are safe.
 template <class T>
 T sample_slope_from_above(T a, T u) {
   constexpr T sqrtpi = T{1} / std::numbers::inv_sqrtpi_v<T>;

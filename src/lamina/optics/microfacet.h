@@ -40,7 +40,7 @@ template <class T>
 /// the integral of D(n) max(0, dot(w, n)). For a direction below the mean plane it is what a ray
 /// rising towards the surface from inside the hollows would meet.
 ///
-/// Source: [Heitz2014] Eq. 22 with his Eqs. 71 and 75; the same formulas hold for w.z < 0.
+/// Source: [Heitz2014], cos(theta) (1 + Lambda); the same formulas hold for w.z < 0.
 template <class T>
 [[nodiscard]] T projected_facet_area(const Microfacets<T>& facets, const BasicVec3<T>& w) {
   const T sin2 = w.x * w.x + w.y * w.y;
@@ -57,7 +57,7 @@ template <class T>
 
 /// Smith's Lambda of a direction with 0 < w.z <= 1: facets hidden per facet seen.
 ///
-/// Source: [Heitz2014] Eqs. 71 (GGX) and 75 (Beckmann).
+/// Source: [Heitz2014] §5.3, Eq. 72 for GGX.
 template <class T>
 [[nodiscard]] T smith_lambda(const Microfacets<T>& facets, const BasicVec3<T>& w) {
   assert(w.z > T{0});
@@ -89,7 +89,7 @@ template <class T>
 
 /// Fraction of the facets that is seen from wi above and from wo below the surface, 0 < wi.z and
 /// wo.z < 0. High facets are more likely seen from above and less from below: Euler's beta function
-/// of 1 + Lambda_i and 1 + Lambda_o. Source: [Heitz2016] Eq. 47 of its supplement.
+/// of 1 + Lambda_i and 1 + Lambda_o. Source: [Heitz2016].
 template <class T>
 [[nodiscard]] T masking_shadowing_through(const Microfacets<T>& facets, const BasicVec3<T>& wi,
                                           const BasicVec3<T>& wo);
@@ -98,7 +98,7 @@ template <class T>
 /// lit from wi and seen from wo, both above. For the papers that use it; Smith's is nearer to
 /// nature.
 ///
-/// Source: [TorranceSparrow1967], as given by [CookTorrance1982] Eq. 3.
+/// Source: [TorranceSparrow1967], as given by [CookTorrance1982].
 template <class T>
 [[nodiscard]] T v_cavity_masking(const BasicVec3<T>& wi, const BasicVec3<T>& wo,
                                  const BasicVec3<T>& h) {
@@ -112,13 +112,13 @@ template <class T>
 /// @param w       unit vector, away from the surface; it may lie below the mean plane.
 /// @param u1, u2  uniform in [0, 1).
 ///
-/// Source: GGX [DupuyBenyoub2023] §3; Beckmann [HeitzDeon2014] §5, whose inversion is solved to
-/// 1e-12 (float: 1e-6) by Newton steps in the variable of [Jakob2014].
+/// Source: GGX [DupuyBenyoub2023]; Beckmann [HeitzDeon2014], whose inversion is solved to 1e-12
+/// (float: 1e-6) by Halley steps in the variable of [Jakob2014].
 template <class T>
 [[nodiscard]] BasicVec3<T> sample_visible_normal(const Microfacets<T>& facets,
                                                  const BasicVec3<T>& w, T u1, T u2);
 
-/// Density of visible normals [1/sr]. Source: [Heitz2014] Eq. 16.
+/// Density of visible normals [1/sr]. Source: [Heitz2014].
 template <class T>
 [[nodiscard]] T pdf_visible_normal(const Microfacets<T>& facets, const BasicVec3<T>& w,
                                    const BasicVec3<T>& n) {
