@@ -4,8 +4,7 @@
 set -euo pipefail
 
 build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
-  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev libtinygltf-dev
-  libtinyobjloader-dev)
+  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev)
 test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema)
 
 install_packages() {
