@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/diffusion_kernels.h"
 
 namespace lamina {
 namespace {
@@ -106,10 +107,10 @@ DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, cons
     profile.total_transmittance.push_back(total.transmission_down);
     result.thin_layers.push_back(thin_layers(models[b]));
     const double unscattered = unscattered_transmittance(models[b]);
+    const StackSpectrum spectrum = stack_spectrum(models[b], plan.k);
     for (std::size_t j = 0; j < plan.k.size(); ++j) {
-      const LayerResponse at_k = response(models[b], plan.k[j]);
-      spectra[j * channels + b] = at_k.reflection_above;
-      spectra[j * channels + bands + b] = at_k.transmission_down - unscattered;
+      spectra[j * channels + b] = spectrum.reflection_above[j];
+      spectra[j * channels + bands + b] = spectrum.transmission_down[j] - unscattered;
     }
   }
   for (std::size_t j = 0; j < plan.k.size(); ++j)

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/diffusion_kernels.h"
 
 namespace lamina {
 namespace {
@@ -124,17 +125,10 @@ std::vector<double> inverse_hankel(const HankelPlan& plan, std::span<const doubl
     const double weight = plan.k[j] * plan.k_step * below / (2.0 * pi);
     for (std::size_t c = 0; c < channels; ++c) weighted[j * channels + c] *= weight;
   }
-  std::vector<double> profiles(plan.r.size() * channels, 0.0);
-  for (std::size_t i = 0; i < plan.r.size(); ++i) {
-    double* const sum = &profiles[i * channels];
-    const std::size_t start = i * plan.r_stride;
-    for (std::size_t j = 0; j < k_size && start + j * plan.k_stride < plan.kernel.size(); ++j) {
-      const double kernel = plan.kernel[start + j * plan.k_stride];
-      const double* const row = &weighted[j * channels];
-      for (std::size_t c = 0; c < channels; ++c) sum[c] += kernel * row[c];
-    }
-    for (std::size_t c = 0; c < channels; ++c) sum[c] /= plan.r[i];
-  }
+  std::vector<double> profiles = detail::correlate(plan.kernel, plan.r_stride, plan.k_stride,
+                                                   weighted, channels, plan.r.size());
+  for (std::size_t i = 0; i < plan.r.size(); ++i)
+    for (std::size_t c = 0; c < channels; ++c) profiles[i * channels + c] /= plan.r[i];
   return profiles;
 }
 

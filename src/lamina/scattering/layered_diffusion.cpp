@@ -25,14 +25,6 @@ double reflection_of_ground(const Ground& ground, double reflectance_outside) {
   return rho * (1.0 - reflectance_outside) / (1.0 - rho * reflectance_outside);
 }
 
-LayerResponse ground_response(const LayeredDiffusion& model) {
-  if (model.ground_reflection == 0.0) return {};
-  return {.reflection_above = model.ground_reflection,
-          .transmission_down = 0.0,
-          .reflection_below = 0.0,
-          .transmission_up = 0.0};
-}
-
 }  // namespace
 
 LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const DiffusionOptions& options) {
@@ -55,6 +47,14 @@ LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const Diffusion
         stack.ground(), diffuse_reflectance_inside(stack.ground().top, stack.ior_below(),
                                                    layers.back().medium.ior, options.fresnel));
   return model;
+}
+
+LayerResponse ground_response(const LayeredDiffusion& model) {
+  if (model.ground_reflection == 0.0) return {};
+  return {.reflection_above = model.ground_reflection,
+          .transmission_down = 0.0,
+          .reflection_below = 0.0,
+          .transmission_up = 0.0};
 }
 
 LayerResponse response(const LayeredDiffusion& model, double k) {

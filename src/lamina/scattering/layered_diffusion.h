@@ -29,6 +29,9 @@ struct LayeredDiffusion {
 [[nodiscard]] LayeredDiffusion make_layered_diffusion(const LayerStack& stack,
                                                       const DiffusionOptions& options = {});
 
+/// Response of what is under the last layer: open space, or a ground that lets nothing pass.
+[[nodiscard]] LayerResponse ground_response(const LayeredDiffusion& model);
+
 /// Response of the whole stack at spatial frequency k [1/mm], k >= 0, per flux that has entered.
 [[nodiscard]] LayerResponse response(const LayeredDiffusion& model, double k);
 
