@@ -171,6 +171,20 @@ TEST(PlotAxis, NeverHasTooManyTicks) {
             << low << " " << ratio;
 }
 
+TEST(Plot, BreaksALongCaptionAtSpaces) {
+  Plot plot = two_panels();
+  const std::string short_svg = format_svg(plot);
+  plot.caption = "word";
+  for (int i = 0; i < 200; ++i) plot.caption += " word";
+  const std::string svg = format_svg(plot);
+  EXPECT_GE(count(svg, ">word word"), 3);
+  const auto width = [](const std::string& text) {
+    const std::size_t start = text.find("width=");
+    return text.substr(start, text.find(' ', start) - start);
+  };
+  EXPECT_EQ(width(svg), width(short_svg));
+}
+
 TEST(Plot, BandsHaveTheirOwnColors) {
   EXPECT_EQ(band_label(BandSet::rgb(), 0), "R");
   EXPECT_EQ(band_label(default_spectral_bands(), 3), "505 nm");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <sstream>
 
 #include "lamina/core/error.h"
 #include "lamina/image/file_bytes.h"
@@ -70,6 +71,20 @@ std::string wavelength_color(double wavelength) {
 }
 
 constexpr double margin = 12.0, gap = 14.0;
+constexpr double caption_size = 10.0;
+
+/// The caption in lines no wider than the figure [px], broken at spaces.
+std::vector<std::string> wrapped(const std::string& caption, double width) {
+  std::vector<std::string> lines;
+  std::istringstream words(caption);
+  for (std::string word; words >> word;) {
+    if (lines.empty() || text_width(lines.back() + " " + word, caption_size) > width)
+      lines.push_back(word);
+    else
+      lines.back() += " " + word;
+  }
+  return lines;
+}
 
 }  // namespace
 
@@ -119,8 +134,7 @@ std::string format_svg(const Plot& plot) {
     canvas.text(margin, y + 14.0, plot.title, {.size = 15.0, .is_bold = true});
     y += 26.0;
   }
-  double width =
-      2.0 * margin + std::max(text_width(plot.title, 16.5), text_width(plot.caption, 10.0));
+  double width = 2.0 * margin + text_width(plot.title, 16.5);
   for (std::size_t row = 0; row < rows; ++row) {
     double x = margin;
     y += top[row];
@@ -136,9 +150,10 @@ std::string format_svg(const Plot& plot) {
     }
     y += plot.panel_height + bottom[row] + (row + 1 < rows ? gap : 0.0);
   }
-  if (!plot.caption.empty()) {
-    y += 18.0;
-    canvas.text(margin, y, plot.caption, {.size = 10.0, .color = "#666666"});
+  y += plot.caption.empty() ? 0.0 : 4.0;
+  for (const std::string& line : wrapped(plot.caption, width - 2.0 * margin)) {
+    y += 14.0;
+    canvas.text(margin, y, line, {.size = caption_size, .color = "#666666"});
   }
   return canvas.finish(width, y + margin);
 }

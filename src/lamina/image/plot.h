@@ -57,7 +57,7 @@ struct Panel {
 
 struct Plot {
   std::string title;
-  std::string caption;  ///< small, below: source, numbers of photons, ...
+  std::string caption;  ///< small, below, in as many lines as it takes: source, photons, ...
   std::vector<Panel> panels;
   int columns = 0;  ///< of panels; 0: as nearly square as can be, wide first
   double panel_width = 400.0, panel_height = 300.0;  ///< of the data areas [px]

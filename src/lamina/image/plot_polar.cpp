@@ -27,7 +27,7 @@ Disc disc_of(const PreparedPanel& prepared, const Box& data) {
     return {data.x + 0.5 * data.width, data.y + 0.5 * data.height, radius};
   }
   const double radius = std::min(0.5 * data.width, data.height - room) - room;
-  return {data.x + 0.5 * data.width, data.y + room + radius, radius};
+  return {data.x + 0.5 * data.width, data.bottom() - room, radius};
 }
 
 std::vector<Chain> chains_of(const Curve& curve, const PreparedPanel& prepared, const Disc& disc) {
