@@ -157,7 +157,8 @@ TEST(LayeredDiffusion, GroundSendsBackWhatItReflects) {
   };
   const SlabTotals on_white = on(1.0), on_grey = on(0.5), on_air = on(0.0);
   EXPECT_NEAR(on_white.diffuse_reflectance, 1.0 - on_white.specular_reflectance, 1e-14);
-  EXPECT_EQ(on_white.transmittance, 0.0);
+  EXPECT_NEAR(on_white.transmittance, 0.0, 1e-14);
+  EXPECT_GT(on_air.transmittance, on_grey.transmittance);
   EXPECT_GT(on_white.diffuse_reflectance, on_grey.diffuse_reflectance);
   EXPECT_GT(on_grey.diffuse_reflectance, on_air.diffuse_reflectance);
   // Kubelka's formula for a layer on a ground, with the ladder between ground and boundary.

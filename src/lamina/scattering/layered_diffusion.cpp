@@ -90,7 +90,7 @@ SlabTotals diffusion_totals(const LayerStack& stack, const Incidence& incidence,
   const double entered = entry_transmittance(stack, incidence);
   SlabTotals totals{.specular_reflectance = 1.0 - entered,
                     .diffuse_reflectance = entered * beneath[0].reflection_above,
-                    .transmittance = entered * beneath[0].transmission_down,
+                    .transmittance = 0.0,
                     .absorptance = {}};
   LayerResponse above;
   double net_into = entered * (1.0 - beneath[0].reflection_above);
@@ -102,6 +102,7 @@ SlabTotals diffusion_totals(const LayerStack& stack, const Incidence& incidence,
     totals.absorptance.push_back(std::max(0.0, net_into - net_out));  // rounding at sigma_a = 0
     net_into = net_out;
   }
+  totals.transmittance = is_semi_infinite(stack) ? 0.0 : std::max(0.0, net_into);
   return totals;
 }
 

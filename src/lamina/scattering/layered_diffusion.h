@@ -45,8 +45,8 @@ struct LayeredDiffusion {
 
 /// What becomes of the light that arrives on a stack, by diffusion at k = 0. The absorptance of a
 /// layer is the net flux into it; the light that enters does so as diffuse flux, whatever its
-/// angle, so incidence counts in the specular reflectance only. With a reflecting ground nothing is
-/// transmitted.
+/// angle, so incidence counts in the specular reflectance only. Over a ground that reflects,
+/// `transmittance` is what the ground takes.
 ///
 /// @throws InvalidInput as make_layered_diffusion.
 [[nodiscard]] SlabTotals diffusion_totals(const LayerStack& stack, const Incidence& incidence,
