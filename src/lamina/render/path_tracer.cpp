@@ -14,6 +14,15 @@ namespace {
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr int max_steps = 48;  // of one path, glass included
 
+/// Directions to lights are drawn by the handful, weighed without shadows, and one of them traced.
+constexpr int light_candidates = 4;
+
+/// What a surface makes of light from one direction.
+struct Lobes {
+  float specular = 0.0f, base = 0.0f;  ///< BRDFs [1/sr], base for a reflectance of 1
+  float scale = 0.0f;                  ///< cosine, and share among the ways to draw the direction
+};
+
 /// A direction around +z with density cos / pi.
 Vec3f draw_cosine(Vec2f u) {
   // Concentric map of the square to the disc: it keeps the strata of the samples compact.
@@ -58,14 +67,53 @@ float PathTracer<N>::weight_of_surface_sample(float pdf, float pdf_light) const 
   if (pdf == 0.0f || pdf_light == 0.0f) return 1.0f;  // the light sampling cannot find it
   if (options_.direct_light == DirectLight::surfaces_only) return 1.0f;
   if (options_.direct_light == DirectLight::lights_only) return 0.0f;
-  return square(pdf) / (square(pdf) + square(pdf_light));  // the power heuristic
+  return square(pdf) / (square(pdf) + square(light_candidates * pdf_light));  // the power heuristic
 }
 
 template <int N>
 float PathTracer<N>::weight_of_light_sample(const LightSample& light, float pdf) const {
   if (light.is_delta || options_.direct_light == DirectLight::lights_only) return 1.0f;
   if (options_.direct_light == DirectLight::surfaces_only) return 0.0f;
-  return square(light.pdf) / (square(pdf) + square(light.pdf));
+  const float pdf_light = light_candidates * light.pdf;
+  return square(pdf_light) / (square(pdf) + square(pdf_light));
+}
+
+template <int N>
+template <class Value>
+typename PathTracer<N>::LightDrawn PathTracer<N>::draw_light(const SurfacePoint& point,
+                                                             PixelSamples& samples,
+                                                             const Value& value) const {
+  const float u_light = samples.next_1d();
+  const Vec2f u = samples.next_2d();
+  const auto fraction = [](float x) { return x - std::floor(x); };
+  LightDrawn chosen;
+  float total = 0.0f, chosen_brightness = 0.0f, u_left = samples.next_1d();
+  for (int i = 0; i < light_candidates; ++i) {
+    // A lattice of candidates, moved as one: [Roberts2018]'s R2 sequence.
+    const auto k = static_cast<float>(i);
+    const LightSample light = scene_.lights.sample_light(
+        point.position, fraction(u_light + k / light_candidates),
+        {fraction(u.x + 0.7548777f * k), fraction(u.y + 0.5698403f * k)});
+    if (!(light.pdf > 0.0f)) continue;
+    const float brightness =
+        (light.radiance.x + light.radiance.y + light.radiance.z) * value(light) / light.pdf;
+    if (!(brightness > 0.0f)) continue;
+    total += brightness;
+    const float chance = brightness / total;
+    if (u_left < chance) {
+      u_left /= chance;
+      chosen.light = light;
+      chosen_brightness = brightness;
+    } else {
+      u_left = (u_left - chance) / std::max(1.0f - chance, 1e-9f);
+    }
+  }
+  if (!(total > 0.0f)) return chosen;
+  const LightSample& light = chosen.light;
+  const Ray ray{leave_surface(point, light.direction), light.direction};
+  const float visible = clear_fraction(scene_, ray, 0.9999f * light.distance);
+  chosen.weight = visible * total / (chosen_brightness * light.pdf * light_candidates);
+  return chosen;
 }
 
 template <int N>
@@ -99,27 +147,31 @@ typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& sur
                                                               bool with_base, float specular_chance,
                                                               float base_chance,
                                                               PixelSamples& samples) const {
-  const float u_light = samples.next_1d();
-  const LightSample light =
-      scene_.lights.sample_light(surface.point.position, u_light, samples.next_2d());
-  if (!(light.pdf > 0.0f)) return {};
-  const Vec3f wi = surface.frame.to_local(light.direction);
-  if (!(wi.z > 0.0f) || !(dot(light.direction, surface.point.geometric_normal) > 0.0f)) return {};
-  const float specular = specular_brdf(surface.boundary, wi, surface.wo);
-  const float base = with_base ? (1.0f - reflectance(surface.boundary, wi.z)) *
-                                     exit_distribution(surface.boundary, surface.wo.z)
-                               : 0.0f;
-  if (!(specular + base > 0.0f)) return {};
-  float pdf = base_chance * wi.z / pi;
-  if (specular > 0.0f && !light.is_delta)
-    pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-  const float scale = wi.z / light.pdf * weight_of_light_sample(light, pdf);
-  if (!(scale > 0.0f)) return {};
-  const Ray ray{leave_surface(surface.point, light.direction), light.direction};
-  const float visible = clear_fraction(scene_, ray, 0.9999f * light.distance);
-  if (visible == 0.0f) return {};
-  const Bands arriving = visible * scale * conversion_.from_rgb(light.radiance);
-  return {.specular = specular * arriving, .base = base * surface.reflectance * arriving};
+  const auto reflected = [&](const LightSample& light) {
+    const Vec3f wi = surface.frame.to_local(light.direction);
+    Lobes lobes;
+    if (!(wi.z > 0.0f) || !(dot(light.direction, surface.point.geometric_normal) > 0.0f))
+      return lobes;
+    lobes.specular = specular_brdf(surface.boundary, wi, surface.wo);
+    if (with_base)
+      lobes.base = (1.0f - reflectance(surface.boundary, wi.z)) *
+                   exit_distribution(surface.boundary, surface.wo.z);
+    if (!(lobes.specular + lobes.base > 0.0f)) return lobes;
+    float pdf = base_chance * wi.z / pi;
+    if (lobes.specular > 0.0f && !light.is_delta)
+      pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
+    lobes.scale = wi.z * weight_of_light_sample(light, pdf);
+    return lobes;
+  };
+  const float base_brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
+  const LightDrawn drawn = draw_light(surface.point, samples, [&](const LightSample& light) {
+    const Lobes lobes = reflected(light);
+    return lobes.scale * (lobes.specular + base_brightness * lobes.base);
+  });
+  if (!(drawn.weight > 0.0f)) return {};
+  const Lobes lobes = reflected(drawn.light);
+  const Bands arriving = drawn.weight * lobes.scale * conversion_.from_rgb(drawn.light.radiance);
+  return {.specular = lobes.specular * arriving, .base = lobes.base * surface.reflectance * arriving};
 }
 
 template <int N>
@@ -127,17 +179,14 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
                                                  PixelSamples& samples) const {
   const SurfaceBoundary boundary = boundary_at(scene_, entry);
   Bands irradiance;
-  const float u_light = samples.next_1d();
-  const LightSample light = scene_.lights.sample_light(entry.position, u_light, samples.next_2d());
-  const float cos_light = dot(light.direction, entry.normal);
-  if (light.pdf > 0.0f && cos_light > 0.0f && dot(light.direction, entry.geometric_normal) > 0.0f) {
-    const float scale = cos_light / light.pdf * weight_of_light_sample(light, cos_light / pi) *
-                        (1.0f - reflectance(boundary, cos_light));
-    const Ray ray{leave_surface(entry, light.direction), light.direction};
-    const float visible =
-        scale > 0.0f ? clear_fraction(scene_, ray, 0.9999f * light.distance) : 0.0f;
-    if (visible > 0.0f) irradiance += visible * scale * conversion_.from_rgb(light.radiance);
-  }
+  const auto entering = [&](const LightSample& light) {
+    const float cos_i = dot(light.direction, entry.normal);
+    if (!(cos_i > 0.0f) || !(dot(light.direction, entry.geometric_normal) > 0.0f)) return 0.0f;
+    return cos_i * (1.0f - reflectance(boundary, cos_i)) * weight_of_light_sample(light, cos_i / pi);
+  };
+  const LightDrawn drawn = draw_light(entry, samples, entering);
+  if (drawn.weight > 0.0f)
+    irradiance += drawn.weight * entering(drawn.light) * conversion_.from_rgb(drawn.light.radiance);
   const Framef frame = make_frame(entry.normal);
   const Vec3f wi = draw_cosine(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);

@@ -76,6 +76,16 @@ class PathTracer {
   [[nodiscard]] Bands follow(Ray ray, Path path, PixelSamples& samples, CameraSample* first) const;
   [[nodiscard]] Surface make_surface(const SurfacePoint& point, const Vec3f& towards_eye) const;
 
+  struct LightDrawn {
+    LightSample light;
+    float weight = 0.0f;  ///< on its radiance, shadows included; 0: nothing to be had
+  };
+  /// A light, drawn in proportion to what it would give: `value(LightSample)` is the factor on its
+  /// radiance. Source: [Talbot2005], with one visibility for all candidates.
+  template <class Value>
+  [[nodiscard]] LightDrawn draw_light(const SurfacePoint& point, PixelSamples& samples,
+                                      const Value& value) const;
+
   /// Light from one light sample, mirrored and, if asked for, scattered by the base.
   struct Reflected {
     Bands specular, base;
