@@ -171,7 +171,8 @@ typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& sur
   if (!(drawn.weight > 0.0f)) return {};
   const Lobes lobes = reflected(drawn.light);
   const Bands arriving = drawn.weight * lobes.scale * conversion_.from_rgb(drawn.light.radiance);
-  return {.specular = lobes.specular * arriving, .base = lobes.base * surface.reflectance * arriving};
+  return {.specular = lobes.specular * arriving,
+          .base = lobes.base * surface.reflectance * arriving};
 }
 
 template <int N>
@@ -182,7 +183,8 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
   const auto entering = [&](const LightSample& light) {
     const float cos_i = dot(light.direction, entry.normal);
     if (!(cos_i > 0.0f) || !(dot(light.direction, entry.geometric_normal) > 0.0f)) return 0.0f;
-    return cos_i * (1.0f - reflectance(boundary, cos_i)) * weight_of_light_sample(light, cos_i / pi);
+    return cos_i * (1.0f - reflectance(boundary, cos_i)) *
+           weight_of_light_sample(light, cos_i / pi);
   };
   const LightDrawn drawn = draw_light(entry, samples, entering);
   if (drawn.weight > 0.0f)

@@ -257,15 +257,19 @@ BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
     for (const Hit& hit : found.all()) {
       const SurfacePoint candidate = make_surface_point(scene_.scene->meshes, hit, point.footprint);
       const Vec3f offset = candidate.position - point.position;
-      const float d2 = dot(offset, offset);
-      float density = 0.0f;  // mean number of probes that find the point, per area of the surface
-      for (std::size_t a = 0; a < 3; ++a) {
-        const float facing = std::abs(dot(candidate.geometric_normal, axes[a]));
-        const float height = dot(offset, axes[a]);
-        if (facing > 0.0f)
-          density += probes_along[a] * facing *
-                     table.density(std::sqrt(std::max(d2 - height * height, 0.0f)));
-      }
+      // Each point belongs to the axis that its facet faces most, and counts on that one alone.
+      const Vec3f facing{std::abs(dot(candidate.geometric_normal, axes[0])),
+                         std::abs(dot(candidate.geometric_normal, axes[1])),
+                         std::abs(dot(candidate.geometric_normal, axes[2]))};
+      const std::size_t own_axis = facing.z >= facing.x && facing.z >= facing.y ? 2
+                                   : facing.x >= facing.y                       ? 0
+                                                                                : 1;
+      if (own_axis != axis) continue;
+      const float height = dot(offset, probe);
+      const float across_probe = std::sqrt(std::max(dot(offset, offset) - height * height, 0.0f));
+      // Mean number of probes that find the point, per area of the surface.
+      const float density =
+          probes_along[axis] * facing[static_cast<int>(axis)] * table.density(across_probe);
       if (!(density > 0.0f)) continue;
       const Bands spread_here =
           (1.0f / density) * spread(local, offset, point.smooth_normal, candidate.smooth_normal);

@@ -36,9 +36,11 @@ using ProfileMaker = std::function<Profile(const Material&)>;
 /// Where the object is thin, the profiles are those of a slab of its thickness there, coated on
 /// both sides by the layers above the last, and transmission is blended in by the normals.
 ///
-/// Source: [DonnerJensen2005] Eqs. 25, 27; the three axes [King2013]. Departures: the normal that
-/// probes start from is the smooth one, since a bump map's would throw them off; of several hits
-/// one is drawn by its weight.
+/// Source: [DonnerJensen2005] Eqs. 25, 27; the three axes [King2013]. Departures: there the axes
+/// are combined by the balance heuristic, which on a gently curved surface lets grazing probes
+/// along the tangents spoil the even samples of the normal; here the axes share the points out. The
+/// normal that probes start from is the smooth one, since a bump map's would throw them off; of
+/// several hits one is drawn by its weight.
 template <int N>
 class ProfileTransport final : public SubsurfaceTransport<N> {
  public:

@@ -70,7 +70,7 @@ RadiusGrid make_radius_grid(const std::vector<Profile>& profiles, double kept) {
       }
   if (!(reach > 0.0)) reach = 1.0;  // black
   return {
-      .first = static_cast<float>(1e-5 * reach), .last = static_cast<float>(reach), .count = 192};
+      .first = static_cast<float>(1e-5 * reach), .last = static_cast<float>(reach), .count = 512};
 }
 
 template <int N>
