@@ -12,6 +12,7 @@ namespace lamina::cli {
 void add_bsdf_command(CLI::App& app);
 void add_materials_command(CLI::App& app);
 void add_profile_command(CLI::App& app);
+void add_render_command(CLI::App& app);
 void add_slab_command(CLI::App& app);
 
 }  // namespace lamina::cli

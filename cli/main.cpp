@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
   add_bsdf_command(app);
   add_materials_command(app);
   add_profile_command(app);
+  add_render_command(app);
   add_slab_command(app);
   try {
     watch_for_interrupt();

@@ -1,0 +1,180 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/image/image_file.h"
+#include "lamina/image/tone.h"
+#include "lamina/render/render.h"
+#include "lamina/render/scene.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderCommandOptions {
+  CommonOptions common;
+  std::string scene, output, method;
+  int samples = 0, width = 0, height = 0, max_bounces = -1;
+  float exposure = 0.0f;
+  CLI::Option* seed = nullptr;
+  CLI::Option* exposure_given = nullptr;
+};
+
+struct OutputFiles {
+  fs::path exr, png;  ///< empty: not wanted
+};
+
+/// By the ending of the name: one file, or both if it has none of the two.
+OutputFiles output_files(const RenderCommandOptions& options) {
+  const fs::path name =
+      options.output.empty() ? fs::path(options.scene).stem() : fs::path(options.output);
+  if (!name.has_filename())
+    throw InvalidInput("--output " + name.string() + ": a file name is required");
+  if (name.extension() == ".exr") return {name, {}};
+  if (name.extension() == ".png") return {{}, name};
+  if (!options.output.empty() && name.has_extension())
+    throw InvalidInput("--output " + name.string() +
+                       ": the name must end in .exr or .png, or in neither for both");
+  return {name.string() + ".exr", name.string() + ".png"};
+}
+
+/// Found out before the work, not after it.
+void require_writable(const fs::path& file) {
+  if (file.empty()) return;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder))
+    throw FileError(folder.string() + ": there is no such folder to write to");
+  if (access(folder.c_str(), W_OK) != 0)
+    throw FileError(folder.string() + ": the folder is not writable");
+  if (fs::is_directory(file))
+    throw FileError(file.string() + ": is a folder, but a file is to be written");
+  if (fs::exists(file) && access(file.c_str(), W_OK) != 0)
+    throw FileError(file.string() + ": the file is not writable");
+}
+
+RenderSettings::Method method_named(const std::string& name) {
+  using Method = RenderSettings::Method;
+  constexpr std::array<std::pair<const char*, Method>, 6> methods = {
+      {{"profile", Method::profile},
+       {"layered_bsdf", Method::layered_bsdf},
+       {"hierarchy", Method::hierarchy},
+       {"shadow_map", Method::shadow_map},
+       {"texture_space", Method::texture_space},
+       {"random_walk", Method::random_walk}}};
+  for (const auto& [known, method] : methods)
+    if (name == known) return method;
+  throw InvalidInput("--method: must be profile, but is " + name);
+}
+
+void apply(const RenderCommandOptions& options, Scene& scene) {
+  if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
+  if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
+  if (!options.method.empty()) scene.render.method = method_named(options.method);
+  if (options.seed->count() > 0) scene.render.seed = options.common.seed;
+  if (options.exposure_given->count() > 0) scene.film.exposure = options.exposure;
+  // One side alone keeps the proportions.
+  const double aspect = static_cast<double>(scene.film.width) / scene.film.height;
+  if (options.width > 0 && options.height == 0)
+    scene.film.height = std::max(1, static_cast<int>(std::lround(options.width / aspect)));
+  if (options.height > 0 && options.width == 0)
+    scene.film.width = std::max(1, static_cast<int>(std::lround(options.height * aspect)));
+  if (options.width > 0) scene.film.width = options.width;
+  if (options.height > 0) scene.film.height = options.height;
+}
+
+void run_render(const RenderCommandOptions& options) {
+  if (options.common.threads > 0) set_thread_count(options.common.threads);
+  const OutputFiles files = output_files(options);
+  require_writable(files.exr);
+  require_writable(files.png);
+  Scene scene = load_scene(options.scene);
+  for (const std::string& warning : scene.warnings)
+    fmt::print(stderr, "lamina: warning: {}\n", warning);
+  apply(options, scene);
+
+  const RenderResult result = render(scene, {}, make_progress("rendering"));
+  std::string written;
+  if (!files.exr.empty()) {
+    save_exr(result.image, files.exr);
+    written += files.exr.string();
+  }
+  if (!files.png.empty()) {
+    const View view = scene.film.view == Film::View::filmic ? View::filmic : View::standard;
+    save_png(view_image(result.image, view, static_cast<double>(scene.film.exposure)), files.png);
+    written += (written.empty() ? "" : ", ") + files.png.string();
+  }
+
+  const RenderStatistics& s = result.statistics;
+  print(options.common,
+        fmt::format("{}{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {:.2f} % noise, "
+                    "{:.0f} MiB\n",
+                    s.is_complete ? "" : "stopped early: ", written, s.wall_seconds, s.cpu_seconds,
+                    s.samples_per_pixel, 100.0 * s.relative_noise, s.peak_memory_mib));
+  nlohmann::ordered_json json = make_result("render");
+  json["method"] = options.method.empty() ? "profile" : options.method;
+  json["wall_seconds"] = s.wall_seconds;
+  json["cpu_seconds"] = s.cpu_seconds;
+  json["samples_per_pixel"] = s.samples_per_pixel;
+  json["relative_noise"] = s.relative_noise;
+  json["peak_memory_mib"] = s.peak_memory_mib;
+  json["width"] = scene.film.width;
+  json["height"] = scene.film.height;
+  json["is_complete"] = s.is_complete;
+  json["warnings"] = scene.warnings;
+  write_json(json, options.common);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  auto options = std::make_shared<RenderCommandOptions>();
+  CLI::App* command = app.add_subcommand("render", "Renders a scene to an image.");
+  command->add_option("scene", options->scene, "scene file")->type_name("SCENE")->required();
+  command
+      ->add_option(
+          "-o,--output", options->output,
+          "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without either ending, "
+          "or without the option, both")
+      ->type_name("IMAGE");
+  const auto at_least_one = CLI::Range(1, 1 << 24);
+  command->add_option("--samples", options->samples, "samples per pixel")
+      ->type_name("N")
+      ->check(at_least_one);
+  command->add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65536));
+  command->add_option("--height", options->height, "height in pixels")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65536));
+  command->add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000));
+  command->add_option("--method", options->method, "of subsurface transport: profile")
+      ->type_name("NAME");
+  options->exposure_given =
+      command->add_option("--exposure", options->exposure, "stops, for the PNG only")
+          ->type_name("EV")
+          ->check(CLI::Range(-100.0, 100.0));
+  add_common_options(*command, options->common);
+  options->seed = command->get_option("--seed");
+  command->footer(
+      "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
+      "Example: lamina render scenes/head.json -o head.png --samples 16 --width 256");
+  command->callback([options] { run_render(*options); });
+}
+
+}  // namespace lamina::cli

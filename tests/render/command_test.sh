@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+# `lamina render`: what it writes, and how it ends.   command_test.sh LAMINA SCENES
+set -euo pipefail
+lamina=$1 scenes=$2
+folder=$(mktemp -d)
+trap 'chmod -R u+w "$folder"; rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# expect CODE TEXT ARGUMENT...: `lamina render ARGUMENT...` ends with CODE and prints TEXT.
+expect() {
+  local code=$1 text=$2 got=0; shift 2
+  "$lamina" render "$@" >output 2>&1 || got=$?
+  [ "$got" = "$code" ] || fail "render $*: exit code $got instead of $code: $(cat output)"
+  grep -qF -- "$text" output || fail "render $*: no '$text' in: $(cat output)"
+}
+
+scene=$scenes/sphere_skin.json
+small=(--samples 2 --width 24 --height 16)
+expect 0 'Example:' --help
+
+# Without a name both files, named after the scene; with an ending only that one.
+expect 0 'sphere_skin.png' "$scene" "${small[@]}" --json result.json
+[ -s sphere_skin.exr ] && [ -s sphere_skin.png ] || fail "not both files"
+for key in wall_seconds cpu_seconds samples_per_pixel relative_noise peak_memory_mib; do
+  grep -q "\"$key\"" result.json || fail "no $key in the JSON"
+done
+expect 0 'only.png' "$scene" "${small[@]}" -o only.png
+[ -s only.png ] && [ ! -e only.exr ] || fail "not the one file asked for"
+
+# The same picture for any number of threads, another for another seed.
+expect 0 '' "$scene" "${small[@]}" -o one.exr --threads 1
+expect 0 '' "$scene" "${small[@]}" -o two.exr --threads 2
+expect 0 '' "$scene" "${small[@]}" -o seed.exr --seed 5
+cmp -s one.exr two.exr || fail "the picture depends on the threads"
+cmp -s one.exr seed.exr && fail "the seed does nothing"
+
+# What cannot be written is refused before the work: such a scene would take hours.
+endless=(--samples 1000000 --width 4000)
+expect 2 'no such folder' "$scene" "${endless[@]}" -o no/such/folder/x.png
+expect 2 '.exr or .png' "$scene" "${endless[@]}" -o picture.jpg
+mkdir taken.png
+expect 2 'is a folder' "$scene" "${endless[@]}" -o taken.png
+if [ "$(id -u)" != 0 ]; then
+  mkdir locked; chmod a-w locked
+  expect 2 'not writable' "$scene" "${endless[@]}" -o locked/x.png
+fi
+expect 2 'there is no such file' no_scene.json
+expect 2 'method' "$scene" --method magic
+expect 2 'method' "$scene" --method random_walk
+
+# Ctrl-C keeps the picture as far as it got.
+"$lamina" render "$scene" --samples 1000000 --width 64 -o stopped >stopped.txt 2>&1 &
+pid=$!
+sleep 2
+kill -INT "$pid"
+got=0; wait "$pid" || got=$?
+[ "$got" = 130 ] || fail "interrupted: exit code $got instead of 130"
+[ -s stopped.exr ] && [ -s stopped.png ] || fail "interrupted: no picture"
