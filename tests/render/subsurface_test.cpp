@@ -212,7 +212,7 @@ TEST(Subsurface, SameImageForAnyNumberOfThreads) {
 
 // A non-absorbing sphere in even light loses only what the flat profile misses on a curved surface.
 TEST(Subsurface, SphereInEvenLightHasNoBlackExits) {
-  Scene scene = furnace(one_layer({0, 0, 0}, 20.0, 1.0), 1.0f, 64);
+  Scene scene = furnace(one_layer({0, 0, 0}, 20.0, 1.0), 1.0f, 256);
   scene.meshes = {make_sphere(5.0f)};
   scene.camera = camera_above(8.0);
   scene.film = {.width = 24, .height = 24};
