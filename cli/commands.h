@@ -11,6 +11,8 @@ namespace lamina::cli {
 // One file each: parse, call the library, print.
 void add_bsdf_command(CLI::App& app);
 void add_materials_command(CLI::App& app);
+void add_merge_command(CLI::App& app);
+void add_photons_command(CLI::App& app);
 void add_profile_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_slab_command(CLI::App& app);

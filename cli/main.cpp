@@ -19,6 +19,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   add_bsdf_command(app);
   add_materials_command(app);
+  add_merge_command(app);
+  add_photons_command(app);
   add_profile_command(app);
   add_render_command(app);
   add_slab_command(app);

@@ -23,6 +23,7 @@ class GroupWalker : public Walker {
 
   void run() {
     absorbed_.assign(groups * max_lanes * static_cast<std::size_t>(scene_.layers), 0.0f);
+    seen_.assign(groups * max_lanes * scene_.views.size(), 0.0f);
     const std::size_t n = hn::Lanes(F());
     for (auto& group : lanes_)
       for (std::size_t i = 0; i < n; ++i) {
@@ -198,6 +199,7 @@ class GroupWalker : public Walker {
 
     // What happens to single photons, in memory.
     if (plan_.layout.volume_cells > 0) deposit(p, hn::Not(hits), hn::Sub(w, new_w), w);
+    if (!scene_.views.empty()) look_out_from_events(group, mask_bits(hn::Not(hits)), ux, uy, uz);
     if (!hn::AllFalse(df, light)) play_roulette(group, mask_bits(light));
     for (; through_bits != 0; through_bits &= through_bits - 1)
       go_through(group, static_cast<std::size_t>(std::countr_zero(through_bits)));
@@ -225,6 +227,20 @@ class GroupWalker : public Walker {
     const auto layer = static_cast<std::size_t>(p.layer[i]);
     const float eta = 1.0f / scene_.eta[2 * layer + down];
     if (cross(p, i, layer + down, eta, p.ux[i], p.uy[i], p.uz[i])) go_through(group, i);
+  }
+
+  void look_out_from_events(std::size_t group, std::uint32_t bits, VF ux, VF uy, VF uz) {
+    const F df;
+    const PhotonLanes& p = lanes_[group];
+    alignas(64) float before[3][max_lanes];
+    hn::Store(ux, df, before[0]);
+    hn::Store(uy, df, before[1]);
+    hn::Store(uz, df, before[2]);
+    for (; bits != 0; bits &= bits - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+      if (i < hn::Lanes(df) && p.birth[i] != no_photon)
+        look_out(p, group, i, before[0][i], before[1][i], before[2][i]);
+    }
   }
 
   void play_roulette(std::size_t group, std::uint32_t bits) {

@@ -143,7 +143,7 @@ class Walker {
     }
     const float sine = std::sqrt(std::max(0.0f, 1.0f - mu * mu));
     const float ux = sine * std::cos(phi), uy = sine * std::sin(phi);
-    const float eta = 1.0f / scene_.eta[0];
+    const float eta = scene_.eta[0];  // index beyond over index before
     if (scene_.is_rough[0] != 0) {
       if (cross(p, i, 0, eta, ux, uy, mu)) return true;
       add(PhotonLayout::specular, 1.0f);
@@ -214,16 +214,24 @@ class Walker {
       add(PhotonLayout::first_layer + k, absorbed[k]);
       absorbed[k] = 0.0f;
     }
+    for (std::size_t k = 0; k < scene_.views.size(); ++k) {
+      float& seen = seen_[(group * max_lanes + i) * scene_.views.size() + k];
+      add(plan_.layout.direction + k, std::ldexp(seen, -direction_scale));
+      seen = 0.0f;
+    }
     sums_.events += step_ - p.birth[i] + 1;
     launch(p, i);
   }
 
   /// Light under the last boundary meets the ground, may be thrown back and enter again.
-  bool ground_returns(PhotonLanes& p, std::size_t i) {
+  bool ground_returns(PhotonLanes& p, std::size_t group, std::size_t i) {
     const auto bottom = static_cast<std::size_t>(scene_.layers) - 1;
     const float eta = scene_.eta[2 * bottom + 1];  // from below: index of the layer over outside
     while (uniform_lane(p, i) < scene_.ground) {
       ++p.order[i];
+      for (std::size_t k = 0; k < scene_.views.size(); ++k)
+        seen_[(group * max_lanes + i) * scene_.views.size() + k] +=
+            p.w[i] * scene_.views[k].from_ground;
       const float mu = std::sqrt(uniform_lane(p, i));
       const float phi = 2.0f * std::numbers::pi_v<float> * uniform_lane(p, i);
       const float sine = std::sqrt(std::max(0.0f, 1.0f - mu * mu));
@@ -247,9 +255,49 @@ class Walker {
   void leave(PhotonLanes& p, std::size_t group, std::size_t i) {
     const bool is_below = p.uz[i] > 0.0f;
     leave_layer(p, group, i, p.w[i]);
-    if (is_below && scene_.ground > 0.0f && ground_returns(p, i)) return;
+    if (is_below && scene_.ground > 0.0f && ground_returns(p, group, i)) return;
     tally_exit(p, i, is_below);
     finish(p, group, i);
+  }
+
+  /// Phase function of a layer [1/sr].
+  [[nodiscard]] float phase(std::size_t layer, float cos_theta) const {
+    constexpr float norm = 0.25f * std::numbers::inv_pi_v<float>;
+    if (scene_.lobes == 0) return norm * henyey_greenstein(scene_.g[layer], cos_theta);
+    float sum = 0.0f, begin = 0.0f;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(scene_.lobes) && begin < 1.0f; ++k) {
+      const std::size_t lobe = layer * static_cast<std::size_t>(scene_.lobes) + k;
+      const float end = std::min(scene_.lobe_end[lobe], 1.0f), g = scene_.lobe_g[lobe];
+      sum += (end - begin) *
+             (g > 1.5f ? 0.75f * (1.0f + cos_theta * cos_theta) : henyey_greenstein(g, cos_theta));
+      begin = end;
+    }
+    return norm * sum;
+  }
+
+  static float henyey_greenstein(float g, float cos_theta) {
+    const float d = 1.0f + g * g - 2.0f * g * cos_theta;
+    return (1.0f - g * g) / (d * std::sqrt(d));
+  }
+
+  /// Next-event estimation: what an event sends to the exit directions. (ux, uy, uz) is the
+  /// direction before it. Source: [CarterCashwell1975].
+  void look_out(const PhotonLanes& p, std::size_t group, std::size_t i, float ux, float uy,
+                float uz) {
+    const auto layer = static_cast<std::size_t>(p.layer[i]);
+    for (std::size_t k = 0; k < scene_.views.size(); ++k) {
+      const ExitView& view = scene_.views[k];
+      const float across = ux * view.ux[layer] + uy * view.uy[layer];
+      const float along = uz * view.mu[layer];
+      float seen = 0.0f;
+      if (view.from_top[layer] > 0.0f)
+        seen += phase(layer, across - along) * view.from_top[layer] *
+                std::exp(-view.decay[layer] * p.z[i]);
+      if (view.from_bottom[layer] > 0.0f)
+        seen += phase(layer, across + along) * view.from_bottom[layer] *
+                std::exp(-view.decay[layer] * (p.thickness[i] - p.z[i]));
+      seen_[(group * max_lanes + i) * scene_.views.size() + k] += p.w[i] * seen;
+    }
   }
 
   static int bin(float value, float inverse_width, int count) {
@@ -335,6 +383,7 @@ class Walker {
   std::uint64_t step_ = 0;       ///< of all groups together
   std::uint64_t alive_ = 0;      ///< lanes that hold a photon
   std::vector<float> absorbed_;  ///< [group][lane][layer] of the photon in flight
+  std::vector<float> seen_;      ///< [group][lane][direction] of the photon in flight
 };
 
 }  // namespace lamina::photon::HWY_NAMESPACE

@@ -145,6 +145,8 @@ Scene make_scene(const LayerStack& stack, const MonteCarloOptions& options) {
   scene.ground = static_cast<float>(stack.ground().reflectance);
   add_phase_functions(stack, scene);
   add_light(stack, options, scene);
+  for (const ExitDirection& direction : options.tallies.directions)
+    scene.views.push_back(make_exit_view(stack, direction));
   std::uint64_t state = options.seed;
   scene.seed = Random::splitmix(state);
   scene.max_events = options.max_events;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/photon_exit_view.h"
 #include "lamina/scattering/photon_tracing.h"
 
 namespace lamina::photon {
@@ -40,6 +41,8 @@ struct Scene {
   float weight = 1.0f;
   int first_layer = 0;
   double specular = 0.0;
+
+  std::vector<ExitView> views;  ///< [direction] for next-event estimation
 
   std::uint64_t seed = 0;    ///< hashed
   double length_unit = 1.0;  ///< longest finite mean free path [mm]
@@ -78,6 +81,8 @@ struct TallyPlan {
   float fluence_unit = 1.0f;    ///< fixed point of the fluence, which keeps its sums small [1/mm]
 };
 
+/// Radiance in exit directions is counted in units of 2^direction_scale, as it may be large.
+inline constexpr int direction_scale = 6;
 inline constexpr int path_scale = 16;
 inline constexpr int fluence_scale = 30;
 

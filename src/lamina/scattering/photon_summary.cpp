@@ -183,7 +183,8 @@ void read_radii(const PhotonCounts& counts, const Reader& reader, const PhotonLa
         reader.mean(layout.detector + i, 1, 1, 1.0 / (pi * (high * high - low * low))));
   }
   for (std::size_t i = 0; i < t.directions.size(); ++i)
-    result.directions.push_back(reader.mean(layout.direction + i));
+    result.directions.push_back(
+        reader.mean(layout.direction + i, 1, 1, std::ldexp(1.0, photon::direction_scale)));
 }
 
 void read_volume(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,

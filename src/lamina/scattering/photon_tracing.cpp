@@ -76,8 +76,7 @@ bool is_precise(const PhotonCounts& counts, double relative_error) {
 std::string name_run(const LayerStack& stack, const MonteCarloOptions& options) {
   std::ostringstream name;
   name.precision(17);
-  name << "photons " << options.photons << ", seed " << options.seed << ", shards "
-       << options.shard.count << ", incidence "
+  name << "photons " << options.photons << ", seed " << options.seed << ", incidence "
        << (options.incidence.is_diffuse ? -1.0 : options.incidence.theta) << ", beam "
        << static_cast<int>(options.beam.shape) << ' ' << options.beam.radius << ", max_events "
        << options.max_events << ", roulette_weight " << options.roulette_weight << ", ior "

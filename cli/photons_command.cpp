@@ -1,0 +1,309 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/core/nearest_name.h"
+#include "lamina/core/parallel.h"
+#include "lamina/materials/material.h"
+#include "lamina/scattering/mcml_input.h"
+#include "lamina/scattering/mcml_output.h"
+#include "photons_report.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+constexpr double degree = std::numbers::pi / 180.0;
+
+struct PhotonsOptions {
+  CommonOptions common;
+  std::string material;
+  std::optional<double> photons;  // as typed, so that 1e6 will do
+  double relative_error = 0.0;
+  double seconds = 0.0;
+  std::string shard = "0/1";
+  std::string incidence = "normal";
+  std::string beam = "pencil";
+  double beam_radius = 0.0;
+  std::vector<std::string> tallies;
+  int r_bins = 100, z_bins = 100, angles = 30, cosines = 10, azimuths = 18, path_bins = 100;
+  double dr = 0.05, dz = 0.02, dl = 1.0;
+  std::vector<double> log_r = {1e-3, 1e2};
+  int log_bins = 100;
+  std::vector<double> detectors;
+  double detector_width = 0.1;
+  std::vector<double> directions;
+  std::uint32_t max_events = MonteCarloOptions{}.max_events;
+  std::string output = ".";
+  std::string plot;
+  bool with_counts = false;
+};
+
+constexpr std::string_view tally_names[] = {"r",     "angle", "rz",     "fluence",
+                                            "log_r", "bsdf",  "orders", "path"};
+
+void read_tallies(const PhotonsOptions& options, PhotonTallies& t) {
+  for (const std::string& name : options.tallies) {
+    if (name == "r")
+      t.r = {options.r_bins, options.dr};
+    else if (name == "angle")
+      t.angles = options.angles;
+    else if (name == "rz" || name == "fluence") {
+      t.r = {options.r_bins, options.dr};
+      t.depth = {options.z_bins, options.dz};
+      t.fluence = t.fluence || name == "fluence";
+    } else if (name == "log_r")
+      t.log_r = {options.log_bins, options.log_r[0], options.log_r[1]};
+    else if (name == "bsdf") {
+      t.bsdf_cosines = options.cosines;
+      t.bsdf_azimuths = options.azimuths;
+    } else if (name == "orders")
+      t.orders = true;
+    else if (name == "path") {
+      t.path_length = {options.path_bins, options.dl};
+      t.mean_path_length = true;
+    } else
+      throw InvalidInput(
+          fmt::format("--tally: unknown tally \"{}\"{}", name, did_you_mean(name, tally_names)));
+  }
+  t.detectors = options.detectors;
+  if (!t.detectors.empty()) t.detector_width = options.detector_width;
+  if (options.directions.size() % 2 != 0)
+    throw InvalidInput("--direction: must be pairs THETA PHI in degrees, but one is left over");
+  for (std::size_t i = 0; i < options.directions.size(); i += 2) {
+    const double theta = options.directions[i];
+    if (!(theta >= 0.0 && theta < 180.0 && theta != 90.0))
+      throw InvalidInput(fmt::format(
+          "--direction: THETA must lie in [0, 180) and not be 90 degrees, but is {}", theta));
+    t.directions.push_back({.theta = (theta < 90.0 ? theta : 180.0 - theta) * degree,
+                            .phi = options.directions[i + 1] * degree,
+                            .is_below = theta > 90.0});
+  }
+}
+
+Incidence read_incidence(const std::string& text) {
+  if (text == "normal") return {};
+  if (text == "diffuse") return {.is_diffuse = true};
+  double degrees = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
+  if (error != std::errc() || end != text.data() + text.size() ||
+      !(degrees >= 0.0 && degrees < 90.0))
+    throw InvalidInput(fmt::format(
+        "--incidence: must be normal, diffuse or an angle in [0, 90) degrees, but is \"{}\"",
+        text));
+  return {.theta = degrees * degree};
+}
+
+Shard read_shard(const std::string& text) {
+  Shard shard;
+  const char* end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  if (index.ec == std::errc() && index.ptr != end && *index.ptr == '/') {
+    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
+    if (count.ec == std::errc() && count.ptr == end && shard.count >= 1 && shard.index >= 0 &&
+        shard.index < shard.count)
+      return shard;
+  }
+  throw InvalidInput(
+      fmt::format("--shard: must be I/N with 0 <= I < N, such as 0/4, but is \"{}\"", text));
+}
+
+std::uint64_t read_photons(double photons) {
+  if (!(photons >= 1.0 && photons <= 1e15 && photons == std::floor(photons)))
+    throw InvalidInput(
+        fmt::format("--photons: must be a whole number in [1, 1e15], but is {}", photons));
+  return static_cast<std::uint64_t>(photons);
+}
+
+MonteCarloOptions read_options(const PhotonsOptions& options) {
+  MonteCarloOptions o;
+  // With a precision or a time to reach, photons are without limit unless one is given.
+  if (options.relative_error > 0.0 || options.seconds > 0.0) o.photons = 1'000'000'000'000;
+  if (options.photons) o.photons = read_photons(*options.photons);
+  o.seed = options.common.seed;
+  o.incidence = read_incidence(options.incidence);
+  if (options.beam == "gaussian") o.beam = {Beam::Shape::gaussian, options.beam_radius};
+  if (options.beam == "flat") o.beam = {Beam::Shape::flat, options.beam_radius};
+  o.relative_error = options.relative_error;
+  o.seconds = options.seconds;
+  o.shard = read_shard(options.shard);
+  o.max_events = options.max_events;
+  read_tallies(options, o.tallies);
+  return o;
+}
+
+/// The bands of a material, one after the other.
+PhotonRun trace_material(const PhotonsOptions& options) {
+  const Material material = find_material(options.material);
+  MonteCarloOptions o = read_options(options);
+  PhotonRun run{.name = material.name,
+                .bands = {},
+                .counts = {},
+                .shard = o.shard.index,
+                .shards = o.shard.count};
+  if (o.seconds > 0.0) o.seconds /= static_cast<double>(material.bands.size());
+  for (std::size_t band = 0; band < material.bands.size() && !was_interrupted(); ++band) {
+    run.bands.push_back(band_name(material.bands, band));
+    o.progress = make_progress(fmt::format("band {}", run.bands.back()));
+    run.counts.push_back(count_photons(layer_stack(material, band), o));
+  }
+  return run;
+}
+
+/// The runs of an MCML file, each with its output file.
+std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
+  if (!options.tallies.empty() || options.incidence != "normal" || options.beam != "pencil")
+    throw InvalidInput(
+        "--tally, --incidence and --beam: must be left out for a .mci file, which says what to "
+        "count");
+  std::vector<PhotonRun> runs;
+  const std::filesystem::path folder = options.output;
+  for (const McmlRun& mcml : load_mcml(options.material)) {
+    if (was_interrupted()) break;
+    MonteCarloOptions o = monte_carlo_options(mcml);
+    if (options.photons) o.photons = read_photons(*options.photons);
+    o.seed = options.common.seed;
+    o.relative_error = options.relative_error;
+    o.seconds = options.seconds;
+    o.max_events = options.max_events;
+    o.shard = read_shard(options.shard);
+    o.progress = make_progress(mcml.output_file);
+    const std::clock_t start = std::clock();
+    PhotonRun run{.name = mcml.output_file,
+                  .bands = {""},
+                  .counts = {},
+                  .shard = o.shard.index,
+                  .shards = o.shard.count};
+    run.counts.push_back(count_photons(layer_stack(mcml), o));
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    McmlRun counted = mcml;
+    counted.photons = run.counts[0].photons;
+    if (o.shard.count == 1)
+      write_file((folder / mcml.output_file).string(),
+                 format_mcml(counted, summarize(run.counts[0]), seconds));
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+void run_photons(const PhotonsOptions& options) {
+  set_thread_count(options.common.threads);
+  const bool is_mcml = std::filesystem::path(options.material).extension() == ".mci";
+  std::vector<PhotonRun> runs;
+  if (is_mcml)
+    runs = trace_mcml(options);
+  else
+    runs.push_back(trace_material(options));
+  print_photon_runs(runs, "photons", options.common,
+                    options.with_counts || read_shard(options.shard).count > 1, options.plot);
+}
+
+}  // namespace
+
+void add_photons_command(CLI::App& app) {
+  auto options = std::make_shared<PhotonsOptions>();
+  CLI::App* command = app.add_subcommand(
+      "photons", "Photon Monte Carlo through flat layers, with all tallies; reads MCML's files.");
+  command
+      ->add_option("material", options->material, "built-in material, material file or MCML's .mci")
+      ->required()
+      ->type_name("MATERIAL|FILE.mci");
+  command->add_option("--photons", options->photons, "photons per band; 1e6 if nothing is said")
+      ->type_name("N");
+  command
+      ->add_option("--relative-error", options->relative_error,
+                   "stop when reflectance and transmittance are known to this fraction")
+      ->type_name("E")
+      ->check(CLI::Range(1e-9, 1.0));
+  command->add_option("--time", options->seconds, "stop after so many seconds")
+      ->type_name("S")
+      ->check(CLI::Range(1e-3, 1e9));
+  command->add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
+      ->type_name("I/N");
+  command->add_option("--max-events", options->max_events, "give a photon up after so many events")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 4'000'000'000u))
+      ->capture_default_str();
+  const std::string light = "Light";
+  command->add_option("--incidence", options->incidence, "normal, diffuse or an angle in degrees")
+      ->group(light)
+      ->capture_default_str();
+  command->add_option("--beam", options->beam, "pencil, gaussian or flat")
+      ->group(light)
+      ->check(CLI::IsMember({"pencil", "gaussian", "flat"}))
+      ->capture_default_str();
+  command->add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
+      ->group(light);
+  const std::string tallies = "Tallies";
+  command
+      ->add_option("--tally", options->tallies,
+                   "r, angle, rz, fluence, log_r, bsdf, orders, path; separated by commas")
+      ->delimiter(',')
+      ->group(tallies);
+  const auto bins = [&](const char* name, int& value, const char* text) {
+    command->add_option(name, value, text)
+        ->type_name("N")
+        ->check(CLI::Range(1, 1'000'000'000))
+        ->group(tallies)
+        ->capture_default_str();
+  };
+  const auto width = [&](const char* name, double& value, const char* text) {
+    command->add_option(name, value, text)->type_name("MM")->group(tallies)->capture_default_str();
+  };
+  bins("--r-bins", options->r_bins, "rings of r");
+  width("--dr", options->dr, "width of a ring");
+  bins("--z-bins", options->z_bins, "layers of z");
+  width("--dz", options->dz, "height of a layer");
+  bins("--angle-bins", options->angles, "bins over 90 degrees");
+  bins("--log-bins", options->log_bins, "bins of log_r");
+  command->add_option("--log-range", options->log_r, "lowest and highest radius of log_r [mm]")
+      ->expected(2)
+      ->group(tallies)
+      ->capture_default_str();
+  bins("--bsdf-cosines", options->cosines, "rows of bsdf");
+  bins("--bsdf-azimuths", options->azimuths, "columns of bsdf");
+  bins("--path-bins", options->path_bins, "bins of path length");
+  width("--dl", options->dl, "width of a bin of path length");
+  command->add_option("--detector", options->detectors, "distances of ring detectors [mm]")
+      ->delimiter(',')
+      ->group(tallies);
+  width("--detector-width", options->detector_width, "width of their rings");
+  command
+      ->add_option(
+          "--direction", options->directions,
+          "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
+      ->group(tallies);
+  const std::string output = "Output";
+  command->add_option("-o,--output", options->output, "folder of the .mco files of a .mci file")
+      ->type_name("DIR")
+      ->group(output)
+      ->capture_default_str();
+  command->add_option("--plot", options->plot, "plot of R(r), or of R(angle)")
+      ->type_name("FILE.svg")
+      ->group(output);
+  command
+      ->add_flag("--counts", options->with_counts,
+                 "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
+      ->group(output);
+  add_common_options(*command, options->common);
+  command->footer(
+      "Examples: reflected light by radius; MCML's file; half of a long run\n"
+      "  lamina photons donner_jensen_skin --photons 1e6 --tally r,angle --json skin.json\n"
+      "  lamina photons tissue.mci -o results\n"
+      "  lamina photons donner_jensen_skin --photons 1e9 --shard 0/2 --json half.json");
+  command->callback([options] { run_photons(*options); });
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,168 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+// Raw sums of photon runs in files: written by `photons`, read by `merge`.
+#include <fmt/core.h>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "lamina/core/json_input.h"
+#include "photons_report.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t digits = 32;  // of a 128-bit sum
+
+std::string hexadecimal(const std::vector<WideSum>& sums) {
+  std::string text;
+  text.reserve(sums.size() * digits);
+  for (const WideSum& sum : sums) text += fmt::format("{:016x}{:016x}", sum.high, sum.low);
+  return text;
+}
+
+std::vector<WideSum> sums(const JsonInput& input, std::size_t expected) {
+  const std::string text = input.string();
+  if (text.size() != expected * digits)
+    input.fail(fmt::format("must hold {} sums of {} hexadecimal digits, but has {} digits",
+                           expected, digits, text.size()));
+  std::vector<WideSum> values(expected);
+  const auto read = [&](std::size_t at) {
+    std::uint64_t word = 0;
+    const char* end = text.data() + at + 16;
+    if (std::from_chars(text.data() + at, end, word, 16).ptr != end)
+      input.fail("must be hexadecimal digits, but is not");
+    return word;
+  };
+  for (std::size_t i = 0; i < expected; ++i)
+    values[i] = {.low = read(i * digits + 16), .high = read(i * digits)};
+  return values;
+}
+
+ordered_json tallies_json(const PhotonTallies& t) {
+  ordered_json directions = ordered_json::array();
+  for (const ExitDirection& d : t.directions)
+    directions.push_back({{"theta", d.theta}, {"phi", d.phi}, {"is_below", d.is_below}});
+  return {{"r", {t.r.count, t.r.width}},
+          {"angles", t.angles},
+          {"log_r", {t.log_r.count, t.log_r.low, t.log_r.high}},
+          {"depth", {t.depth.count, t.depth.width}},
+          {"fluence", t.fluence},
+          {"bsdf", {t.bsdf_cosines, t.bsdf_azimuths}},
+          {"orders", t.orders},
+          {"path_length", {t.path_length.count, t.path_length.width}},
+          {"mean_path_length", t.mean_path_length},
+          {"detectors", t.detectors},
+          {"detector_width", t.detector_width},
+          {"directions", directions}};
+}
+
+constexpr std::int64_t most_bins = 1'000'000'000;
+
+int count_of(const JsonInput& input) { return static_cast<int>(input.integer(0, most_bins)); }
+
+UniformBins uniform_bins(const JsonInput& input) {
+  const auto parts = input.array(2, 2);
+  return {.count = count_of(parts[0]), .width = parts[1].number(at_least(0.0))};
+}
+
+PhotonTallies read_tallies(const JsonInput& input) {
+  const JsonObject object =
+      input.object({"r", "angles", "log_r", "depth", "fluence", "bsdf", "orders", "path_length",
+                    "mean_path_length", "detectors", "detector_width", "directions"});
+  PhotonTallies t;
+  t.r = uniform_bins(object.required("r"));
+  t.angles = count_of(object.required("angles"));
+  const auto log_r = object.required("log_r").array(3, 3);
+  t.log_r = {.count = count_of(log_r[0]), .low = log_r[1].number(), .high = log_r[2].number()};
+  t.depth = uniform_bins(object.required("depth"));
+  t.fluence = object.required("fluence").boolean();
+  const auto bsdf = object.required("bsdf").array(2, 2);
+  t.bsdf_cosines = count_of(bsdf[0]);
+  t.bsdf_azimuths = count_of(bsdf[1]);
+  t.orders = object.required("orders").boolean();
+  t.path_length = uniform_bins(object.required("path_length"));
+  t.mean_path_length = object.required("mean_path_length").boolean();
+  for (const JsonInput& r : object.required("detectors").array())
+    t.detectors.push_back(r.number(at_least(0.0, "mm")));
+  t.detector_width = object.required("detector_width").number(at_least(0.0, "mm"));
+  for (const JsonInput& entry : object.required("directions").array()) {
+    const JsonObject direction = entry.object({"theta", "phi", "is_below"});
+    t.directions.push_back({.theta = direction.required("theta").number(),
+                            .phi = direction.required("phi").number(),
+                            .is_below = direction.required("is_below").boolean()});
+  }
+  return t;
+}
+
+PhotonCounts read_counts(const JsonInput& input) {
+  const JsonObject object =
+      input.object({"run", "tallies", "layers", "specular", "length_unit", "photons", "batches",
+                    "events", "was_stopped", "first", "second", "volume_first", "volume_second"});
+  constexpr std::int64_t most = std::int64_t{1} << 53;
+  const auto whole = [&](const char* key) {
+    return static_cast<std::uint64_t>(object.required(key).integer(0, most));
+  };
+  PhotonCounts counts;
+  counts.run = object.required("run").string();
+  counts.tallies = read_tallies(object.required("tallies"));
+  counts.layers = static_cast<std::size_t>(object.required("layers").integer(1, 100'000));
+  counts.specular = object.required("specular").number(between(0.0, 1.0));
+  counts.length_unit = object.required("length_unit").number(above(0.0, "mm"));
+  counts.photons = whole("photons");
+  counts.batches = whole("batches");
+  counts.events = whole("events");
+  counts.was_stopped = object.required("was_stopped").boolean();
+  const PhotonLayout layout = make_photon_layout(counts.tallies, counts.layers);
+  counts.first = sums(object.required("first"), layout.cells);
+  counts.second = sums(object.required("second"), layout.cells);
+  counts.volume_first = sums(object.required("volume_first"), layout.volume_cells);
+  counts.volume_second = sums(object.required("volume_second"), layout.volume_cells);
+  return counts;
+}
+
+PhotonRun read_run(const JsonInput& input) {
+  const JsonObject object = input.object({"name", "bands", "shard", "bands_counts"});
+  PhotonRun run;
+  run.name = object.required("name").string();
+  for (const JsonInput& band : object.required("bands").array()) run.bands.push_back(band.string());
+  const auto shard = object.required("shard").array(2, 2);
+  run.shard = static_cast<int>(shard[0].integer(0, 1'000'000));
+  run.shards = static_cast<int>(shard[1].integer(1, 1'000'000));
+  for (const JsonInput& counts :
+       object.required("bands_counts").array(run.bands.size(), run.bands.size()))
+    run.counts.push_back(read_counts(counts));
+  return run;
+}
+
+}  // namespace
+
+ordered_json counts_json(const PhotonCounts& counts) {
+  return {{"run", counts.run},
+          {"tallies", tallies_json(counts.tallies)},
+          {"layers", counts.layers},
+          {"specular", counts.specular},
+          {"length_unit", counts.length_unit},
+          {"photons", counts.photons},
+          {"batches", counts.batches},
+          {"events", counts.events},
+          {"was_stopped", counts.was_stopped},
+          {"first", hexadecimal(counts.first)},
+          {"second", hexadecimal(counts.second)},
+          {"volume_first", hexadecimal(counts.volume_first)},
+          {"volume_second", hexadecimal(counts.volume_second)}};
+}
+
+std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file) {
+  const JsonDocument document = load_json(file);
+  const std::optional<JsonInput> list =
+      document.root().is_object() ? document.root().peek("counts") : std::optional<JsonInput>();
+  if (!list)
+    document.root().fail("must hold \"counts\", as `lamina photons --counts --json` writes them");
+  std::vector<PhotonRun> runs;
+  for (const JsonInput& run : list->array(1)) runs.push_back(read_run(run));
+  return runs;
+}
+
+}  // namespace lamina::cli
