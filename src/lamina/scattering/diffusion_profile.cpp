@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/diffusion_kernels.h"
@@ -70,19 +69,6 @@ double clamp_negative(const Column& profile, std::span<const double> r) {
   return flux;
 }
 
-std::vector<LayeredDiffusion> make_models(std::span<const LayerStack> stacks,
-                                          const DiffusionOptions& options) {
-  std::vector<LayeredDiffusion> models;
-  for (std::size_t band = 0; band < stacks.size(); ++band) {
-    try {
-      models.push_back(make_layered_diffusion(stacks[band], options));
-    } catch (const InvalidInput& error) {
-      throw InvalidInput("band " + std::to_string(band) + ": " + error.what());
-    }
-  }
-  return models;
-}
-
 }  // namespace
 
 DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
@@ -93,7 +79,7 @@ DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
 DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, const HankelPlan& plan,
                                         const DiffusionOptions& options) {
   if (stacks.empty()) throw InvalidInput("bands: at least one is required, but there are 0");
-  const std::vector<LayeredDiffusion> models = make_models(stacks, options);
+  const std::vector<LayeredDiffusion> models = make_layered_diffusion(stacks, options);
   const std::size_t bands = models.size(), channels = 2 * bands;
 
   DiffusionProfile result;

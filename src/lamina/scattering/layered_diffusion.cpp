@@ -1,9 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/layered_diffusion.h"
 
+#include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <sstream>
+#include <string>
 
 #include "lamina/core/error.h"
 
@@ -25,9 +26,31 @@ double reflection_of_ground(const Ground& ground, double reflectance_outside) {
   return rho * (1.0 - reflectance_outside) / (1.0 - rho * reflectance_outside);
 }
 
-}  // namespace
+/// What boundaries reflect from inside, each found once: a rough one takes a tenth of a second.
+class BoundaryReflectances {
+ public:
+  explicit BoundaryReflectances(DiffuseFresnel fresnel) : fresnel_(fresnel) {}
 
-LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const DiffusionOptions& options) {
+  double operator()(const Interface& boundary, double ior_inside, double ior_outside) {
+    for (const Entry& entry : found_)
+      if (entry.boundary == boundary && entry.ior_inside == ior_inside &&
+          entry.ior_outside == ior_outside)
+        return entry.reflectance;
+    found_.push_back({boundary, ior_inside, ior_outside,
+                      diffuse_reflectance_inside(boundary, ior_inside, ior_outside, fresnel_)});
+    return found_.back().reflectance;
+  }
+
+ private:
+  struct Entry {
+    Interface boundary;
+    double ior_inside, ior_outside, reflectance;
+  };
+  DiffuseFresnel fresnel_;
+  std::vector<Entry> found_;
+};
+
+LayeredDiffusion make_model(const LayerStack& stack, BoundaryReflectances& reflectance_inside) {
   const auto layers = stack.layers();
   LayeredDiffusion model;
   for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -37,16 +60,36 @@ LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const Diffusion
     const double ior_above = is_first ? stack.ior_above() : layers[i - 1].medium.ior;
     const double ior_below = is_last ? stack.ior_below() : layers[i + 1].medium.ior;
     const Interface& bottom = is_last ? stack.ground().top : layers[i + 1].top;
-    model.layers.push_back(make_multipole(
-        medium, layers[i].thickness,
-        diffuse_reflectance_inside(layers[i].top, medium.ior, ior_above, options.fresnel),
-        diffuse_reflectance_inside(bottom, medium.ior, ior_below, options.fresnel)));
+    model.layers.push_back(make_multipole(medium, layers[i].thickness,
+                                          reflectance_inside(layers[i].top, medium.ior, ior_above),
+                                          reflectance_inside(bottom, medium.ior, ior_below)));
   }
   if (!is_semi_infinite(stack) && stack.ground().reflectance > 0.0)
     model.ground_reflection = reflection_of_ground(
-        stack.ground(), diffuse_reflectance_inside(stack.ground().top, stack.ior_below(),
-                                                   layers.back().medium.ior, options.fresnel));
+        stack.ground(),
+        reflectance_inside(stack.ground().top, stack.ior_below(), layers.back().medium.ior));
   return model;
+}
+
+}  // namespace
+
+LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const DiffusionOptions& options) {
+  BoundaryReflectances reflectance_inside(options.fresnel);
+  return make_model(stack, reflectance_inside);
+}
+
+std::vector<LayeredDiffusion> make_layered_diffusion(std::span<const LayerStack> stacks,
+                                                     const DiffusionOptions& options) {
+  BoundaryReflectances reflectance_inside(options.fresnel);
+  std::vector<LayeredDiffusion> models;
+  for (std::size_t band = 0; band < stacks.size(); ++band) {
+    try {
+      models.push_back(make_model(stacks[band], reflectance_inside));
+    } catch (const InvalidInput& error) {
+      throw InvalidInput("band " + std::to_string(band) + ": " + error.what());
+    }
+  }
+  return models;
 }
 
 LayerResponse ground_response(const LayeredDiffusion& model) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "lamina/optics/layer_stack.h"
@@ -28,6 +29,11 @@ struct LayeredDiffusion {
 /// Source: [DonnerJensen2005] §§2.2-2.4.
 [[nodiscard]] LayeredDiffusion make_layered_diffusion(const LayerStack& stack,
                                                       const DiffusionOptions& options = {});
+
+/// The same for all bands of a material; boundaries that bands share are worked out once.
+/// @throws InvalidInput naming the band too.
+[[nodiscard]] std::vector<LayeredDiffusion> make_layered_diffusion(
+    std::span<const LayerStack> stacks, const DiffusionOptions& options = {});
 
 /// Response of what is under the last layer: open space, or a ground that lets nothing pass.
 [[nodiscard]] LayerResponse ground_response(const LayeredDiffusion& model);
