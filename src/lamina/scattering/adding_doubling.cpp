@@ -121,7 +121,6 @@ AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidenc
   constexpr int coarsest = 6;
   AddingDoublingTotals result =
       totals_on_grid(stack, incidence, std::min(coarsest, options.max_nodes));
-  result.estimated_error = 1.0;
   while (!result.is_accurate && result.nodes < options.max_nodes) {
     AddingDoublingTotals finer =
         totals_on_grid(stack, incidence, std::min(result.nodes * 3 / 2, options.max_nodes));
@@ -131,6 +130,7 @@ AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidenc
     finer.is_accurate = finer.estimated_error <= options.accuracy;
     result = std::move(finer);
   }
+  if (result.nodes == std::min(coarsest, options.max_nodes)) result.estimated_error = 1.0;
   return result;
 }
 

@@ -25,4 +25,26 @@ const MatrixKernels& matrix_kernels() {
   return *best;
 }
 
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix out(a.rows, b.columns);
+  matrix_kernels().multiply(static_cast<int>(a.rows), static_cast<int>(a.columns),
+                            static_cast<int>(b.columns), a.values.data(), b.values.data(),
+                            out.values.data());
+  return out;
+}
+
+Matrix between(const Matrix& a, const Matrix& b) {
+  Matrix out(a.rows, a.columns);
+  matrix_kernels().joint(static_cast<int>(a.rows), a.values.data(), b.values.data(),
+                         out.values.data());
+  return out;
+}
+
+std::vector<double> product(const Matrix& m, const std::vector<double>& x) {
+  std::vector<double> y(m.rows, 0.0);
+  for (std::size_t j = 0; j < m.columns; ++j)
+    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
+  return y;
+}
+
 }  // namespace lamina::detail

@@ -59,4 +59,10 @@ struct MatrixKernels {
 /// All that this processor can run, the best one first.
 [[nodiscard]] std::vector<const MatrixKernels*> runnable_matrix_kernels();
 
+[[nodiscard]] Matrix product(const Matrix& a, const Matrix& b);
+[[nodiscard]] std::vector<double> product(const Matrix& m, const std::vector<double>& x);
+
+/// Light between two reflectors: inverse of (1 - a b).
+[[nodiscard]] Matrix between(const Matrix& a, const Matrix& b);
+
 }  // namespace lamina::detail

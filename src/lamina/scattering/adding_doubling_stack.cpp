@@ -11,35 +11,6 @@
 namespace lamina::detail {
 namespace {
 
-Matrix product(const Matrix& a, const Matrix& b) {
-  Matrix out(a.rows, b.columns);
-  matrix_kernels().multiply(static_cast<int>(a.rows), static_cast<int>(a.columns),
-                            static_cast<int>(b.columns), a.values.data(), b.values.data(),
-                            out.values.data());
-  return out;
-}
-
-/// Light between two reflectors: inverse of (1 - a b).
-Matrix between(const Matrix& a, const Matrix& b) {
-  Matrix out(a.rows, a.columns);
-  matrix_kernels().joint(static_cast<int>(a.rows), a.values.data(), b.values.data(),
-                         out.values.data());
-  return out;
-}
-
-struct Covered {
-  Crossing crossing;
-  Matrix reflection;
-};
-
-Covered cover_by_layer(const LayerOperators& layer, Matrix below) {
-  const Matrix pass = product(between(layer.reflection, below), layer.transmission);
-  Matrix reflection = product(layer.transmission, product(below, pass));
-  for (std::size_t k = 0; k < reflection.values.size(); ++k)
-    reflection.values[k] += layer.reflection.values[k];
-  return {{pass, std::move(below)}, std::move(reflection)};
-}
-
 Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, double ior_behind,
                                   Matrix below) {
   const std::size_t before = active_count(grid, ior_before), behind = below.rows;
@@ -78,11 +49,12 @@ Matrix ground_reflection(const GridStack& stack, int m) {
 
 }  // namespace
 
-std::vector<double> product(const Matrix& m, const std::vector<double>& x) {
-  std::vector<double> y(m.rows, 0.0);
-  for (std::size_t j = 0; j < m.columns; ++j)
-    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
-  return y;
+Covered cover_by_layer(const LayerOperators& layer, Matrix below) {
+  const Matrix pass = product(between(layer.reflection, below), layer.transmission);
+  Matrix reflection = product(layer.transmission, product(below, pass));
+  for (std::size_t k = 0; k < reflection.values.size(); ++k)
+    reflection.values[k] += layer.reflection.values[k];
+  return {{pass, std::move(below)}, std::move(reflection)};
 }
 
 std::vector<double> merged_indices(const LayerStack& stack) {
@@ -181,9 +153,9 @@ UnscatteredFlux unscattered_flux(const GridStack& stack, std::size_t node, Unsca
     } else {
       const GridLayer& layer = stack.layers[k];
       const bool is_fed = is_active(k + 1) && (layer.sigma_s > 0.0 || node < layer.reach);
-      const double extinction = which == Unscattered::by_medium || !is_fed
-                                    ? layer.extinction
-                                    : node_extinction(layer, node);
+      const double extinction = which == Unscattered::by_medium || !is_fed ? layer.extinction
+                                : which == Unscattered::scaled ? layer.sigma_t
+                                                               : node_extinction(layer, node);
       pass[c] = !is_fed ? 0.0
                 : extinction == 0.0
                     ? 1.0

@@ -42,8 +42,12 @@ struct Crossing {
   Matrix reflection_below;  ///< of what lies behind it
 };
 
-/// The matrix times a vector.
-[[nodiscard]] std::vector<double> product(const Matrix& m, const std::vector<double>& x);
+/// The same with the reflection of the whole that it makes.
+struct Covered {
+  Crossing crossing;
+  Matrix reflection;
+};
+[[nodiscard]] Covered cover_by_layer(const LayerOperators& layer, Matrix below);
 
 /// How a stack reflects and where its light goes, for one azimuthal mode.
 struct StackOperators {
@@ -65,7 +69,8 @@ void require_smooth(const LayerStack& stack, const std::string& method);
 /// Which extinction weakens unscattered light.
 enum class Unscattered {
   by_medium,  ///< the true one
-  on_grid     ///< that of the operators, for which a forward peak is no scattering
+  scaled,     ///< that of the operators, for which a forward peak is no scattering
+  on_grid     ///< scaled, with what the quadrature adds to it
 };
 
 /// Light of one node that is reflected and refracted by the interfaces but not scattered, for unit

@@ -30,7 +30,7 @@ DirectionGrid make_direction_grid(std::span<const double> indices, int nodes,
     // Narrow segments hold little light and little structure.
     const int count = segment == 0
                           ? nodes
-                          : std::max(2, static_cast<int>(std::ceil(nodes * std::sqrt(cos_widest))));
+                          : std::max(2, static_cast<int>(std::ceil(nodes * cos_widest)));
     const Quadrature rule = gauss_legendre(count, 0.0, cos_widest);
     for (std::size_t i = rule.nodes.size(); i-- > 0;) {
       const double cos = rule.nodes[i];

@@ -1,0 +1,56 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/hankel.h"
+#include "lamina/scattering/profile.h"
+
+namespace lamina {
+
+struct ExactProfileOptions {
+  double accuracy =
+      0.005;  ///< asked of the profile, relative, in [1e-4, 0.1], where there is light: see below
+  double r_lowest = 0.01;  ///< the accuracy is asked from this radius on [mm]
+  double r_highest = 6.0;  ///< and up to this one [mm]
+};
+
+/// A profile by radiative transfer, with an estimate of its error.
+struct ExactProfile {
+  Profile profile;                      ///< per arriving flux
+  std::vector<double> relative_error;   ///< [i][band], estimated, of the reflectance profile
+  std::vector<double> estimated_error;  ///< [band], largest within the radii asked
+  std::vector<int> nodes, modes;        ///< [band], of the last solution
+  bool is_accurate = false;             ///< every estimate is within the accuracy asked
+};
+
+/// R(r) and T(r) of a layered material under a normally incident pencil beam by the equation of
+/// radiative transfer, one spatial frequency at a time; no diffusion, no noise.
+///
+/// Light scattered once is taken out at every frequency and put in exactly over radius. The
+/// directions and azimuthal modes grow until two solutions agree to the accuracy asked, wherever a
+/// ring of the profile holds more than 1e-4 of the flux in the fullest ring of equal relative
+/// width. Light that leaves unscattered is in the totals and not in the profile.
+///
+/// @param stacks  [band], at least one; every band must scatter.
+/// @throws InvalidInput naming a rough boundary, or a wrong grid.
+///
+/// Source: docs/exact_profiles.md.
+[[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,
+                                         const RadialGrid& radii = {},
+                                         const ExactProfileOptions& options = {});
+
+/// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
+/// domain imaging measures. Error: some 1e-3 of the value up to the largest sigma_t of a layer.
+struct SpatialFrequencyResponse {
+  std::vector<double> k;              ///< [i] [1/mm]
+  std::vector<double> reflectance;    ///< [i][band]
+  std::vector<double> transmittance;  ///< [i][band]
+};
+[[nodiscard]] SpatialFrequencyResponse spatial_frequency_response(
+    std::span<const LayerStack> stacks, std::span<const double> k,
+    const ExactProfileOptions& options = {});
+
+}  // namespace lamina

@@ -1,0 +1,273 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/exact_profile_frequency.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+namespace lamina::detail {
+namespace {
+
+constexpr double opaque_transmission = 1e-12;
+constexpr int most_doublings = 60;
+
+/// The states of one medium: even modes first, as the slab's symmetry wants them.
+struct States {
+  std::vector<std::size_t> node;
+  std::vector<int> mode;
+  std::size_t even = 0;
+  std::vector<std::size_t> offset;  ///< [mode] where it starts
+  std::vector<std::size_t> local;   ///< [node] place within a mode other than 0
+
+  [[nodiscard]] std::size_t size() const { return node.size(); }
+};
+
+/// In mode 0 all active nodes; in the others all but the beam, which has no azimuth.
+States make_states(const FrequencySolver& solver, double ior) {
+  const std::size_t beam = solver.stack.grid.extra[0];
+  const std::size_t active = active_count(solver.stack.grid, ior);
+  States states;
+  states.offset.resize(static_cast<std::size_t>(solver.modes) + 1);
+  for (std::size_t i = 0; i < active; ++i) states.local.push_back(i < beam ? i : i - 1);
+  for (const int parity : {0, 1}) {
+    for (int m = parity; m <= solver.modes; m += 2) {
+      states.offset[static_cast<std::size_t>(m)] = states.size();
+      for (std::size_t i = 0; i < active; ++i) {
+        if (m > 0 && i == beam) continue;
+        states.node.push_back(i);
+        states.mode.push_back(m);
+      }
+    }
+    if (parity == 0) states.even = states.size();
+  }
+  return states;
+}
+
+std::size_t place(const States& states, int mode, std::size_t node) {
+  return states.offset[static_cast<std::size_t>(mode)] + (mode == 0 ? node : states.local[node]);
+}
+
+LayerOperators layer_operators(const FrequencySolver& solver, std::size_t index, double k) {
+  const GridLayer& layer = solver.stack.layers[index];
+  const States states = make_states(solver, layer.ior);
+  const std::size_t n = states.size();
+  Matrix A(n, n), B(n, n);
+  double fastest = 0.0;
+  for (int m = 0; m <= solver.modes; ++m) {
+    const PhaseMode& phase = solver.phase[index][static_cast<std::size_t>(m)];
+    const std::size_t first = states.offset[static_cast<std::size_t>(m)];
+    std::size_t last = first;
+    while (last < n && states.mode[last] == m) ++last;
+    for (std::size_t b = first; b < last; ++b) {
+      const std::size_t j = states.node[b];
+      for (std::size_t a = first; a < last && layer.sigma_s > 0.0; ++a) {
+        const std::size_t i = states.node[a];
+        const double scattering = 0.25 * layer.sigma_s * layer.weight[i] * layer.weight[j];
+        A(a, b) = scattering * phase.forward(i, j);
+        B(a, b) = scattering * phase.backward(i, j);
+      }
+      A(b, b) -= node_extinction(layer, j) / layer.cos[j];
+      B(b, b) += (m % 2 == 0 ? 1.0 : -1.0) * layer.backward / layer.cos[j];
+      const double tangent = solver.stack.grid.p[j] / (layer.ior * layer.cos[j]);
+      fastest = std::max(fastest, layer.sigma_t / layer.cos[j] + k * tangent);
+      if (m == solver.modes || tangent == 0.0 || j == solver.stack.grid.extra[0]) continue;
+      const double coupling = k * tangent * (m == 0 ? std::numbers::sqrt2 / 2.0 : 0.5);
+      const std::size_t next = place(states, m + 1, j);
+      A(b, next) -= coupling;
+      A(next, b) += coupling;
+    }
+  }
+  LayerOperators operators{Matrix(n, n), Matrix(n, n)};
+  const bool has_bottom = std::isfinite(layer.thickness);
+  if (fastest == 0.0) {  // clear, at k = 0
+    for (std::size_t a = 0; a < n; ++a) operators.transmission(a, a) = has_bottom ? 1.0 : 0.0;
+  } else {
+    SlabProblem problem{.size = static_cast<int>(n),
+                        .even = static_cast<int>(states.even),
+                        .forward = A.values.data(),
+                        .backward = B.values.data()};
+    problem.doublings =
+        has_bottom
+            ? static_cast<int>(std::ceil(std::max(0.0, std::log2(layer.thickness * fastest))))
+            : most_doublings;
+    problem.step = has_bottom ? std::ldexp(layer.thickness, -problem.doublings) : 1.0 / fastest;
+    problem.opaque = has_bottom ? 0.0 : opaque_transmission;
+    matrix_kernels().slab(problem, operators.reflection.values.data(),
+                          operators.transmission.values.data());
+    if (!has_bottom)
+      std::fill(operators.transmission.values.begin(), operators.transmission.values.end(), 0.0);
+  }
+  if (layer.sigma_s == 0.0 && layer.backward == 0.0)
+    for (std::size_t b = 0; b < n; ++b)
+      for (std::size_t a = 0; a < n; ++a)
+        if (std::max(states.node[a], states.node[b]) >= layer.reach)
+          operators.transmission(a, b) = 0.0;
+  return operators;
+}
+
+Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Matrix below) {
+  const GridStack& stack = solver.stack;
+  const double ior_before = stack.ior[index], ior_behind = stack.ior[index + 1];
+  const States before = make_states(solver, ior_before), behind = make_states(solver, ior_behind);
+  const std::size_t common =
+      std::min(active_count(stack.grid, ior_before), active_count(stack.grid, ior_behind));
+  const auto reflectance = [&](std::size_t node) {
+    return node < common ? node_fresnel(stack.grid, node, ior_before, ior_behind) : 1.0;
+  };
+  Matrix mirror(behind.size(), behind.size());
+  for (std::size_t a = 0; a < behind.size(); ++a) mirror(a, a) = reflectance(behind.node[a]);
+  const Matrix returns = between(mirror, below);
+  const Matrix sent_back = product(below, returns);
+  Covered covered{{Matrix(behind.size(), before.size()), std::move(below)},
+                  Matrix(before.size(), before.size())};
+  for (std::size_t b = 0; b < before.size(); ++b) {
+    const double r_b = reflectance(before.node[b]);
+    covered.reflection(b, b) += r_b;
+    if (before.node[b] >= common) continue;
+    const std::size_t from = place(behind, before.mode[b], before.node[b]);
+    for (std::size_t a = 0; a < behind.size(); ++a)
+      covered.crossing.pass(a, b) = returns(a, from) * (1.0 - r_b);
+    for (std::size_t a = 0; a < before.size(); ++a) {
+      if (before.node[a] >= common) continue;
+      const std::size_t to = place(behind, before.mode[a], before.node[a]);
+      covered.reflection(a, b) +=
+          (1.0 - reflectance(before.node[a])) * sent_back(to, from) * (1.0 - r_b);
+    }
+  }
+  return covered;
+}
+
+Matrix ground_reflection(const FrequencySolver& solver) {
+  const GridStack& stack = solver.stack;
+  const std::size_t active = active_count(stack.grid, stack.ior.back());
+  const std::size_t n = make_states(solver, stack.ior.back()).size();
+  Matrix ground(n, n);
+  if (stack.ground_reflectance == 0.0) return ground;
+  const auto& etendue = stack.grid.etendue;
+  const double all =
+      std::accumulate(etendue.begin(), etendue.begin() + static_cast<std::ptrdiff_t>(active), 0.0);
+  for (std::size_t j = 0; j < active; ++j)  // mode 0 comes first
+    for (std::size_t i = 0; i < active; ++i)
+      ground(i, j) = stack.ground_reflectance * std::sqrt(etendue[i] * etendue[j]) / all;
+  return ground;
+}
+
+/// Flux of mode 0 in all directions but the beam's.
+double scattered_flux(const FrequencySolver& solver, const std::vector<double>& state, double ior) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < active_count(solver.stack.grid, ior); ++i)
+    if (i != solver.stack.grid.extra[0]) sum += std::sqrt(solver.stack.grid.etendue[i]) * state[i];
+  return sum;
+}
+
+}  // namespace
+
+FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes) {
+  assert(modes % 2 == 1);
+  FrequencySolver solver{.stack = make_grid_stack(stack, nodes, std::vector<double>{0.0}),
+                         .modes = modes};
+  for (const GridLayer& layer : solver.stack.layers) {
+    auto& kernels = solver.phase.emplace_back();
+    for (int m = 0; m <= modes; ++m) kernels.push_back(phase_mode(layer.moments, layer.cos, m));
+  }
+  return solver;
+}
+
+FrequencyResponse response(const FrequencySolver& solver, double k) {
+  std::vector<Crossing> crossings;
+  Matrix reflection = ground_reflection(solver);
+  const auto take = [&](Covered covered) {
+    crossings.push_back(std::move(covered.crossing));
+    reflection = std::move(covered.reflection);
+  };
+  for (std::size_t index = solver.stack.layers.size(); index-- > 0;) {
+    take(cover_by_interface(solver, index + 1, std::move(reflection)));
+    take(cover_by_layer(layer_operators(solver, index, k), std::move(reflection)));
+  }
+  take(cover_by_interface(solver, 0, std::move(reflection)));
+
+  const std::size_t beam = solver.stack.grid.extra[0];
+  std::vector<double> state(reflection.rows, 0.0);
+  state[beam] = 1.0 / std::sqrt(extra_node_etendue);
+  FrequencyResponse result;
+  result.reflectance = scattered_flux(solver, product(reflection, state), solver.stack.ior.front());
+  if (solver.stack.is_semi_infinite) return result;
+  for (std::size_t c = crossings.size(); c-- > 0;) state = product(crossings[c].pass, state);
+  result.transmittance = (1.0 - solver.stack.ground_reflectance) *
+                         scattered_flux(solver, state, solver.stack.ior.back());
+  return result;
+}
+
+namespace {
+
+/// Integral of exp(-a z) over [0, d], for complex a; d may be infinite.
+std::complex<double> decay(std::complex<double> a, double d) {
+  if (!std::isfinite(d)) return 1.0 / a;
+  const std::complex<double> x = a * d;
+  if (std::abs(x) < 1e-3) return d * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0)));
+  return (1.0 - std::exp(-x)) / a;
+}
+
+}  // namespace
+
+FrequencyResponse single_scattering_response(const FrequencySolver& solver, double k) {
+  const GridStack& stack = solver.stack;
+  const std::size_t beam = stack.grid.extra[0], layers = stack.layers.size();
+  const UnscatteredFlux flux = unscattered_flux(stack, beam, Unscattered::on_grid);
+  const int azimuths = solver.modes + 1;
+  const auto leaving = [&](bool is_up) {
+    double sum = 0.0;
+    const double ior_out = is_up ? stack.ior.front() : stack.ior.back();
+    for (std::size_t l = 0; l < layers; ++l) {
+      const GridLayer& layer = stack.layers[l];
+      if (layer.sigma_s == 0.0) continue;
+      const double down = flux.down[2 * l], up = flux.up[2 * l + 1];
+      const double beam_extinction = node_extinction(layer, beam);
+      for (std::size_t i = 0; i < active_count(stack.grid, ior_out); ++i) {
+        if (i == beam) continue;
+        // Whether the node goes on straight to the outside, and what the interfaces let through.
+        double through = 1.0;
+        const std::size_t first = is_up ? 0 : l + 1, last = is_up ? l : layers;  // interfaces
+        for (std::size_t q = first; q <= last && through > 0.0; ++q) {
+          const bool passes = i < active_count(stack.grid, stack.ior[q]) &&
+                              i < active_count(stack.grid, stack.ior[q + 1]);
+          through *=
+              passes ? 1.0 - node_fresnel(stack.grid, i, stack.ior[q], stack.ior[q + 1]) : 0.0;
+        }
+        if (through == 0.0) continue;
+        const double strength = 0.25 * layer.sigma_s * stack.grid.etendue[i] /
+                                (layer.ior * layer.ior * layer.cos[i]) * through;
+        const PhaseMode& phase = solver.phase[l][0];
+        // Light from the beam on the far side of the layer goes on, that on the near side turns.
+        const double near = is_up ? down : up, far = is_up ? up : down;
+        for (int q = 0; q < azimuths; ++q) {
+          const double wave = k * std::cos((q + 0.5) * std::numbers::pi / azimuths);
+          const auto rate = [&](const GridLayer& at) {
+            const double tangent = stack.grid.p[i] / (at.ior * at.cos[i]);
+            return std::complex<double>(node_extinction(at, i) / at.cos[i], wave * tangent);
+          };
+          const std::complex<double> a = rate(layer);
+          std::complex<double> value =
+              near * phase.backward(i, beam) * decay(a + beam_extinction, layer.thickness);
+          if (far > 0.0)
+            value += far * phase.forward(i, beam) * std::exp(-beam_extinction * layer.thickness) *
+                     decay(a - beam_extinction, layer.thickness);
+          for (std::size_t other = is_up ? 0 : l + 1; other < (is_up ? l : layers); ++other)
+            value *= std::exp(-rate(stack.layers[other]) * stack.layers[other].thickness);
+          sum += strength * value.real() / azimuths;
+        }
+      }
+    }
+    return sum;
+  };
+  FrequencyResponse result;
+  result.reflectance = leaving(true);
+  if (!stack.is_semi_infinite && stack.ground_reflectance == 0.0)
+    result.transmittance = leaving(false);
+  return result;
+}
+
+}  // namespace lamina::detail

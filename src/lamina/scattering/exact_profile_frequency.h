@@ -1,0 +1,35 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/adding_doubling_stack.h"
+
+namespace lamina::detail {
+
+/// A stack on a direction grid for one pencil beam at normal incidence, with the kernels of all
+/// azimuthal modes 0 .. modes: what does not depend on spatial frequency.
+///
+/// At spatial frequency k the radiance is the sum over m of (-i)^m c_m f_m cos(m phi), c_0 = 1,
+/// else sqrt(2), phi measured from the wave. Streaming, i k sin(theta) cos(phi), then couples
+/// neighbouring modes by real numbers. A state is a mode at a node; the beam has mode 0 only.
+struct FrequencySolver {
+  GridStack stack;
+  int modes = 5;  ///< highest mode, odd: with an even one some light would see no wave at all
+  std::vector<std::vector<PhaseMode>> phase;  ///< [layer][mode]
+};
+[[nodiscard]] FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes);
+
+/// Fractions of the beam's flux that leave at the top and bottom as a wave J0(k r), scattered.
+struct FrequencyResponse {
+  double reflectance = 0.0, transmittance = 0.0;
+};
+
+/// All orders of scattering. At k = 0 the diffuse totals on the same grid.
+[[nodiscard]] FrequencyResponse response(const FrequencySolver& solver, double k);
+
+/// Light scattered once that then leaves without a further reflection, with the same azimuths as
+/// the modes can tell apart: what is taken out of `response` to be put in exactly over radius.
+[[nodiscard]] FrequencyResponse single_scattering_response(const FrequencySolver& solver, double k);
+
+}  // namespace lamina::detail

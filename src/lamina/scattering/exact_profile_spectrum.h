@@ -1,0 +1,32 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lamina/scattering/adding_doubling_stack.h"
+
+namespace lamina::detail {
+
+/// Spatial frequencies at which a smooth, even function of k is asked for: the positive half of a
+/// Chebyshev grid in u = asinh(k / scale), and the law by which it goes on beyond.
+struct FrequencyGrid {
+  double scale = 1.0;     ///< half the slowest lateral decay rate [1/mm]
+  double highest = 1.0;   ///< [1/mm]
+  std::vector<double> k;  ///< [1/mm], descending, all > 0
+};
+[[nodiscard]] FrequencyGrid make_frequency_grid(const GridStack& stack, int count);
+
+/// A function of k through its values on such a grid: an even Chebyshev series for (1 + (k/k0)^2)
+/// F, handed over smoothly to (a + b ln k + c / k) / k^2, which is how light scattered twice falls.
+struct Spectrum {
+  FrequencyGrid grid;
+  std::vector<double> series;  ///< even Chebyshev coefficients
+  double a = 0.0, b = 0.0, c = 0.0;
+};
+[[nodiscard]] Spectrum make_spectrum(const FrequencyGrid& grid, std::span<const double> values);
+
+/// The function at k >= 0 [1/mm].
+[[nodiscard]] double evaluate(const Spectrum& spectrum, double k);
+
+}  // namespace lamina::detail
