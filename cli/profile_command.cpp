@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,11 +11,14 @@
 
 #include "commands.h"
 #include "console.h"
+#include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
+#include "lamina/optics/fresnel.h"
 #include "lamina/scattering/diffusion_profile.h"
 #include "lamina/scattering/dipole_profile.h"
+#include "lamina/scattering/exact_profile.h"
 #include "material_bands.h"
 
 namespace lamina::cli {
@@ -26,13 +30,16 @@ struct ProfileOptions {
   CommonOptions common;
   std::string material, method, plot;
   bool compare = false;
+  std::string domain = "radius";
+  double accuracy = 0.005;
   RadialGrid grid;
 };
 
 /// What a method gives: the profile, and remarks on how far to trust it, one line each.
 struct ProfileResult {
   Profile profile;
-  std::vector<std::string> remarks;
+  std::vector<std::string> remarks = {};
+  ordered_json more = ordered_json::object();  ///< what only this method says
 };
 
 /// A solver: its name in --method, and what it does with the stacks, [band].
@@ -40,6 +47,26 @@ struct ProfileMethod {
   std::string name;
   std::function<ProfileResult(const std::vector<LayerStack>&, const ProfileOptions&)> solve;
 };
+
+ordered_json table_json(std::span<const double> table, std::size_t columns) {
+  auto rows = ordered_json::array();
+  for (std::size_t i = 0; i < table.size(); i += columns)
+    rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
+                                       table.begin() + static_cast<std::ptrdiff_t>(i + columns)));
+  return rows;
+}
+
+ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+  ExactProfile result = exact_profile(stacks, options.grid, {.accuracy = options.accuracy});
+  std::vector<std::string> remarks;
+  for (std::size_t band = 0; band < stacks.size(); ++band)
+    if (result.estimated_error[band] > options.accuracy)
+      remarks.push_back(fmt::format("band {}: accurate to {:.1f} % only", band,
+                                    100.0 * result.estimated_error[band]));
+  ordered_json more = {{"accuracy", table_json(result.relative_error, stacks.size())},
+                       {"estimated_error", result.estimated_error}};
+  return {std::move(result.profile), std::move(remarks), std::move(more)};
+}
 
 ProfileResult by_multipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
   DiffusionProfile result = make_diffusion_profile(stacks, {}, options.grid);
@@ -55,26 +82,18 @@ ProfileResult by_multipole(const std::vector<LayerStack>& stacks, const ProfileO
           "band {}: the model is negative at some radii, by {:.1e} of the flux; set to 0", band,
           clamped));
   }
-  return {std::move(result.profile), std::move(remarks)};
+  return {std::move(result.profile), std::move(remarks), ordered_json::object()};
 }
 
 ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
-  return {make_dipole_profile(stacks, {}, options.grid), {}};
+  return {make_dipole_profile(stacks, {}, options.grid)};
 }
 
 /// Every method of `lamina profile`; the first is the default.
 const std::vector<ProfileMethod>& profile_methods() {
-  static const std::vector<ProfileMethod> methods = {{"multipole", by_multipole},
-                                                     {"dipole", by_dipole}};
+  static const std::vector<ProfileMethod> methods = {
+      {"exact", by_exact}, {"multipole", by_multipole}, {"dipole", by_dipole}};
   return methods;
-}
-
-ordered_json table_json(std::span<const double> table, std::size_t columns) {
-  auto rows = ordered_json::array();
-  for (std::size_t i = 0; i < table.size(); i += columns)
-    rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
-                                       table.begin() + static_cast<std::ptrdiff_t>(i + columns)));
-  return rows;
 }
 
 ordered_json profile_json(const Profile& profile) {
@@ -137,7 +156,25 @@ std::string profile_text(const Material& material, const Profile& profile) {
   return text;
 }
 
-/// Relative difference of the dipole; where the layered profile is below 1e-8 of its peak neither
+/// What a method is shown beside, and what it is called: an approximation to judge.
+struct Rival {
+  Profile profile;
+  std::string method, title, legend;
+};
+
+/// The single-layer dipole beside the multipole, the multipole beside the exact profile.
+Rival make_rival(const std::vector<LayerStack>& stacks, const ProfileOptions& options,
+                 const Profile& shown) {
+  if (shown.per == ProfilePer::entered_flux)
+    return {by_dipole(stacks, options).profile, "dipole", "dipole", ", one layer"};
+  std::vector<double> entry;
+  for (const LayerStack& stack : stacks)
+    entry.push_back(1.0 - fresnel(1.0, stack.layers()[0].medium.ior / stack.ior_above()));
+  return {per_arriving_flux(by_multipole(stacks, options).profile, entry), "multipole", "multipole",
+          ", diffusion"};
+}
+
+/// Relative difference of the rival; where the shown profile is below 1e-8 of its peak neither
 /// matters, and 0 stands for it.
 double difference(const Profile& layered, const Profile& dipole, std::size_t i, std::size_t band) {
   const double value = layered.reflectance_at(i, band);
@@ -145,34 +182,35 @@ double difference(const Profile& layered, const Profile& dipole, std::size_t i, 
   return dipole.reflectance_at(i, band) / value - 1.0;
 }
 
-std::string comparison_text(const Material& material, const Profile& layered,
-                            const Profile& dipole) {
-  std::string text = "\nSingle-layer dipole";
+std::string comparison_text(const Material& material, const Profile& layered, const Rival& rival) {
+  const Profile& dipole = rival.profile;
+  std::string text = "\n" + rival.title + " beside it";
   text += totals_text(material.bands, "total reflectance", dipole.total_reflectance);
   if (transmits(dipole))
     text += totals_text(material.bands, "total transmittance", dipole.total_transmittance);
-  text += "\n" + table_text(
-                     material.bands, layered, "R(r) of the dipole over that of the layers - 1 [%]",
-                     [&](std::size_t i, std::size_t b) {
-                       return 100.0 * difference(layered, dipole, i, b);
-                     },
-                     "  {:10.1f}");
+  text +=
+      "\n" +
+      table_text(
+          material.bands, layered, "R(r) of the " + rival.title + " over that above - 1 [%]",
+          [&](std::size_t i, std::size_t b) { return 100.0 * difference(layered, dipole, i, b); },
+          "  {:10.1f}");
   return text;
 }
 
-ordered_json comparison_json(const Profile& layered, const Profile& dipole) {
+ordered_json comparison_json(const Profile& layered, const Rival& rival) {
+  const Profile& dipole = rival.profile;
   std::vector<double> differences;
   for (std::size_t i = 0; i < layered.r.size(); ++i)
     for (std::size_t band = 0; band < layered.bands; ++band)
       differences.push_back(difference(layered, dipole, i, band));
-  ordered_json json = {{"method", "dipole"}};
+  ordered_json json = {{"method", rival.method}};
   json.update(profile_json(dipole));
   json["relative_difference"] = table_json(differences, layered.bands);
   return json;
 }
 
-/// R or T of all bands, with the single-layer dipole dashed; down to 1e-8 of the highest peak.
-Panel profile_panel(const Material& material, const Profile& layered, const Profile& dipole,
+/// R or T of all bands, with the rival dashed; down to 1e-8 of the highest peak.
+Panel profile_panel(const Material& material, const Profile& layered, const Rival& rival,
                     bool is_reflectance) {
   Panel panel;
   panel.title = is_reflectance ? "Reflectance" : "Transmittance";
@@ -201,7 +239,7 @@ Panel profile_panel(const Material& material, const Profile& layered, const Prof
     }
   };
   add(layered, CurveStyle::line, "");
-  add(dipole, CurveStyle::dashed, ", one layer");
+  add(rival.profile, CurveStyle::dashed, rival.legend);
   panel.x.low = layered.r[0];
   panel.x.high = last_r;
   panel.y.low = 1e-8 * peak;
@@ -209,19 +247,54 @@ Panel profile_panel(const Material& material, const Profile& layered, const Prof
 }
 
 void save_plot(const std::string& file, const Material& material, const std::string& method,
-               const Profile& layered, const Profile& dipole) {
+               const Profile& layered, const Rival& rival) {
   Plot plot;
   plot.title = material.name;
-  plot.caption = fmt::format("Lines: {}, per {} flux. Dashed: dipole of a single layer.", method,
-                             layered.per == ProfilePer::entered_flux ? "entered" : "arriving");
-  plot.panels.push_back(profile_panel(material, layered, dipole, true));
-  if (transmits(layered)) plot.panels.push_back(profile_panel(material, layered, dipole, false));
+  plot.caption = fmt::format("Lines: {}, per {} flux. Dashed: {}.", method,
+                             layered.per == ProfilePer::entered_flux ? "entered" : "arriving",
+                             rival.title == "dipole" ? "dipole of a single layer" : rival.title);
+  plot.panels.push_back(profile_panel(material, layered, rival, true));
+  if (transmits(layered)) plot.panels.push_back(profile_panel(material, layered, rival, false));
   save_svg(plot, file);
+}
+
+/// What spatial-frequency domain imaging measures, at frequencies from 1 / r-max to 1 / r-min.
+void run_frequency(const ProfileOptions& options, const Material& material,
+                   const std::vector<LayerStack>& stacks) {
+  if (options.method != "exact")
+    throw InvalidInput("--domain frequency: --method must be exact, but is " + options.method);
+  std::vector<double> k{0.0};
+  for (const double r : radii(options.grid)) k.push_back(1.0 / r);
+  std::sort(k.begin(), k.end());
+  const auto response = spatial_frequency_response(stacks, k, {.accuracy = options.accuracy});
+  std::string text = fmt::format("{:>10}", "k [1/mm]");
+  for (const char* side : {"R", "T"})
+    for (std::size_t band = 0; band < stacks.size(); ++band)
+      text += fmt::format("  {:>10}", fmt::format("{} {}", side, band_name(material.bands, band)));
+  const std::size_t rows = std::min<std::size_t>(k.size(), 24);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t i = row * (k.size() - 1) / (rows - 1);
+    text += fmt::format("\n{:10.4g}", k[i]);
+    for (const auto* values : {&response.reflectance, &response.transmittance})
+      for (std::size_t band = 0; band < stacks.size(); ++band)
+        text += fmt::format("  {:10.3e}", (*values)[i * stacks.size() + band]);
+  }
+  print(options.common, text + "\n");
+  ordered_json json = make_result("profile");
+  json["method"] = "exact";
+  json["material"] = material.name;
+  json["bands"] = bands_json(material.bands);
+  json["per"] = "arriving_flux";
+  json["k_per_mm"] = k;
+  json["reflectance"] = table_json(response.reflectance, stacks.size());
+  json["transmittance"] = table_json(response.transmittance, stacks.size());
+  write_json(json, options.common);
 }
 
 void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material);
   const std::vector<LayerStack> stacks = layer_stacks(material);
+  if (options.domain == "frequency") return run_frequency(options, material, stacks);
   for (const ProfileMethod& method : profile_methods()) {
     if (method.name != options.method) continue;
     const ProfileResult result = method.solve(stacks, options);
@@ -232,15 +305,16 @@ void run_profile(const ProfileOptions& options) {
     json["material"] = material.name;
     json["bands"] = bands_json(material.bands);
     json.update(profile_json(result.profile));
+    json.update(result.more);
     if (!result.remarks.empty()) json["remarks"] = result.remarks;
     if (options.compare || !options.plot.empty()) {
-      const Profile dipole = by_dipole(stacks, options).profile;
+      const Rival rival = make_rival(stacks, options, result.profile);
       if (options.compare) {
-        print(options.common, comparison_text(material, result.profile, dipole));
-        json["comparison"] = comparison_json(result.profile, dipole);
+        print(options.common, comparison_text(material, result.profile, rival));
+        json["comparison"] = comparison_json(result.profile, rival);
       }
       if (!options.plot.empty())
-        save_plot(options.plot, material, method.name, result.profile, dipole);
+        save_plot(options.plot, material, method.name, result.profile, rival);
     }
     write_json(json, options.common);
   }
@@ -260,11 +334,24 @@ void add_profile_command(CLI::App& app) {
   options->method = names[0];
   command
       ->add_option("--method", options->method,
-                   "multipole: layers by diffusion; dipole: one half-space like them")
+                   "exact: radiative transfer; multipole: layers by diffusion; dipole: one "
+                   "half-space like them")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  command->add_flag("--compare", options->compare, "show the single-layer dipole beside it");
-  command->add_option("--plot", options->plot, "write R(r) and T(r) with the dipole as SVG to FILE")
+  command->add_flag("--compare", options->compare,
+                    "show an approximation beside it: the multipole beside exact, the single-layer "
+                    "dipole beside the others");
+  command->add_option("--accuracy", options->accuracy, "of exact: relative")
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
+  command
+      ->add_option("--domain", options->domain,
+                   "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
+      ->check(CLI::IsMember({"radius", "frequency"}))
+      ->capture_default_str();
+  command
+      ->add_option("--plot", options->plot,
+                   "write R(r) and T(r) with that approximation as SVG to FILE")
       ->type_name("FILE");
   command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")
       ->type_name("N")
@@ -278,7 +365,7 @@ void add_profile_command(CLI::App& app) {
       "layers\n"
       "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
       "d).\n\n"
-      "Example: how far light spreads in skin, and what one layer would make of it\n"
+      "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
   command->callback([options] {
     set_thread_count(options->common.threads);

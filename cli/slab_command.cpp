@@ -15,6 +15,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/materials/material.h"
+#include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_diffusion.h"
 #include "material_bands.h"
 
@@ -26,11 +27,14 @@ using nlohmann::ordered_json;
 struct SlabOptions {
   CommonOptions common;
   std::string material, method, incidence = "normal";
+  AddingDoublingOptions adding_doubling;
 };
 
-/// What a method gives: the totals, [band].
+/// What a method gives: the totals, [band], and remarks on how far to trust them.
 struct SlabResult {
   std::vector<SlabTotals> totals;
+  ordered_json more = ordered_json::object();  ///< what only this method says
+  std::vector<std::string> remarks = {};
 };
 
 /// A solver: its name in --method, and what it does with the stacks, [band].
@@ -39,6 +43,21 @@ struct SlabMethod {
   std::function<SlabResult(const std::vector<LayerStack>&, const Incidence&, const SlabOptions&)>
       solve;
 };
+
+SlabResult by_adding_doubling(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                              const SlabOptions& options) {
+  SlabResult result;
+  for (const auto& band : adding_doubling(stacks, incidence, options.adding_doubling)) {
+    if (!band.is_accurate)
+      result.remarks.push_back(fmt::format("band {}: accurate to {:.1g} only", result.totals.size(),
+                                           band.estimated_error));
+    result.totals.push_back(band.totals);
+    result.more["unscattered_reflectance"].push_back(band.unscattered_reflectance);
+    result.more["unscattered_transmittance"].push_back(band.unscattered_transmittance);
+    result.more["estimated_error"].push_back(band.estimated_error);
+  }
+  return result;
+}
 
 SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& incidence,
                         const SlabOptions&) {
@@ -50,7 +69,8 @@ SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& 
 
 /// Every method of `lamina slab`; the first is the default.
 const std::vector<SlabMethod>& slab_methods() {
-  static const std::vector<SlabMethod> methods = {{"diffusion", by_diffusion}};
+  static const std::vector<SlabMethod> methods = {{"adding_doubling", by_adding_doubling},
+                                                  {"diffusion", by_diffusion}};
   return methods;
 }
 
@@ -117,6 +137,7 @@ void run_slab(const SlabOptions& options) {
   for (const SlabMethod& method : slab_methods()) {
     if (method.name != options.method) continue;
     const SlabResult result = method.solve(stacks, incidence, options);
+    for (const std::string& remark : result.remarks) fmt::print(stderr, "note: {}\n", remark);
     print(options.common, slab_text(material, result));
     ordered_json json = make_result("slab");
     json["method"] = method.name;
@@ -124,6 +145,7 @@ void run_slab(const SlabOptions& options) {
     json["bands"] = bands_json(material.bands);
     json["incidence"] = options.incidence;
     json.update(slab_json(result));
+    json.update(result.more);
     write_json(json, options.common);
   }
 }
@@ -144,6 +166,11 @@ void add_slab_command(CLI::App& app) {
       ->check(CLI::IsMember(names))
       ->capture_default_str();
   command
+      ->add_option("--accuracy", options->adding_doubling.accuracy,
+                   "of adding_doubling: absolute, of each total")
+      ->check(CLI::Range(1e-10, 0.1))
+      ->capture_default_str();
+  command
       ->add_option("--incidence", options->incidence,
                    "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
       ->type_name("normal|diffuse|DEG")
@@ -153,7 +180,7 @@ void add_slab_command(CLI::App& app) {
       "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"
       "all other light that leaves at the top is diffuse.\n\n"
       "Example: where the light goes in skin, lit from all sides\n"
-      "  lamina slab donner_jensen_skin --method diffusion --incidence diffuse");
+      "  lamina slab donner_jensen_skin --incidence diffuse");
   command->callback([options] {
     set_thread_count(options->common.threads);
     run_slab(*options);

@@ -21,7 +21,7 @@ for b, expected in enumerate((.40861, .39882, .33281)):
     assert abs(total + sum(layer[b] for layer in slab["absorptance"]) - 1) < 1e-12
 PY
 
-"$lamina" profile leaf --compare --radii 40 --plot "$folder/leaf.svg" --json "$folder/leaf.json" > /dev/null 2>&1 ||
+"$lamina" profile leaf --method multipole --compare --radii 40 --plot "$folder/leaf.svg" --json "$folder/leaf.json" > /dev/null 2>&1 ||
   fail "profile with comparison and plot"
 grep -q "Transmittance" "$folder/leaf.svg" || fail "the plot has T(r)"
 python3 - "$folder/leaf.json" <<'PY'
@@ -33,6 +33,21 @@ assert len(profile["reflectance_profile"][0]) == len(profile["total_transmittanc
 assert profile["comparison"]["method"] == "dipole"
 PY
 
+"$lamina" slab donner_jensen_skin --json "$folder/slab.json" > /dev/null || fail "slab by adding-doubling"
+"$lamina" profile donner_jensen_skin --compare --radii 60 --json "$folder/skin.json" > /dev/null || fail "exact profile"
+python3 - "$folder/slab.json" "$folder/skin.json" <<'PY'
+import json, sys
+slab, skin = (json.load(open(file)) for file in sys.argv[1:])
+assert slab["method"] == "adding_doubling"
+for b, expected in enumerate((.398083, .392509, .309059)):
+    assert abs(slab["diffuse_reflectance"][b] - expected) < 1e-5
+    assert abs(skin["total_reflectance"][b] - expected) < 1e-5
+assert skin["method"] == "exact" and skin["per"] == "arriving_flux"
+assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == 60
+assert skin["comparison"]["method"] == "multipole"
+PY
+"$lamina" profile leaf --domain frequency --radii 4 --json "$folder/leaf.json" > /dev/null || fail "frequencies"
+
 refused() {
   local status=0
   "$lamina" "$@" > /dev/null 2> "$folder/error" || status=$?
@@ -43,6 +58,9 @@ refused slab
 refused slab no_such_material
 refused slab leaf --method diffusion --incidence 90
 refused slab leaf --method guess
+refused slab leaf --accuracy 0
+refused profile leaf --domain frequency --method dipole
+refused profile leaf --accuracy 2
 refused profile leaf --r-min 0
 refused profile leaf --radii 1
 refused profile leaf --r-min nan

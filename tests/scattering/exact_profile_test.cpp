@@ -1,0 +1,187 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/exact_profile.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "lamina/core/error.h"
+#include "lamina/core/quadrature.h"
+#include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/exact_profile_frequency.h"
+#include "lamina/scattering/exact_profile_single.h"
+#include "lamina/scattering/exact_profile_spectrum.h"
+#include "lamina/scattering/photon_tracing.h"
+#include "reference/stack_table.h"
+
+namespace lamina {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Layer layer(double sigma_a, double sigma_s, double g, double ior, double thickness) {
+  return {.medium = {.sigma_a = sigma_a, .sigma_s = sigma_s, .g = g, .ior = ior},
+          .thickness = thickness};
+}
+
+const LayerStack& named(const std::string& name) {
+  static const std::vector<reference::StackCase> table = reference::stack_table();
+  for (const auto& entry : table)
+    if (entry.name == name) return entry.stack;
+  throw std::out_of_range(name);
+}
+
+/// Integral of 2 pi r f(r) w(r) over all r, in log r.
+template <class F>
+double over_plane(const F& f) {
+  const auto ring = [&](double log_r) {
+    const double r = std::exp(log_r);
+    return 2.0 * std::numbers::pi * r * r * f(r);
+  };
+  return integrate(ring, std::log(1e-10), std::log(1e3), 1e-8);
+}
+
+// No wave: the diffuse totals of adding-doubling on the same grid.
+TEST(FrequencyResponse, IsTheTotalAtZeroFrequency) {
+  for (const char* name : {"skin, red", "skin, blue", "glass slab", "Giovanelli half-space",
+                           "denser below", "thin isotropic", "high index"}) {
+    const auto solver = detail::make_frequency_solver(named(name), 8, 3);
+    const auto wave = detail::response(solver, 0.0);
+    const auto same_grid = adding_doubling(named(name), {}, {.max_nodes = 8});
+    const SlabTotals& totals = same_grid.totals;
+    EXPECT_NEAR(wave.reflectance,
+                totals.specular_reflectance + totals.diffuse_reflectance -
+                    same_grid.unscattered_reflectance,
+                1e-9)
+        << name;  // the grid sees unscattered light with its own extinction, to 1e-10
+    EXPECT_NEAR(wave.transmittance, totals.transmittance - same_grid.unscattered_transmittance,
+                1e-9)
+        << name;
+  }
+}
+
+TEST(FrequencyResponse, CuttingALayerChangesNothing) {
+  const LayerStack whole({layer(0.5, 10.0, 0.6, 1.4, 0.5)});
+  const LayerStack cut({layer(0.5, 10.0, 0.6, 1.4, 0.1), layer(0.5, 10.0, 0.6, 1.4, 0.4)});
+  const auto a = detail::make_frequency_solver(whole, 6, 5);
+  const auto b = detail::make_frequency_solver(cut, 6, 5);
+  for (const double k : {0.1, 3.0, 40.0}) {
+    EXPECT_NEAR(detail::response(a, k).reflectance, detail::response(b, k).reflectance, 1e-11);
+    EXPECT_NEAR(detail::response(a, k).transmittance, detail::response(b, k).transmittance, 1e-11);
+  }
+}
+
+// A clear plate between shifts each direction sideways: the coupled modes must do so too. Witness:
+// a plate that scatters so little that it does not count, and goes another way through the code.
+TEST(FrequencyResponse, ClearLayerIsTheLimitOfAThinScatterer) {
+  const LayerStack clear({layer(0.0, 0.0, 0.0, 1.0, 0.1), layer(1.0, 9.0, 0.0, 1.0, infinite)});
+  const LayerStack faint({layer(0.0, 1e-9, 0.0, 1.0, 0.1), layer(1.0, 9.0, 0.0, 1.0, infinite)});
+  const auto a = detail::make_frequency_solver(clear, 6, 5);
+  const auto b = detail::make_frequency_solver(faint, 6, 5);
+  for (const double k : {0.0, 1.0, 10.0})
+    EXPECT_NEAR(detail::response(a, k).reflectance, detail::response(b, k).reflectance, 1e-9);
+}
+
+// What is taken out at each frequency is what is put in over radius.
+TEST(SingleScatteringProfile, TransformsToItsResponse) {
+  for (const char* name : {"skin, red", "glass slab", "Giovanelli half-space", "denser below"}) {
+    const LayerStack& stack = named(name);
+    const auto solver = detail::make_frequency_solver(stack, 40, 41);
+    for (const double k : {0.0, 5.0}) {
+      const auto expected = detail::single_scattering_response(solver, k);
+      const auto wave = [&](bool is_reflectance) {
+        return over_plane([&](double r) {
+          const auto at = detail::single_scattering_profile(stack, solver.stack, r);
+          return std::cyl_bessel_j(0.0, k * r) *
+                 (is_reflectance ? at.reflectance : at.transmittance);
+        });
+      };
+      EXPECT_NEAR(wave(true), expected.reflectance, 2e-5 * expected.reflectance)
+          << name << ", k " << k;
+      if (expected.transmittance > 0.0) {
+        EXPECT_NEAR(wave(false), expected.transmittance, 2e-5 * expected.transmittance)
+            << name << ", k " << k;
+      }
+    }
+  }
+}
+
+// Within the grid the series is exact; beyond, the law of the tail goes on from what it has seen.
+TEST(Spectrum, GoesThroughAndBeyondItsValues) {
+  const auto solver = detail::make_frequency_solver(named("Giovanelli half-space"), 4, 1);
+  const auto grid = detail::make_frequency_grid(solver.stack, 24);
+  EXPECT_EQ(grid.highest, 40.0);
+  const auto f = [](double k) { return 1.0 / (1.0 + k * k / 30.0); };
+  std::vector<double> values;
+  for (const double k : grid.k) values.push_back(f(k));
+  const auto spectrum = detail::make_spectrum(grid, values);
+  for (const double k : {0.0, 0.3, 4.0, 12.0})
+    EXPECT_NEAR(detail::evaluate(spectrum, k) / f(k), 1.0, 1e-9) << "k " << k;
+  for (const double k : {15.0, 25.0, 39.0, 60.0})
+    EXPECT_NEAR(detail::evaluate(spectrum, k) / f(k), 1.0, 0.01) << "k " << k;
+}
+
+TEST(ExactProfile, RingsAddUpToTheTotal) {
+  const std::vector<LayerStack> bands = {named("skin, red"), named("skin, green"),
+                                         named("skin, blue")};
+  const ExactProfile exact = exact_profile(bands, {.first = 1e-4, .last = 50.0, .size = 200});
+  EXPECT_TRUE(exact.is_accurate);
+  for (std::size_t band = 0; band < 3; ++band) {
+    const FluxCurve flux = reflected_flux(exact.profile, band);
+    EXPECT_NEAR(flux.within.back() + flux.beyond, exact.profile.total_reflectance[band], 1e-3);
+    for (std::size_t i = 0; i < exact.profile.r.size(); ++i)
+      EXPECT_GE(exact.profile.reflectance_at(i, band), 0.0);
+  }
+}
+
+// Photon Monte Carlo shares nothing with the solver but Fresnel's law and the phase function.
+TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
+  struct Case {
+    LayerStack stack;
+    double outermost;  // [mm]
+  };
+  const std::vector<Case> cases = {
+      {named("Giovanelli half-space"), 0.4},
+      {named("skin, green"), 0.6},
+      {LayerStack({layer(0.01, 100.0, 0.8, 1.5, 1.0)}), 1.0}};  // white paint
+  constexpr double ring = 0.02;
+  for (const auto& [stack, outermost] : cases) {
+    const auto rings = static_cast<std::size_t>(std::lround(outermost / ring));
+    MonteCarloOptions options{.photons = 400'000, .seed = 3};
+    options.tallies.r = {.count = static_cast<int>(rings), .width = ring};
+    const MonteCarloResult photons = trace_photons(stack, options);
+    const ExactProfile exact =
+        exact_profile(std::vector{stack}, {.first = 1e-4, .last = 20.0, .size = 160});
+    const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
+    double chi2 = 0.0;
+    // The first ring holds light that never scattered, the last one all light beyond.
+    for (std::size_t i = 1; i + 1 < rings; ++i) {
+      const double inner = static_cast<double>(i) * ring;
+      double mean = 0.0;
+      for (std::size_t q = 0; q < 8; ++q) {
+        const double r = inner + ring * rule.nodes[q];
+        mean += rule.weights[q] * 2.0 * r * reflectance_profile(exact.profile, r, 0) /
+                (2.0 * inner + ring);
+      }
+      const Estimate& estimate = photons.radial.reflection[i];
+      const double sigma = std::hypot(estimate.standard_error, 0.005 * mean);
+      chi2 += std::pow((estimate.value - mean) / sigma, 2);
+      EXPECT_NEAR(estimate.value, mean, 4.5 * sigma) << "ring " << i;
+    }
+    EXPECT_LT(chi2 / static_cast<double>(rings - 2), 1.6);
+  }
+}
+
+TEST(ExactProfile, RefusesWhatItCannotDo) {
+  const std::vector<LayerStack> clear = {LayerStack({layer(1.0, 0.0, 0.0, 1.4, 1.0)})};
+  EXPECT_THROW((void)exact_profile(clear), InvalidInput);
+  const std::vector<LayerStack> slab = {LayerStack({layer(1.0, 9.0, 0.0, 1.4, 1.0)})};
+  EXPECT_THROW((void)exact_profile(slab, {}, {.accuracy = 1.0}), InvalidInput);
+  EXPECT_THROW((void)exact_profile(slab, {.first = 0.0}), InvalidInput);
+  EXPECT_THROW((void)spatial_frequency_response(slab, std::vector{-1.0}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace lamina
