@@ -116,8 +116,11 @@ ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConver
       variants.push_back(with_absorption(layers, factor));
       profiles.push_back(make_profile(variants.back()));
     }
-  // Of the material itself: a lighter one, as inversion may need, reaches no farther worth mention.
-  const RadiusGrid grid = make_radius_grid({profiles[slabs - 1]});
+  // Of the material itself; inversion may need one of an eighth of its absorption.
+  std::vector<Profile> widest = {profiles[slabs - 1]};
+  if (profiles.size() > slabs) widest.push_back(profiles[slabs + 3]);
+  const RadiusGrid grid = make_radius_grid(widest);
+  bands_ = static_cast<int>(layers.bands.size());
   reach_ = grid.last;
   for (std::size_t i = 0; i < variants.size(); ++i)
     (i < slabs ? by_thickness_ : by_absorption_)
@@ -179,8 +182,8 @@ typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_at(
 template <int N>
 void ProfileTransport<N>::invert_albedo(const Bands& target, Local& local) const {
   local.is_inverted = true;
-  std::size_t middle = 0;
-  for (int b = 0; b < N; ++b) {
+  float all = 0.0f;
+  for (int b = 0; b < bands_; ++b) {
     const auto total = [&](std::size_t i) { return by_absorption_[i].total_reflectance()[b]; };
     if (!(total(0) > 0.0f)) continue;
     std::size_t i = 0;
@@ -192,9 +195,38 @@ void ProfileTransport<N>::invert_albedo(const Bands& target, Local& local) const
     // What absorption alone cannot give: brighter than the whitest, darker than the blackest.
     const float reached = total(i) + blend * (total(i + 1) - total(i));
     local.scale[b] = std::max(target[b], 0.0f) / std::max(reached, 1e-6f);
-    middle = std::max(middle, i);
+    local.share[b] = std::max(target[b], 1e-3f);
+    all += local.share[b];
   }
-  if (local.low == &by_thickness_.back()) local.sampling = &by_absorption_[middle];
+  // Where the object is thin, half of the samples are for what passes it.
+  local.share *= (local.low == &by_thickness_.back() ? 1.0f : 0.5f) / std::max(all, 1e-6f);
+}
+
+template <int N>
+float ProfileTransport<N>::draw_radius(const Local& local, float u) const {
+  if (!local.is_inverted) return local.sampling->draw_radius(u);
+  float share = 0.0f;
+  for (int b = 0; b < bands_; ++b, u -= share) {
+    share = local.share[b];
+    if (u >= share) continue;
+    const std::size_t i =
+        local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
+    return by_absorption_[i].draw_radius(u / share, b);
+  }
+  const float rest = local.low == &by_thickness_.back() ? 1.0f : 0.5f;
+  return local.sampling->draw_radius(std::clamp(u / rest, 0.0f, 0x1.fffffep-1f));
+}
+
+template <int N>
+float ProfileTransport<N>::density(const Local& local, float r) const {
+  if (!local.is_inverted) return local.sampling->density(r);
+  float total = local.low == &by_thickness_.back() ? 0.0f : 0.5f * local.sampling->density(r);
+  for (int b = 0; b < bands_; ++b) {
+    const std::size_t i =
+        local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
+    total += local.share[b] * by_absorption_[i].density(r, b);
+  }
+  return total;
 }
 
 template <int N>
@@ -212,7 +244,7 @@ BandValues<N> ProfileTransport<N>::spread(const Local& local, const Vec3f& offse
   if (local.is_inverted) {
     // The half-space of the colour wanted, thinned by as much as the material itself is.
     const Bands thick = by_thickness_.back().reflectance_profile(r);
-    for (int b = 0; b < N; ++b) {
+    for (int b = 0; b < bands_; ++b) {
       const std::size_t i = local.node[static_cast<std::size_t>(b)];
       const float low = by_absorption_[i].reflectance_profile(r, b);
       const float high = by_absorption_[i + 1].reflectance_profile(r, b);
@@ -238,7 +270,6 @@ BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                     PixelSamples& samples) const {
   const SurfacePoint& point = exit.point;
   const Local local = profiles_at(point);
-  const SpreadTable<N>& table = *local.sampling;
   const Framef frame = make_frame(point.smooth_normal);
   const std::array<Vec3f, 3> axes = {frame.x, frame.y, frame.z};
 
@@ -248,7 +279,7 @@ BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
   SurfacePoint entry;
   const auto probe_along = [&](std::size_t axis, Vec2f u) {
     const Vec3f &probe = axes[axis], &across = axes[(axis + 1) % 3], &along = axes[(axis + 2) % 3];
-    const float r = table.draw_radius(u.x), phi = 2.0f * pi * u.y;
+    const float r = draw_radius(local, u.x), phi = 2.0f * pi * u.y;
     const float half = std::sqrt(std::max(reach_ * reach_ - r * r, 1e-6f * reach_ * reach_));
     const Vec3f origin =
         point.position + r * (std::cos(phi) * across + std::sin(phi) * along) + half * probe;
@@ -269,7 +300,7 @@ BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
       const float across_probe = std::sqrt(std::max(dot(offset, offset) - height * height, 0.0f));
       // Mean number of probes that find the point, per area of the surface.
       const float density =
-          probes_along[axis] * facing[static_cast<int>(axis)] * table.density(across_probe);
+          probes_along[axis] * facing[static_cast<int>(axis)] * this->density(local, across_probe);
       if (!(density > 0.0f)) continue;
       const Bands spread_here =
           (1.0f / density) * spread(local, offset, point.smooth_normal, candidate.smooth_normal);

@@ -64,8 +64,11 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
     bool is_inverted = false;
     std::array<std::uint8_t, N> node{};  ///< [band] into by_absorption_, and how far to the next
     Bands node_blend;
+    Bands share;  ///< of the samples that each band's own profile gets, under inversion
     Bands scale = Bands::filled(1.0f);
   };
+  [[nodiscard]] float draw_radius(const Local& local, float u) const;
+  [[nodiscard]] float density(const Local& local, float r) const;
   [[nodiscard]] Local profiles_at(const SurfacePoint& point) const;
   [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
   void invert_albedo(const Bands& target, Local& local) const;
@@ -81,6 +84,7 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
   std::vector<SpreadTable<N>> by_thickness_;   ///< the last is the material as its file says
   std::vector<float> thicknesses_;             ///< [mm] of by_thickness_ but the last
   std::vector<SpreadTable<N>> by_absorption_;  ///< less and less reflecting
+  int bands_ = 0;
   Vec3f mean_color_{1, 1, 1};
 };
 

@@ -102,27 +102,36 @@ SpreadTable<N>::SpreadTable(const Profile& profile, const RadiusGrid& grid,
       double scale = 1.0;
       if (!is_transmittance && profile.per == ProfilePer::entered_flux && total > 0.0)
         scale = std::clamp(profile.total_reflectance[b] / total, 0.9, 1.1);
+      std::vector<double> mass_of_band;
       for (std::size_t i = 0; i < count; ++i) {
         table[i][band] = static_cast<float>(scale * value[i]);
-        mass[i] += scale * cell(i);
+        mass_of_band.push_back(scale * cell(i));
+        mass[i] += mass_of_band.back();
       }
+      if (!is_transmittance) of_band_.push_back(make_density(mass_of_band));
       (is_transmittance ? total_transmittance_ : total_reflectance_)[band] =
           static_cast<float>(scale * total);
     }
   }
-  double all = 0.0;
+  all_ = make_density(mass);
+}
+
+template <int N>
+typename SpreadTable<N>::Density SpreadTable<N>::make_density(
+    const std::vector<double>& mass) const {
+  double all = 0.0, running = 0.0;
   for (const double m : mass) all += m;
-  double running = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
+  Density density;
+  for (std::size_t i = 0; i < mass.size(); ++i) {
     const auto r = static_cast<double>(radii_[i]);
     const double r_before = i > 0 ? static_cast<double>(radii_[i - 1]) : 0.0;
-    const double area = pi * (r * r - r_before * r_before);
-    const double share = all > 0.0 ? mass[i] / all : 1.0 / static_cast<double>(count);
+    const double share = all > 0.0 ? mass[i] / all : 1.0 / static_cast<double>(mass.size());
     running += share;
-    density_.push_back(static_cast<float>(share / area));
-    cumulative_.push_back(static_cast<float>(running));
+    density.per_area.push_back(static_cast<float>(share / (pi * (r * r - r_before * r_before))));
+    density.cumulative.push_back(static_cast<float>(running));
   }
-  cumulative_.back() = 1.0f;
+  density.cumulative.back() = 1.0f;
+  return density;
 }
 
 template <int N>
@@ -156,21 +165,43 @@ BandValues<N> SpreadTable<N>::transmittance_profile(float r) const {
 }
 
 template <int N>
-float SpreadTable<N>::draw_radius(float u) const {
-  const auto at = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u);
-  const auto i = static_cast<std::size_t>(at - cumulative_.begin());
-  const float low = i > 0 ? cumulative_[i - 1] : 0.0f;
-  const float f = std::clamp((u - low) / std::max(cumulative_[i] - low, 1e-12f), 0.0f, 1.0f);
+float SpreadTable<N>::draw_radius(float u, const Density& density) const {
+  const auto& ends = density.cumulative;
+  const auto at = std::upper_bound(ends.begin(), ends.end() - 1, u);
+  const auto i = static_cast<std::size_t>(at - ends.begin());
+  const float low = i > 0 ? ends[i - 1] : 0.0f;
+  const float f = std::clamp((u - low) / std::max(ends[i] - low, 1e-12f), 0.0f, 1.0f);
   const float r0 = i > 0 ? radii_[i - 1] : 0.0f, r1 = radii_[i];
   return std::sqrt(r0 * r0 + f * (r1 * r1 - r0 * r0));
 }
 
 template <int N>
-float SpreadTable<N>::density(float r) const {
-  if (r <= radii_.front()) return density_.front();
+float SpreadTable<N>::density_at(float r, const Density& density) const {
+  if (r <= radii_.front()) return density.per_area.front();
   if (r >= radii_.back()) return 0.0f;
   // The logarithm may land one ring off where r lies on an edge; the densities meet there.
-  return density_[std::min(static_cast<std::size_t>(place(r)) + 1, density_.size() - 1)];
+  return density
+      .per_area[std::min(static_cast<std::size_t>(place(r)) + 1, density.per_area.size() - 1)];
+}
+
+template <int N>
+float SpreadTable<N>::draw_radius(float u) const {
+  return draw_radius(u, all_);
+}
+
+template <int N>
+float SpreadTable<N>::density(float r) const {
+  return density_at(r, all_);
+}
+
+template <int N>
+float SpreadTable<N>::draw_radius(float u, int band) const {
+  return draw_radius(u, of_band_[static_cast<std::size_t>(band)]);
+}
+
+template <int N>
+float SpreadTable<N>::density(float r, int band) const {
+  return density_at(r, of_band_[static_cast<std::size_t>(band)]);
 }
 
 template class SpreadTable<4>;

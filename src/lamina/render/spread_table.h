@@ -45,21 +45,33 @@ class SpreadTable {
   [[nodiscard]] float draw_radius(float u) const;
   [[nodiscard]] float density(float r) const;
 
+  /// The same for the reflectance of one band alone.
+  [[nodiscard]] float draw_radius(float u, int band) const;
+  [[nodiscard]] float density(float r, int band) const;
+
   /// One band of reflectance_profile.
   [[nodiscard]] float reflectance_profile(float r, int band) const;
 
   [[nodiscard]] float reach() const { return radii_.back(); }
 
  private:
+  /// A density of radii, even within each cell: cell 0 is the disc within the first radius, cell i
+  /// the ring up to radius i.
+  struct Density {
+    std::vector<float> per_area;    ///< [cell] [1/mm²]
+    std::vector<float> cumulative;  ///< [cell], ends at 1
+  };
+  [[nodiscard]] Density make_density(const std::vector<double>& mass) const;
+  [[nodiscard]] float draw_radius(float u, const Density& density) const;
+  [[nodiscard]] float density_at(float r, const Density& density) const;
   [[nodiscard]] float place(float r) const;
 
   float log2_first_ = 0.0f, nodes_per_octave_ = 1.0f;
   std::vector<float> radii_;
   std::vector<BandValues<N>> reflectance_, transmittance_;  ///< [radius] [1/mm²]
   BandValues<N> total_reflectance_, total_transmittance_;
-  // Cell 0 is the disc within the first radius, cell i the ring up to radius i.
-  std::vector<float> density_;     ///< [cell] [1/mm²], even within a cell
-  std::vector<float> cumulative_;  ///< [cell], ends at 1
+  Density all_;
+  std::vector<Density> of_band_;  ///< [band], of reflectance
 };
 
 }  // namespace lamina
