@@ -18,6 +18,7 @@
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_diffusion.h"
 #include "material_bands.h"
+#include "slab_comparison.h"
 
 namespace lamina::cli {
 namespace {
@@ -28,6 +29,7 @@ struct SlabOptions {
   CommonOptions common;
   std::string material, method, incidence = "normal";
   AddingDoublingOptions adding_doubling;
+  std::int64_t compared_photons = 0;  ///< of --compare; 0 if not asked for
 };
 
 /// What a method gives: the totals, [band], and remarks on how far to trust them.
@@ -134,6 +136,9 @@ void run_slab(const SlabOptions& options) {
   const Incidence incidence = parse_incidence(options.incidence);
   const Material material = find_material(options.material);
   const std::vector<LayerStack> stacks = layer_stacks(material);
+  if (options.compared_photons > 0)
+    return run_slab_comparison(material, stacks, incidence, options.compared_photons,
+                               options.common);
   for (const SlabMethod& method : slab_methods()) {
     if (method.name != options.method) continue;
     const SlabResult result = method.solve(stacks, incidence, options);
@@ -165,6 +170,11 @@ void add_slab_command(CLI::App& app) {
   command->add_option("--method", options->method, "how to solve")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
+  command
+      ->add_flag("--compare{1000000}", options->compared_photons,
+                 "adding_doubling, Monte Carlo (--compare=PHOTONS per band) and diffusion side by "
+                 "side")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}));
   command
       ->add_option("--accuracy", options->adding_doubling.accuracy,
                    "of adding_doubling: absolute, of each total")

@@ -46,6 +46,12 @@ assert skin["method"] == "exact" and skin["per"] == "arriving_flux"
 assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == 60
 assert skin["comparison"]["method"] == "multipole"
 PY
+"$lamina" slab donner_jensen_skin --compare=20000 --json "$folder/compare.json" > /dev/null || fail "slab --compare"
+python3 - "$folder/compare.json" <<'PY'
+import json, sys
+rows = json.load(open(sys.argv[1]))["rows"]
+assert len(rows) == 18 and max(abs(row["difference_in_standard_errors"]) for row in rows) < 4.5
+PY
 "$lamina" profile leaf --domain frequency --radii 4 --json "$folder/leaf.json" > /dev/null || fail "frequencies"
 
 refused() {
@@ -59,6 +65,7 @@ refused slab no_such_material
 refused slab leaf --method diffusion --incidence 90
 refused slab leaf --method guess
 refused slab leaf --accuracy 0
+refused slab leaf --compare=0
 refused profile leaf --domain frequency --method dipole
 refused profile leaf --accuracy 2
 refused profile leaf --r-min 0

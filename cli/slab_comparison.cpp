@@ -1,0 +1,93 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "slab_comparison.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/layered_diffusion.h"
+#include "lamina/scattering/photon_tracing.h"
+#include "material_bands.h"
+
+namespace lamina::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// One fraction of the light as three methods have it, in one band.
+struct Row {
+  std::string name;
+  std::size_t band;
+  double exact;
+  Estimate photons;
+  double diffusion;
+  [[nodiscard]] double in_standard_errors() const {
+    const double error = photons.standard_error;
+    return error > 0.0 ? (photons.value - exact) / error : 0.0;
+  }
+};
+
+std::vector<Row> rows_of(const Material& material, std::size_t band, const SlabTotals& exact,
+                         const MonteCarloResult& photons, const SlabTotals& diffusion) {
+  std::vector<Row> rows = {
+      {"specular reflectance", band, exact.specular_reflectance, photons.specular_reflectance,
+       diffusion.specular_reflectance},
+      {"diffuse reflectance", band, exact.diffuse_reflectance, photons.diffuse_reflectance,
+       diffusion.diffuse_reflectance},
+      {"transmittance", band, exact.transmittance, photons.transmittance, diffusion.transmittance}};
+  for (std::size_t k = 0; k < exact.absorptance.size(); ++k)
+    rows.push_back({"absorbed: " + (material.layers[k].name.empty() ? fmt::format("layer {}", k)
+                                                                    : material.layers[k].name),
+                    band, exact.absorptance[k], photons.absorptance[k], diffusion.absorptance[k]});
+  return rows;
+}
+
+std::string to_text(const Material& material, const std::vector<Row>& rows) {
+  std::string text = fmt::format("{:<28} {:>4}  {:>15}  {:>20} {:>6}  {:>9} {:>8}\n", "", "band",
+                                 "adding_doubling", "monte_carlo", "sigmas", "diffusion", "off");
+  for (const Row& row : rows) {
+    const double off = row.exact > 1e-9 ? 100.0 * (row.diffusion / row.exact - 1.0) : 0.0;
+    text +=
+        fmt::format("{:<28} {:>4}  {:>15.6f}  {:>9.6f} ± {:>8.6f} {:>+6.1f}  {:>9.6f} {:>+7.1f}%\n",
+                    row.name, band_name(material.bands, row.band), row.exact, row.photons.value,
+                    row.photons.standard_error, row.in_standard_errors(), row.diffusion, off);
+  }
+  return text;
+}
+
+}  // namespace
+
+void run_slab_comparison(const Material& material, const std::vector<LayerStack>& stacks,
+                         const Incidence& incidence, std::int64_t photons,
+                         const CommonOptions& options) {
+  const auto exact = adding_doubling(stacks, incidence, {.accuracy = 1e-6});
+  std::vector<Row> rows;
+  for (std::size_t band = 0; band < stacks.size(); ++band) {
+    MonteCarloOptions effort{.photons = static_cast<std::uint64_t>(photons), .seed = options.seed};
+    effort.incidence = incidence;
+    effort.progress = make_progress("photons of band " + band_name(material.bands, band));
+    const MonteCarloResult traced = trace_photons(stacks[band], effort);
+    const SlabTotals diffusion = diffusion_totals(stacks[band], incidence);
+    for (Row& row : rows_of(material, band, exact[band].totals, traced, diffusion))
+      rows.push_back(std::move(row));
+  }
+  print(options, to_text(material, rows));
+  ordered_json json = make_result("slab");
+  json["method"] = "compare";
+  json["material"] = material.name;
+  json["bands"] = bands_json(material.bands);
+  json["photons"] = photons;
+  json["rows"] = ordered_json::array();
+  for (const Row& row : rows)
+    json["rows"].push_back({{"name", row.name},
+                            {"band", band_name(material.bands, row.band)},
+                            {"adding_doubling", row.exact},
+                            {"monte_carlo", row.photons.value},
+                            {"standard_error", row.photons.standard_error},
+                            {"difference_in_standard_errors", row.in_standard_errors()},
+                            {"diffusion", row.diffusion}});
+  write_json(json, options);
+}
+
+}  // namespace lamina::cli
