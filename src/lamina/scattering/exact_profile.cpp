@@ -33,8 +33,14 @@ struct Curves {
   std::vector<double> reflectance, transmittance;  ///< [i] [1/mm²]
 };
 
+/// Nodes of a band's first segment, and what more of them would change.
+struct NodeChoice {
+  int nodes = fewest_nodes;
+  double error = 0.0;  ///< relative, 0 unless there should be more
+};
+
 /// Directions that a band needs: more of them change nothing at low and middling frequencies.
-int enough_nodes(const LayerStack& stack, double accuracy) {
+NodeChoice enough_nodes(const LayerStack& stack, double accuracy) {
   const auto sample = [&](int nodes) {
     const auto solver = detail::make_frequency_solver(stack, nodes, 1);
     const double highest = detail::make_frequency_grid(solver.stack, 1).highest;
@@ -47,15 +53,16 @@ int enough_nodes(const LayerStack& stack, double accuracy) {
     return values;
   };
   std::vector<double> coarse = sample(fewest_nodes);
+  double worst = 0.0;
   for (int nodes = fewest_nodes; nodes < most_nodes; nodes += node_step) {
     const std::vector<double> fine = sample(nodes + node_step);
-    double worst = 0.0;
+    worst = 0.0;
     for (std::size_t i = 0; i < fine.size(); ++i)
       worst = std::max(worst, std::abs(fine[i] - coarse[i]) / std::max(std::abs(fine[i]), 1e-6));
-    if (worst <= accuracy) return nodes;
+    if (worst <= accuracy) return {.nodes = nodes};
     coarse = fine;
   }
-  return most_nodes;
+  return {.nodes = most_nodes, .error = worst};
 }
 
 /// Profiles of some bands, each with its own number of nodes.
@@ -152,10 +159,10 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
 
   std::vector<std::size_t> unfinished(bands);  // bands still to be refined
   std::iota(unfinished.begin(), unfinished.end(), std::size_t{0});
-  result.nodes.resize(bands);
-  parallel_for(bands, [&](std::size_t b) {
-    result.nodes[b] = enough_nodes(stacks[b], 0.5 * options.accuracy);
-  });
+  std::vector<NodeChoice> choices(bands);
+  parallel_for(
+      bands, [&](std::size_t b) { choices[b] = enough_nodes(stacks[b], 0.5 * options.accuracy); });
+  for (const NodeChoice& choice : choices) result.nodes.push_back(choice.nodes);
   const int frequencies = options.accuracy >= 0.004 ? 24 : 36;
   std::vector<Curves> coarser;  // of the unfinished bands
   for (int modes = fewest_modes; modes <= most_modes && !unfinished.empty(); modes += 2) {
@@ -190,18 +197,19 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
                 : 1.0;
       }
       result.modes[b] = modes;
-      result.estimated_error[b] =
-          error_per_step *
+      const double step =
           std::max(largest_difference(plan.r, fine.reflectance, coarse.reflectance, options),
                    largest_difference(plan.r, fine.transmittance, coarse.transmittance, options));
-      if (result.estimated_error[b] <= options.accuracy) continue;
+      result.estimated_error[b] = std::max(error_per_step * step, choices[b].error);
+      if (error_per_step * step <= options.accuracy) continue;
       still.push_back(b);
       still_curves.push_back(fine);
     }
     unfinished = std::move(still);
     coarser = std::move(still_curves);
   }
-  result.is_accurate = unfinished.empty();
+  result.is_accurate = std::ranges::all_of(result.estimated_error,
+                                           [&](double error) { return error <= options.accuracy; });
   return result;
 }
 
@@ -218,7 +226,7 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
                                   .reflectance = std::vector<double>(k.size() * bands),
                                   .transmittance = std::vector<double>(k.size() * bands)};
   for (std::size_t b = 0; b < bands; ++b) {
-    const int nodes = enough_nodes(stacks[b], 0.5 * options.accuracy);
+    const int nodes = enough_nodes(stacks[b], 0.5 * options.accuracy).nodes;
     const auto fine = detail::make_frequency_solver(stacks[b], nodes, 7);
     const auto coarse = detail::make_frequency_solver(stacks[b], nodes, 5);
     parallel_for(k.size(), [&](std::size_t i) {
