@@ -160,6 +160,36 @@ TEST(Furnace, GlassSphereLosesNoLight) {
   }
 }
 
+// A sun in a mirror below a white ball, and in a ball of glass above it: light that reaches the
+// white surfaces by mirrors is found so seldom that it must not be counted in full.
+TEST(Render, MirroredSunLeavesNoBrightSpecks) {
+  Scene scene;
+  scene.camera = {.position = {0, -30, 12}, .up = {0, 0, 1}, .horizontal_fov = 0.6};
+  scene.film = {.width = 48, .height = 48};
+  scene.render = {.samples_per_pixel = 16, .max_bounces = 3};
+  SurfaceMaterial floor = diffuse_material(0.5f);
+  floor.coat = Coat{.roughness = {.value = 0.0f}};
+  scene.materials = {
+      diffuse_material(0.8f), floor, {.name = "glass", .surface = DielectricSurface{.ior = 1.5f}}};
+  scene.meshes = {make_sphere(4.0f), make_square(60.0f, 1), make_sphere(5.0f, 48, 2)};
+  for (Vec3f& p : scene.meshes[1].positions) p.z -= 6.0f;
+  Image sky = make_image(256, 128, {"R", "G", "B"});
+  for (float& value : sky.pixels) value = 0.3f;
+  for (int c = 0; c < 3; ++c) sky.at(200, 40)[c] = 6500.0f;
+  scene.images = {sky};
+  scene.lights = {EnvironmentLight{.image = 0}};
+  const Image image = render(scene).image;
+  for (int y = 1; y < 47; ++y)
+    for (int x = 1; x < 47; ++x) {
+      if (image.at(x, y)[6] > 0.3f * image.at(x, y)[0]) continue;  // the highlights themselves
+      float around = 0.0f;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+          if (i != 0 || j != 0) around = std::max(around, image.at(x + i, y + j)[0]);
+      EXPECT_LT(image.at(x, y)[0], 4.0f * around) << x << ' ' << y;
+    }
+}
+
 TEST(Render, SameImageForAnyNumberOfThreads) {
   Scene scene = white_square(8);
   scene.meshes.push_back(make_sphere(8.0f));

@@ -71,6 +71,14 @@ float PathTracer<N>::weight_of_surface_sample(float pdf, float pdf_light) const 
 }
 
 template <int N>
+BandValues<N> PathTracer<N>::without_caustics(Bands light, const Path& path) const {
+  if (!path.is_scattered) return light;
+  const float limit = 10.0f * scene_.lights.typical_irradiance() / pi;
+  const float top = largest(light);
+  return top > limit ? (limit / top) * light : light;
+}
+
+template <int N>
 float PathTracer<N>::weight_of_light_sample(const LightSample& light, float pdf) const {
   if (light.is_delta || options_.direct_light == DirectLight::lights_only) return 1.0f;
   if (options_.direct_light == DirectLight::surfaces_only) return 0.0f;
@@ -193,8 +201,11 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
   const Vec3f wi = draw_cosine(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);
   if (wi.z > 0.0f && dot(direction, entry.geometric_normal) > 0.0f) {
-    const Path path{
-        .bounce = bounce + 1, .pdf = wi.z / pi, .spread = 0.3f, .footprint = entry.footprint};
+    const Path path{.bounce = bounce + 1,
+                    .pdf = wi.z / pi,
+                    .spread = 0.3f,
+                    .footprint = entry.footprint,
+                    .is_scattered = true};
     irradiance += pi * (1.0f - reflectance(boundary, wi.z)) *
                   follow({leave_surface(entry, direction), direction}, path, samples, nullptr);
   }
@@ -280,11 +291,12 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
   float t_near = 0.0f;
   for (int step = 0; step < max_steps; ++step) {
     const Hit hit = scene_.geometry.first_hit(ray, t_near);
-    scene_.lights.for_lights_seen(ray, t_near, hit.distance, path.is_camera_ray,
-                                  [&](const LightSeen& seen) {
-                                    radiance += weight_of_surface_sample(path.pdf, seen.pdf) *
-                                                throughput * conversion_.from_rgb(seen.radiance);
-                                  });
+    scene_.lights.for_lights_seen(
+        ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
+          const Bands arriving = weight_of_surface_sample(path.pdf, seen.pdf) * throughput *
+                                 conversion_.from_rgb(seen.radiance);
+          radiance += path.pdf == 0.0f ? without_caustics(arriving, path) : arriving;
+        });
     if (!hit.is_hit()) break;
     const float footprint = path.footprint + path.spread * hit.distance;
     const SurfacePoint point = surface_at(scene_, hit, footprint);
@@ -350,7 +362,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       }
     } else {
       const Reflected direct = direct_light(surface, true, chance, 1.0f - chance, samples);
-      radiance += throughput * (direct.specular + direct.base);
+      radiance += without_caustics(throughput * direct.specular, path) + throughput * direct.base;
       if (is_first) first->specular += conversion_.to_rgb(throughput * direct.specular);
       goes_on = scatter(surface, chance, ray, path, throughput, is_specular, samples);
     }
@@ -360,6 +372,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       before_specular = radiance;
     }
     path.is_camera_ray = path.is_from_eye = false;
+    path.is_scattered = path.is_scattered || path.pdf > 0.0f;
     ++path.bounce;
     t_near = 0.0f;
     // Russian roulette: a dim path goes on seldom, and then counts for those that did not.

@@ -71,6 +71,7 @@ class PathTracer {
     float footprint = 0.0f;  ///< at the origin of the ray [mm]
     bool is_camera_ray = false;  ///< straight from the camera
     bool is_from_eye = false;    ///< from the camera, maybe through glass
+    bool is_scattered = false;   ///< spread out by a surface on the way
   };
 
   [[nodiscard]] Bands follow(Ray ray, Path path, PixelSamples& samples, CameraSample* first) const;
@@ -103,6 +104,10 @@ class PathTracer {
   /// Turns a path from the eye at glass.
   [[nodiscard]] bool refract_at(const SurfacePoint& point, const DielectricSurface& glass, Ray& ray,
                                 Path& path, Bands& throughput, PixelSamples& samples) const;
+  /// Light on its way to a surface by a mirror or a highlight, cut off at ten times the typical
+  /// radiance of the scene. What is lost are caustics, which paths from the eye find so seldom that
+  /// they are but bright specks; light scattered diffusely stays below that anyway.
+  [[nodiscard]] Bands without_caustics(Bands light, const Path& path) const;
   [[nodiscard]] float weight_of_surface_sample(float pdf, float pdf_light) const;
   [[nodiscard]] float weight_of_light_sample(const LightSample& light, float pdf) const;
 
