@@ -71,6 +71,10 @@ Totals diffusion(const LayerStack& stack) {
   return sum;
 }
 
+/// Whether layers are so thin that the multipole of one source does not hold: the epidermis in red
+/// light, and the junction below it.
+bool has_thin_layers(const Material& material) { return material.name.starts_with("skin_"); }
+
 Totals totals(const std::string& name, std::size_t band) {
   return diffusion(layer_stack(find_material(name), band));
 }
@@ -101,7 +105,18 @@ TEST(BuiltinMaterials, AreListedWithNamesAndSources) {
                            "painted_jade",
                            "parchment",
                            "leaf",
-                           "paper"})
+                           "paper",
+                           "skin_type_1",
+                           "skin_type_2",
+                           "skin_type_3",
+                           "skin_type_4",
+                           "skin_type_5",
+                           "skin_type_6",
+                           "skin_flushed",
+                           "skin_pale",
+                           "skin_sunburnt",
+                           "skin_palm",
+                           "skin_lip"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -123,9 +138,11 @@ TEST(BuiltinMaterials, ArePhysical) {
         EXPECT_LT(mfp_prime(layer.medium), 10.0);
         EXPECT_GE(layer.medium.ior, 1.3);
         EXPECT_LE(layer.medium.ior, 1.7);
-        EXPECT_GT(albedo_prime(layer.medium), 0.015);         // ketchup in blue
+        EXPECT_GT(albedo_prime(layer.medium), 0.015);  // ketchup in blue
+        if (has_thin_layers(material)) continue;
         EXPECT_GT(layer.thickness, mfp_prime(layer.medium));  // the multipole's source is within
       }
+      if (has_thin_layers(material)) continue;
       const Totals light = diffusion(stack);
       EXPECT_GT(light.reflectance, 0.0);
       EXPECT_GE(light.transmittance, 0.0);
@@ -238,6 +255,7 @@ TEST(BuiltinMaterials, AreSolvedByAddingDoubling) {
       double sum = light.specular_reflectance + light.diffuse_reflectance + light.transmittance;
       for (const double part : light.absorptance) sum += part;
       EXPECT_NEAR(sum, 1.0, 1e-6);
+      if (has_thin_layers(material)) continue;
       const double entered = 1.0 - light.specular_reflectance;
       EXPECT_NEAR(light.diffuse_reflectance / entered, diffusion(stack).reflectance, 0.085);
     }
@@ -281,7 +299,7 @@ TEST(FindMaterial, SuggestsTheNearestName) {
             "there is no built-in material and no file \"jensen_skin\"; did you mean "
             "\"jensen_skin1\"?");
   EXPECT_EQ(message("skin"),
-            "there is no built-in material and no file \"skin\"; did you mean \"jensen_skin1\"?");
+            "there is no built-in material and no file \"skin\"; did you mean \"skin_lip\"?");
   EXPECT_EQ(message("unobtainium"), "there is no built-in material and no file \"unobtainium\"");
   EXPECT_EQ(message("./jade"), "./jade: there is no such file");
   EXPECT_EQ(message("jade.json"), "jade.json: there is no such file");

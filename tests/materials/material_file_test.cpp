@@ -47,6 +47,7 @@ void expect_equal(const Material& a, const Material& b) {
   EXPECT_EQ(a.ground.reflectance, b.ground.reflectance);
   EXPECT_EQ(a.ground.top, b.ground.top);
   EXPECT_EQ(a.layers, b.layers);
+  EXPECT_EQ(a.oiliness, b.oiliness);
 }
 
 TEST(MaterialFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
@@ -86,16 +87,15 @@ TEST(MaterialFile, MillionNestedBracketsAreRefusedAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
 }
 
-// A file that loses its end, or has one of its characters replaced, is a material or an Error.
-TEST(MaterialFile, DamagedTextNeverDoesHarm) {
-  std::ifstream stream(reference / "materials_good/every_key.json");
+void damage(const std::string& file) {
+  std::ifstream stream(reference / "materials_good" / file);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
   ASSERT_FALSE(text.empty());
   for (std::size_t size = 0; size < text.size(); ++size) {
     const std::string cut = text.substr(0, size);
     (void)message_of([&] { (void)parse_material(cut, "f"); });
   }
-  rc::check("damaged", [&] {
+  rc::check("damaged " + file, [&] {
     std::string damaged = text;
     for (int i = 0; i < 3; ++i)
       damaged[*rc::gen::inRange<std::size_t>(0, text.size())] =
@@ -107,6 +107,11 @@ TEST(MaterialFile, DamagedTextNeverDoesHarm) {
     });
     RC_ASSERT(message.find('\n') == std::string::npos);
   });
+}
+
+// A file that loses its end, or has one of its characters replaced, is a material or an Error.
+TEST(MaterialFile, DamagedTextNeverDoesHarm) {
+  for (const char* file : {"every_key.json", "skin_fold.json"}) damage(file);
 }
 
 TEST(MaterialFile, ReadsEveryKey) {
@@ -227,7 +232,7 @@ Page read_page() {
 
 TEST(MaterialPage, ExamplesAreMaterials) {
   const Page page = read_page();
-  ASSERT_EQ(page.examples.size(), 3U);
+  ASSERT_EQ(page.examples.size(), 4U);
   for (const std::string& example : page.examples) {
     const Material material = parse_material(example, "docs/materials.md");
     for (std::size_t band = 0; band < material.bands.size(); ++band)

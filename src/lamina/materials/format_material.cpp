@@ -116,6 +116,7 @@ std::string format_material(const Material& material) {
   }
   if (!surface.empty()) file.push_back(entry("surface", one_line(surface)));
   if (!ground.empty()) file.push_back(entry("ground", one_line(ground)));
+  if (material.oiliness != 0.0) file.push_back(entry("oiliness", digits(material.oiliness)));
   file.push_back(entry("layers", "[\n" + join(layers, ",\n") + "\n  ]"));
   return "{\n  " + join(file, ",\n  ") + "\n}\n";
 }

@@ -58,6 +58,8 @@ struct Material {
   std::vector<double> ior_below;  ///< [band]; of the last layer if that is infinite
   Ground ground;
   std::vector<MaterialLayer> layers;
+  double oiliness = 0.0;  ///< strength of an oily coat for the renderer, in [0, 1]; solvers of
+                          ///< layers do not see it
 };
 
 /// The optical layers of one band.

@@ -13,9 +13,29 @@ using material_file::decode_interface;
 using material_file::decode_ior;
 using material_file::decode_layers;
 
-/// Descriptions by composition instead of `layers`. Each gets a decoder in a file of its own,
-/// declared in material_file.h beside decode_layers; until then its key is kept free.
-constexpr std::array<std::string_view, 3> recipes = {"skin", "leaf", "paint"};
+/// A description by composition instead of `layers`.
+struct Recipe {
+  std::string_view key;
+  void (*decode)(const JsonInput& recipe, const Context& context, Material& material);
+};
+constexpr std::array<Recipe, 3> recipes = {
+    {{"skin", material_file::decode_skin}, {"leaf", nullptr}, {"paint", nullptr}}};
+
+/// The recipe of a file, if it has one. @throws InvalidInput if there is another description.
+const Recipe* find_recipe(const JsonObject& file) {
+  const Recipe* found = nullptr;
+  for (const Recipe& recipe : recipes) {
+    const auto given = file.optional(recipe.key);
+    if (!given) continue;
+    const std::string other = found != nullptr ? std::string(found->key) : "layers";
+    if (file.has(other))
+      given->fail("there is \"" + other + "\" already; a material has one of the two");
+    if (recipe.decode == nullptr)
+      given->fail("this version of lamina does not know this recipe yet; give \"layers\"");
+    found = &recipe;
+  }
+  return found;
+}
 
 BandSet decode_bands(const JsonInput& value) {
   if (value.is_string()) {
@@ -31,6 +51,18 @@ BandSet decode_bands(const JsonInput& value) {
       element.refuse("must be longer than the wavelength before it");
   }
   return BandSet(std::move(wavelengths));
+}
+
+/// The bands of a recipe, which is about spectra.
+BandSet decode_recipe_bands(const JsonObject& file, std::string_view recipe) {
+  const auto value = file.optional("bands");
+  if (!value) return default_spectral_bands();
+  BandSet bands = decode_bands(*value);
+  if (bands.is_rgb())
+    value->fail("\"" + std::string(recipe) +
+                "\" computes from spectra: give wavelengths [nm], or nothing for eight from 400 to "
+                "645 nm");
+  return bands;
 }
 
 double mm_per_unit(const JsonInput& unit) {
@@ -59,24 +91,33 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 }  // namespace
 
 Material decode_material(const JsonInput& root) {
-  const JsonObject file =
-      root.file_object("material", 1,
-                       {"name", "source", "length_unit", "bands", "ior_above", "ior_below",
-                        "surface", "ground", "layers", recipes[0], recipes[1], recipes[2]});
-  for (const std::string_view recipe : recipes)
-    if (const auto given = file.optional(recipe))
-      given->fail("this version of lamina does not know this recipe yet; give \"layers\"");
+  const JsonObject file = root.file_object(
+      "material", 1,
+      {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
+       "oiliness", "layers", recipes[0].key, recipes[1].key, recipes[2].key});
+  const Recipe* recipe = find_recipe(file);
   Material material;
   if (const auto name = file.optional("name")) material.name = name->string();
   if (const auto source = file.optional("source")) material.source = source->string();
-  material.bands = decode_bands(file.required("bands"));
+  material.bands = recipe != nullptr ? decode_recipe_bands(file, recipe->key)
+                                     : decode_bands(file.required("bands"));
   const JsonInput unit = file.required("length_unit");
+  const auto wavelengths = material.bands.wavelengths();
   const Context context{.bands = material.bands.size(),
                         .length_unit = unit.string(),
-                        .mm_per_unit = mm_per_unit(unit)};
+                        .mm_per_unit = mm_per_unit(unit),
+                        .wavelengths = {wavelengths.begin(), wavelengths.end()}};
   material.ior_above.assign(context.bands, 1.0);
   if (const auto ior = file.optional("ior_above")) material.ior_above = decode_ior(*ior, context);
-  material.layers = decode_layers(file.required("layers"), context);
+  if (recipe != nullptr)
+    recipe->decode(*file.optional(recipe->key), context, material);
+  else
+    material.layers = decode_layers(file.required("layers"), context);
+  if (const auto oiliness = file.optional("oiliness")) {
+    if (recipe != nullptr && recipe->key == "skin")
+      oiliness->fail("stands in \"skin\" where that is given");
+    material.oiliness = oiliness->number(between(0.0, 1.0));
+  }
   if (const auto surface = file.optional("surface")) {
     const JsonObject object = surface->object({"roughness", "distribution"});
     (void)object.required("roughness");

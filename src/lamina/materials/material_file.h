@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,9 +23,10 @@ namespace lamina::material_file {
 
 /// What the rest of the file says about its numbers.
 struct Context {
-  std::size_t bands = 0;     ///< how many numbers stand for a quantity per band
-  std::string length_unit;   ///< as written: "mm", "cm", "um" or "m"
-  double mm_per_unit = 1.0;  ///< the length of that unit
+  std::size_t bands = 0;            ///< how many numbers stand for a quantity per band
+  std::string length_unit;          ///< as written: "mm", "cm", "um" or "m"
+  double mm_per_unit = 1.0;         ///< the length of that unit
+  std::vector<double> wavelengths;  ///< [nm]; empty for RGB, which recipes do not get
 };
 
 /// Coefficients beyond this [1/mm] and lengths beyond this [mm] are taken for mistakes; so are
@@ -34,6 +36,29 @@ inline constexpr double largest_number = 1e9;
 /// The array `layers`. @throws InvalidInput
 [[nodiscard]] std::vector<MaterialLayer> decode_layers(const JsonInput& layers,
                                                        const Context& context);
+
+/// The recipes: each fills in the layers and adds to the source which curves and constants it took.
+/// @throws InvalidInput
+void decode_skin(const JsonInput& recipe, const Context& context, Material& material);
+
+/// A number of a recipe. Where a map stands for it, the message says that maps are not for here.
+[[nodiscard]] double recipe_number(const JsonInput& value, const NumberRange& range);
+
+/// A length of a recipe in [low, high] mm, stated in the file's unit, turned to mm.
+[[nodiscard]] double recipe_length(const JsonInput& value, double low, double high,
+                                   const Context& context);
+
+/// @throws InvalidInput if a wavelength lies outside the tables of a recipe [nm].
+void require_wavelengths(const JsonInput& recipe, const Context& context, double shortest,
+                         double longest);
+
+/// The layers of a recipe from its stacks, [band], all of the same build. Phase functions are
+/// Henyey-Greenstein.
+[[nodiscard]] std::vector<MaterialLayer> material_layers(std::span<const LayerStack> bands,
+                                                         const std::vector<std::string>& names);
+
+/// Adds what a recipe has to say to the source that the file gives.
+void add_to_source(Material& material, const std::string& text);
 
 /// A boundary's keys "roughness" and "distribution". @throws InvalidInput
 [[nodiscard]] Interface decode_interface(const JsonObject& object);

@@ -27,28 +27,39 @@ double blood_absorption(double saturation, double wavelength) {
          (1.0 - saturation) * deoxyhemoglobin_absorption(wavelength);
 }
 
+constexpr SkinParameterRange ranges[] = {
+    {"melanin", &SkinParameters::melanin, 0.0, 0.5},
+    {"melanin_blend", &SkinParameters::melanin_blend, 0.0, 1.0},
+    {"hemoglobin_epidermis", &SkinParameters::hemoglobin_epidermis, 0.0, 0.05},
+    {"hemoglobin_dermis", &SkinParameters::hemoglobin_dermis, 0.0, 0.1},
+    {"carotene", &SkinParameters::carotene, 0.0, 0.05},
+    {"saturation_epidermis", &SkinParameters::saturation_epidermis, 0.0, 1.0},
+    {"saturation_dermis", &SkinParameters::saturation_dermis, 0.0, 1.0},
+    {"baseline_scale", &SkinParameters::baseline_scale, 0.0, 5.0},
+    {"scattering_scale", &SkinParameters::scattering_scale, 0.1, 3.0},
+    {"scattering_power", &SkinParameters::scattering_power, -2.0, 2.0},
+    {"epidermis_thickness", &SkinParameters::epidermis_thickness, 0.01, 10.0, true},
+    {"junction_absorption", &SkinParameters::junction_absorption, 0.0, 10.0},
+    {"dermis_thickness", &SkinParameters::dermis_thickness, 0.01, 100.0, true},
+};
+
 void check(const SkinParameters& skin) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (value >= low && value <= high) return;
+  for (const SkinParameterRange& range : ranges) {
+    const double value = skin.*range.value;
+    if (value >= range.low && value <= range.high) continue;
+    if (std::isinf(value) && range.value == &SkinParameters::dermis_thickness) continue;
     std::ostringstream message;
-    message << "skin: " << name << " must lie in [" << low << ", " << high << "], but is " << value;
+    message << "skin: " << range.name << " must lie in [" << range.low << ", " << range.high
+            << "], but is " << value;
     throw InvalidInput(message.str());
-  };
-  require("melanin", skin.melanin, 0.0, 0.5);
-  require("melanin_blend", skin.melanin_blend, 0.0, 1.0);
-  require("hemoglobin_epidermis", skin.hemoglobin_epidermis, 0.0, 0.05);
-  require("hemoglobin_dermis", skin.hemoglobin_dermis, 0.0, 0.1);
-  require("carotene", skin.carotene, 0.0, 0.05);
-  require("saturation_epidermis", skin.saturation_epidermis, 0.0, 1.0);
-  require("saturation_dermis", skin.saturation_dermis, 0.0, 1.0);
-  require("baseline_scale", skin.baseline_scale, 0.0, 5.0);
-  require("scattering_scale", skin.scattering_scale, 0.1, 3.0);
-  require("scattering_power", skin.scattering_power, -2.0, 2.0);
-  require("epidermis_thickness", skin.epidermis_thickness, 1e-3, 10.0);
-  require("junction_absorption", skin.junction_absorption, 0.0, 10.0);
+  }
 }
 
+bool has_junction(const SkinParameters& skin) { return skin.junction_absorption > 0.0; }
+
 }  // namespace
+
+std::span<const SkinParameterRange> skin_parameter_ranges() { return ranges; }
 
 double eumelanin_absorption(double wavelength) { return 6.6e10 * std::pow(wavelength, -3.33); }
 
@@ -118,21 +129,38 @@ LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength) {
   check(skin);
   const double g = skin_mean_cosine(wavelength);
   const double sigma_s = epidermis_scattering(skin, wavelength) / (1.0 - g);
-  std::vector<Layer> layers;
-  layers.push_back({.medium = {.sigma_a = epidermis_absorption(skin, wavelength),
-                               .sigma_s = sigma_s,
-                               .g = g,
-                               .ior = ior_epidermis},
-                    .thickness = skin.epidermis_thickness});
-  if (skin.junction_absorption > 0.0)
-    layers.push_back({.medium = {.sigma_a = 0.5 * skin.junction_absorption / junction_thickness,
-                                 .ior = ior_epidermis},
-                      .thickness = junction_thickness});
-  layers.push_back({.medium = {.sigma_a = dermis_absorption(skin, wavelength),
-                               .sigma_s = 0.5 * sigma_s,
-                               .g = g,
-                               .ior = ior_dermis}});
+  Layer epidermis{.medium = {.sigma_a = epidermis_absorption(skin, wavelength),
+                             .sigma_s = sigma_s,
+                             .g = g,
+                             .ior = ior_epidermis},
+                  .thickness = skin.epidermis_thickness};
+  Layer junction = epidermis;
+  if (has_junction(skin)) {
+    junction.medium.sigma_a += 0.5 * skin.junction_absorption / junction_thickness;
+    junction.thickness = junction_thickness;
+    epidermis.thickness -= junction_thickness;
+  }
+  const Layer dermis{.medium = {.sigma_a = dermis_absorption(skin, wavelength),
+                                .sigma_s = 0.5 * sigma_s,
+                                .g = g,
+                                .ior = ior_dermis},
+                     .thickness = skin.dermis_thickness};
+  std::vector<Layer> layers = {epidermis};
+  if (has_junction(skin)) layers.push_back(junction);
+  layers.push_back(dermis);
+  if (std::isinf(dermis.thickness)) return LayerStack(std::move(layers), 1.0, ior_dermis);
+  if (has_junction(skin)) layers.push_back(junction);
+  layers.push_back(epidermis);
   return LayerStack(std::move(layers));
+}
+
+std::vector<std::string> skin_layer_names(const SkinParameters& skin) {
+  std::vector<std::string> names = {"epidermis", "junction", "dermis", "far junction",
+                                    "far epidermis"};
+  if (std::isinf(skin.dermis_thickness)) names.resize(3);
+  if (!has_junction(skin))
+    std::erase_if(names, [](const std::string& name) { return name.ends_with("junction"); });
+  return names;
 }
 
 }  // namespace lamina

@@ -1,6 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {
@@ -28,22 +34,34 @@ namespace lamina {
 [[nodiscard]] double carotene_absorption(double wavelength);
 
 /// What skin is made of at one place; fractions are of volume. Source: [Donner2008] Table 1 and
-/// eqs. 10-12, and three scales that measured skin asks for.
+/// eqs. 10-12, and three scales that measured skin asks for. The ranges are those of
+/// skin_parameter_ranges.
 struct SkinParameters {
-  double melanin = 0.02;                ///< of the epidermis, in [0, 0.5]
-  double melanin_blend = 0.6;           ///< share of eumelanin, in [0, 1]
-  double hemoglobin_epidermis = 0.002;  ///< whole blood in the epidermis, in [0, 0.05]
-  double hemoglobin_dermis = 0.01;      ///< whole blood in the dermis, in [0, 0.1]
-  double carotene = 0.001;              ///< 1 g/L solution in the epidermis, in [0, 0.05]
-  double saturation_epidermis = 0.624;  ///< oxygenated share of that blood, in [0, 1]
-  double saturation_dermis = 0.624;     ///< in [0, 1]
-  double baseline_scale = 0.084;        ///< times baseline_absorption, in [0, 5]
-  double scattering_scale = 0.568;      ///< times the scattering of eq. 12, in [0.1, 3]
-  double scattering_power = 0.0;        ///< further factor (nm / 550)^power, in [-2, 2]
-  double epidermis_thickness = 0.25;    ///< [mm], > 0
-  double junction_absorption =
-      0.0175;  ///< of the sheet between the layers, natural, per crossing, >= 0
+  double melanin = 0.02;                ///< of the epidermis
+  double melanin_blend = 0.6;           ///< share of eumelanin
+  double hemoglobin_epidermis = 0.002;  ///< whole blood in the epidermis
+  double hemoglobin_dermis = 0.01;      ///< whole blood in the dermis
+  double carotene = 0.001;              ///< 1 g/L solution in the epidermis
+  double saturation_epidermis = 0.624;  ///< oxygenated share of that blood
+  double saturation_dermis = 0.624;
+  double baseline_scale = 0.084;        ///< times baseline_absorption
+  double scattering_scale = 0.568;      ///< times the scattering of eq. 12
+  double scattering_power = 0.0;        ///< further factor (nm / 550)^power
+  double epidermis_thickness = 0.25;    ///< [mm]
+  double junction_absorption = 0.0175;  ///< of the sheet between the layers: natural, per crossing
+  double dermis_thickness = std::numeric_limits<double>::infinity();  ///< [mm]; finite in an ear
 };
+
+/// A number of SkinParameters and the closed range that it must lie in.
+struct SkinParameterRange {
+  std::string_view name;  ///< as in files
+  double SkinParameters::* value;
+  double low, high;
+  bool is_length = false;  ///< in mm
+};
+
+/// All numbers of SkinParameters. An infinite dermis_thickness is valid, too.
+[[nodiscard]] std::span<const SkinParameterRange> skin_parameter_ranges();
 
 /// The constants that no map gives: saturations, baseline and scattering. They belong to the solver
 /// that they were fitted with; mixing them up makes light skin 8-31 % too bright.
@@ -67,12 +85,17 @@ enum class SkinConstants {
 /// Mean cosine of scattering in skin, 0.62 + 0.29e-3 nm. Source: [VanGemert1989].
 [[nodiscard]] double skin_mean_cosine(double wavelength);
 
-/// Epidermis over a semi-infinite dermis, indices 1.4 and 1.38, at one wavelength.
+/// Epidermis over dermis, indices 1.4 and 1.38, at one wavelength: a half-space, or with a finite
+/// dermis a fold of skin as in an ear, whose far side is an epidermis, too.
 ///
-/// The absorbing junction is a clear sheet of 1 µm between them. Its optical thickness is half of
-/// junction_absorption, because diffuse light crosses a thin sheet on a path of twice its
-/// thickness.
+/// The absorbing junction is the last 1 µm of the epidermis, the basal cells. Its optical thickness
+/// of absorption is half of junction_absorption, because diffuse light crosses a thin sheet on a
+/// path of twice its thickness. (Diffusion passes straight through so thin a layer and sees this
+/// half only: 0.9 % of the light per crossing by default.)
 /// @throws InvalidInput naming the parameter, its range and the value given.
 [[nodiscard]] LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength);
+
+/// What the layers of skin_layer_stack are called.
+[[nodiscard]] std::vector<std::string> skin_layer_names(const SkinParameters& skin);
 
 }  // namespace lamina
