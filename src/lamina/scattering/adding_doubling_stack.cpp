@@ -119,7 +119,8 @@ void require_smooth(const LayerStack& stack, const std::string& method) {
   const auto require = [&](const Interface& interface, const std::string& where) {
     if (interface.roughness > 0.0)
       throw InvalidInput(where + ": " + method + " needs smooth boundaries, but the roughness is " +
-                         std::to_string(interface.roughness));
+                         std::to_string(interface.roughness) +
+                         "; photon Monte Carlo takes rough ones");
   };
   for (std::size_t k = 0; k < stack.layers().size(); ++k)
     require(stack.layers()[k].top, "layer " + std::to_string(k));
@@ -154,7 +155,7 @@ UnscatteredFlux unscattered_flux(const GridStack& stack, std::size_t node, Unsca
       const GridLayer& layer = stack.layers[k];
       const bool is_fed = is_active(k + 1) && (layer.sigma_s > 0.0 || node < layer.reach);
       const double extinction = which == Unscattered::by_medium || !is_fed ? layer.extinction
-                                : which == Unscattered::scaled ? layer.sigma_t
+                                : which == Unscattered::scaled             ? layer.sigma_t
                                                                : node_extinction(layer, node);
       pass[c] = !is_fed ? 0.0
                 : extinction == 0.0
