@@ -9,7 +9,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <optional>
 
 #include "commands.h"
 #include "console.h"
@@ -19,6 +18,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/scattering/mcml_input.h"
 #include "lamina/scattering/mcml_output.h"
+#include "monte_carlo_method.h"
 #include "photons_report.h"
 
 namespace lamina::cli {
@@ -30,9 +30,7 @@ constexpr double degree = std::numbers::pi / 180.0;
 struct PhotonsOptions {
   CommonOptions common;
   std::string material;
-  std::optional<double> photons;  // as typed, so that 1e6 will do
-  double relative_error = 0.0;
-  double seconds = 0.0;
+  MonteCarloEffort effort;
   std::string shard = "0/1";
   std::string incidence = "normal";
   std::string beam = "pencil";
@@ -120,24 +118,11 @@ Shard read_shard(const std::string& text) {
       fmt::format("--shard: must be I/N with 0 <= I < N, such as 0/4, but is \"{}\"", text));
 }
 
-std::uint64_t read_photons(double photons) {
-  if (!(photons >= 1.0 && photons <= 1e15 && photons == std::floor(photons)))
-    throw InvalidInput(
-        fmt::format("--photons: must be a whole number in [1, 1e15], but is {}", photons));
-  return static_cast<std::uint64_t>(photons);
-}
-
 MonteCarloOptions read_options(const PhotonsOptions& options) {
-  MonteCarloOptions o;
-  // With a precision or a time to reach, photons are without limit unless one is given.
-  if (options.relative_error > 0.0 || options.seconds > 0.0) o.photons = 1'000'000'000'000;
-  if (options.photons) o.photons = read_photons(*options.photons);
-  o.seed = options.common.seed;
+  MonteCarloOptions o = monte_carlo_options(options.effort, options.common);
   o.incidence = read_incidence(options.incidence);
   if (options.beam == "gaussian") o.beam = {Beam::Shape::gaussian, options.beam_radius};
   if (options.beam == "flat") o.beam = {Beam::Shape::flat, options.beam_radius};
-  o.relative_error = options.relative_error;
-  o.seconds = options.seconds;
   o.shard = read_shard(options.shard);
   o.max_events = options.max_events;
   read_tallies(options, o.tallies);
@@ -173,10 +158,11 @@ std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
   for (const McmlRun& mcml : load_mcml(options.material)) {
     if (was_interrupted()) break;
     MonteCarloOptions o = monte_carlo_options(mcml);
-    if (options.photons) o.photons = read_photons(*options.photons);
-    o.seed = options.common.seed;
-    o.relative_error = options.relative_error;
-    o.seconds = options.seconds;
+    const MonteCarloOptions asked = monte_carlo_options(options.effort, options.common);
+    if (options.effort.photons) o.photons = asked.photons;
+    o.seed = asked.seed;
+    o.relative_error = asked.relative_error;
+    o.seconds = asked.seconds;
     o.max_events = options.max_events;
     o.shard = read_shard(options.shard);
     o.progress = make_progress(mcml.output_file);
@@ -220,16 +206,7 @@ void add_photons_command(CLI::App& app) {
       ->add_option("material", options->material, "built-in material, material file or MCML's .mci")
       ->required()
       ->type_name("MATERIAL|FILE.mci");
-  command->add_option("--photons", options->photons, "photons per band; 1e6 if nothing is said")
-      ->type_name("N");
-  command
-      ->add_option("--relative-error", options->relative_error,
-                   "stop when reflectance and transmittance are known to this fraction")
-      ->type_name("E")
-      ->check(CLI::Range(1e-9, 1.0));
-  command->add_option("--time", options->seconds, "stop after so many seconds")
-      ->type_name("S")
-      ->check(CLI::Range(1e-3, 1e9));
+  add_effort_options(*command, options->effort);
   command->add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
       ->type_name("I/N");
   command->add_option("--max-events", options->max_events, "give a photon up after so many events")

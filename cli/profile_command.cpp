@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "lamina/scattering/dipole_profile.h"
 #include "lamina/scattering/exact_profile.h"
 #include "material_bands.h"
+#include "monte_carlo_method.h"
 
 namespace lamina::cli {
 namespace {
@@ -33,6 +35,7 @@ struct ProfileOptions {
   std::string domain = "radius";
   double accuracy = 0.005;
   RadialGrid grid;
+  MonteCarloEffort effort;  ///< of monte_carlo
 };
 
 /// What a method gives: the profile, and remarks on how far to trust it, one line each.
@@ -40,6 +43,7 @@ struct ProfileResult {
   Profile profile;
   std::vector<std::string> remarks = {};
   ordered_json more = ordered_json::object();  ///< what only this method says
+  std::optional<Profile> standard_error = {};  ///< of random methods
 };
 
 /// A solver: its name in --method, and what it does with the stacks, [band].
@@ -89,10 +93,21 @@ ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOpti
   return {make_dipole_profile(stacks, {}, options.grid)};
 }
 
+ProfileResult by_monte_carlo(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+  MonteCarloProfile result =
+      monte_carlo_profile(stacks, options.grid.first, options.grid.last,
+                          static_cast<int>(options.grid.size), options.effort, options.common);
+  return {.profile = std::move(result.profile),
+          .remarks = {},
+          .standard_error = std::move(result.standard_error)};
+}
+
 /// Every method of `lamina profile`; the first is the default.
 const std::vector<ProfileMethod>& profile_methods() {
-  static const std::vector<ProfileMethod> methods = {
-      {"exact", by_exact}, {"multipole", by_multipole}, {"dipole", by_dipole}};
+  static const std::vector<ProfileMethod> methods = {{"exact", by_exact},
+                                                     {"multipole", by_multipole},
+                                                     {"dipole", by_dipole},
+                                                     {"monte_carlo", by_monte_carlo}};
   return methods;
 }
 
@@ -305,6 +320,12 @@ void run_profile(const ProfileOptions& options) {
     json["material"] = material.name;
     json["bands"] = bands_json(material.bands);
     json.update(profile_json(result.profile));
+    if (result.standard_error) {
+      ordered_json error = profile_json(*result.standard_error);
+      error.erase("r_mm");
+      error.erase("per");
+      json["standard_error"] = error;
+    }
     json.update(result.more);
     if (!result.remarks.empty()) json["remarks"] = result.remarks;
     if (options.compare || !options.plot.empty()) {
@@ -359,6 +380,7 @@ void add_profile_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--r-min", options->grid.first, "first radius [mm]")->capture_default_str();
   command->add_option("--r-max", options->grid.last, "last radius [mm]")->capture_default_str();
+  add_effort_options(*command, options->effort);
   add_common_options(*command, options->common);
   command->footer(
       "The dipole has the coefficients of a single layer, made infinitely thick; of several "

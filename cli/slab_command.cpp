@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_diffusion.h"
 #include "material_bands.h"
+#include "monte_carlo_method.h"
 #include "slab_comparison.h"
 
 namespace lamina::cli {
@@ -30,6 +32,7 @@ struct SlabOptions {
   std::string material, method, incidence = "normal";
   AddingDoublingOptions adding_doubling;
   std::int64_t compared_photons = 0;  ///< of --compare; 0 if not asked for
+  MonteCarloEffort effort;            ///< of monte_carlo
 };
 
 /// What a method gives: the totals, [band], and remarks on how far to trust them.
@@ -37,6 +40,7 @@ struct SlabResult {
   std::vector<SlabTotals> totals;
   ordered_json more = ordered_json::object();  ///< what only this method says
   std::vector<std::string> remarks = {};
+  std::vector<SlabTotals> standard_error = {};  ///< [band], of random methods; else empty
 };
 
 /// A solver: its name in --method, and what it does with the stacks, [band].
@@ -69,10 +73,17 @@ SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& 
   return result;
 }
 
+SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                          const SlabOptions& options) {
+  MonteCarloTotals result = monte_carlo_totals(stacks, incidence, options.effort, options.common);
+  return {.totals = std::move(result.totals), .standard_error = std::move(result.standard_error)};
+}
+
 /// Every method of `lamina slab`; the first is the default.
 const std::vector<SlabMethod>& slab_methods() {
   static const std::vector<SlabMethod> methods = {{"adding_doubling", by_adding_doubling},
-                                                  {"diffusion", by_diffusion}};
+                                                  {"diffusion", by_diffusion},
+                                                  {"monte_carlo", by_monte_carlo}};
   return methods;
 }
 
@@ -93,22 +104,28 @@ Incidence parse_incidence(const std::string& text) {
   return {.theta = degrees * std::numbers::pi / 180.0};
 }
 
-ordered_json slab_json(const SlabResult& result) {
+ordered_json totals_json(const std::vector<SlabTotals>& bands) {
   ordered_json specular, reflected, transmitted, absorbed = ordered_json::array();
-  for (const SlabTotals& band : result.totals) {
+  for (const SlabTotals& band : bands) {
     specular.push_back(band.specular_reflectance);
     reflected.push_back(band.diffuse_reflectance);
     transmitted.push_back(band.transmittance);
   }
-  for (std::size_t layer = 0; layer < result.totals[0].absorptance.size(); ++layer) {
+  for (std::size_t layer = 0; layer < bands[0].absorptance.size(); ++layer) {
     ordered_json row;
-    for (const SlabTotals& band : result.totals) row.push_back(band.absorptance[layer]);
+    for (const SlabTotals& band : bands) row.push_back(band.absorptance[layer]);
     absorbed.push_back(row);
   }
   return {{"specular_reflectance", specular},
           {"diffuse_reflectance", reflected},
           {"transmittance", transmitted},
           {"absorptance", absorbed}};
+}
+
+ordered_json slab_json(const SlabResult& result) {
+  ordered_json json = totals_json(result.totals);
+  if (!result.standard_error.empty()) json["standard_error"] = totals_json(result.standard_error);
+  return json;
 }
 
 std::string slab_text(const Material& material, const SlabResult& result) {
@@ -129,6 +146,13 @@ std::string slab_text(const Material& material, const SlabResult& result) {
     row("absorbed: " + (material.layers[i].name.empty() ? fmt::format("layer {}", i)
                                                         : material.layers[i].name),
         [i](const SlabTotals& t) { return t.absorptance[i]; });
+  double error = 0.0;  // the largest of all
+  for (const SlabTotals& band : result.standard_error) {
+    error = std::max({error, band.diffuse_reflectance, band.transmittance});
+    for (const double absorbed : band.absorptance) error = std::max(error, absorbed);
+  }
+  if (!result.standard_error.empty())
+    text += fmt::format("\nstandard errors at most {:.1e}", error);
   return text + "\n";
 }
 
@@ -185,6 +209,7 @@ void add_slab_command(CLI::App& app) {
                    "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
       ->type_name("normal|diffuse|DEG")
       ->capture_default_str();
+  add_effort_options(*command, options->effort);
   add_common_options(*command, options->common);
   command->footer(
       "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"

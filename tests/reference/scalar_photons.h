@@ -53,7 +53,7 @@ struct ScalarGrid {
 [[nodiscard]] inline ScalarPhotons trace_scalar_photons(const LayerStack& stack, int photons,
                                                         std::uint64_t seed, double theta_i = 0.0,
                                                         const ScalarGrid& grid = {},
-                                                        double roulette_weight = 0.05) {
+                                                        double roulette_weight = 0.1) {
   const auto layers = stack.layers();
   const int n = static_cast<int>(layers.size());
   const auto index = [](int i) { return static_cast<std::size_t>(i); };

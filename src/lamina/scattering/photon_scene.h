@@ -47,7 +47,7 @@ struct Scene {
   std::uint64_t seed = 0;    ///< hashed
   double length_unit = 1.0;  ///< longest finite mean free path [mm]
   std::uint32_t max_events = 0;
-  float roulette_weight = 0.05f;
+  float roulette_weight = 0.1f;
 };
 
 /// @throws InvalidInput if the options do not fit the stack.

@@ -52,7 +52,7 @@ struct MonteCarloOptions {
 
   /// Photons of less weight play Russian roulette: they die or go on with twice that weight. The
   /// default is where error times computing time is least; MCML's is 1e-4. In (0, 0.5].
-  double roulette_weight = 0.05;
+  double roulette_weight = 0.1;
 
   /// As MCML does: light enters the first layer that interacts with the deterministic transmittance
   /// of a clear first layer, whose ladder of reflections then counts as specular. Needs normal

@@ -1,0 +1,51 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "console.h"
+#include "lamina/scattering/photon_tracing.h"
+#include "lamina/scattering/profile.h"
+#include "lamina/scattering/slab_totals.h"
+
+namespace lamina::cli {
+
+/// How much work a Monte Carlo method does: --photons, --relative-error, --time.
+struct MonteCarloEffort {
+  std::optional<double> photons;  ///< per band; as typed, so that 1e6 will do
+  double relative_error = 0.0;
+  double seconds = 0.0;
+};
+
+/// Adds the three options; `effort` must outlive the parse.
+void add_effort_options(CLI::App& command, MonteCarloEffort& effort);
+
+/// @throws InvalidInput if --photons is no number of photons.
+[[nodiscard]] MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort,
+                                                    const CommonOptions& common);
+
+/// Totals with their standard errors, [band].
+struct MonteCarloTotals {
+  std::vector<SlabTotals> totals, standard_error;
+};
+
+[[nodiscard]] MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands,
+                                                  const Incidence& incidence,
+                                                  const MonteCarloEffort& effort,
+                                                  const CommonOptions& common);
+
+/// Profiles per arriving flux with their standard errors, by exit radii on a logarithmic grid.
+/// Light that leaves unscattered is in the totals, but not in the profile.
+struct MonteCarloProfile {
+  Profile profile, standard_error;
+};
+
+/// @param first, last, size  radii in a geometric series, as RadialGrid has them; size >= 2.
+[[nodiscard]] MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double first,
+                                                    double last, int size,
+                                                    const MonteCarloEffort& effort,
+                                                    const CommonOptions& common);
+
+}  // namespace lamina::cli
