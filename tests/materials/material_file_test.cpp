@@ -111,7 +111,9 @@ void damage(const std::string& file) {
 
 // A file that loses its end, or has one of its characters replaced, is a material or an Error.
 TEST(MaterialFile, DamagedTextNeverDoesHarm) {
-  for (const char* file : {"every_key.json", "skin_fold.json"}) damage(file);
+  for (const char* file :
+       {"every_key.json", "skin_fold.json", "leaf_every_key.json", "paint_every_key.json"})
+    damage(file);
 }
 
 TEST(MaterialFile, ReadsEveryKey) {
@@ -232,7 +234,7 @@ Page read_page() {
 
 TEST(MaterialPage, ExamplesAreMaterials) {
   const Page page = read_page();
-  ASSERT_EQ(page.examples.size(), 4U);
+  ASSERT_EQ(page.examples.size(), 6U);
   for (const std::string& example : page.examples) {
     const Material material = parse_material(example, "docs/materials.md");
     for (std::size_t band = 0; band < material.bands.size(); ++band)

@@ -18,8 +18,9 @@ struct Recipe {
   std::string_view key;
   void (*decode)(const JsonInput& recipe, const Context& context, Material& material);
 };
-constexpr std::array<Recipe, 3> recipes = {
-    {{"skin", material_file::decode_skin}, {"leaf", nullptr}, {"paint", nullptr}}};
+constexpr std::array<Recipe, 3> recipes = {{{"skin", material_file::decode_skin},
+                                            {"leaf", material_file::decode_leaf},
+                                            {"paint", material_file::decode_paint}}};
 
 /// The recipe of a file, if it has one. @throws InvalidInput if there is another description.
 const Recipe* find_recipe(const JsonObject& file) {
@@ -30,8 +31,6 @@ const Recipe* find_recipe(const JsonObject& file) {
     const std::string other = found != nullptr ? std::string(found->key) : "layers";
     if (file.has(other))
       given->fail("there is \"" + other + "\" already; a material has one of the two");
-    if (recipe.decode == nullptr)
-      given->fail("this version of lamina does not know this recipe yet; give \"layers\"");
     found = &recipe;
   }
   return found;

@@ -40,6 +40,8 @@ inline constexpr double largest_number = 1e9;
 /// The recipes: each fills in the layers and adds to the source which curves and constants it took.
 /// @throws InvalidInput
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material);
+void decode_leaf(const JsonInput& recipe, const Context& context, Material& material);
+void decode_paint(const JsonInput& recipe, const Context& context, Material& material);
 
 /// A number of a recipe. Where a map stands for it, the message says that maps are not for here.
 [[nodiscard]] double recipe_number(const JsonInput& value, const NumberRange& range);
