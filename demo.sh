@@ -59,3 +59,55 @@ fetch_studio() {
   rm -rf "$work"
 }
 make_once "$assets/studio.exr" fetch_studio
+
+# The scenes: the head with layered skin; the same with one layer, without any scattering below the
+# surface, and its ear lit from behind. `fit` puts in the procedural studio where the map is missing.
+fit() {
+  if [ -e "$assets/studio.exr" ]; then cat; else sed 's|"assets/studio.exr"|{ "procedural": "studio" }|'; fi
+}
+fit <demo/head.json >demo/out-head.json
+fit <demo/head.json | sed 's|"skin.json"|"skin1.json"|' >demo/out-dipole.json
+fit <demo/head.json | sed -z 's|"subsurface": "skin.json",\s*"color": \({[^}]*}\), "color_use": "invert"|"diffuse": \1|' >demo/out-lambert.json
+fit <demo/ear.json >demo/out-ear.json
+
+render() {
+  say "rendering $1"
+  "$lamina" render "demo/out-$1.json" -o "$out/$1"
+}
+for picture in head dipole lambert ear; do
+  make_once "$out/$picture.png" render $picture
+done
+
+make_profile() {
+  say "plotting the light around a pencil beam"
+  "$lamina" profile donner_jensen_skin --compare --plot "$out/profile.svg" >"$out/profile.txt"
+  rsvg-convert -w 1000 "$out/profile.svg" -o "$out/profile.png"
+}
+make_once "$out/profile.png" make_profile
+
+# The pictures side by side over a strip of captions.
+make_strip() {
+  local names=(head dipole lambert ear) i=0 x size=512 bar=44
+  local captions=("Three layers (Donner &amp; Jensen 2005)" "One layer, dipole (Jensen 2001, skin1)"
+    "Lambert, same colors" "Ear of the first, lit from behind")
+  {
+    echo "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink'" \
+      "width='$((4 * size))' height='$((size + bar))'><rect width='100%' height='100%' fill='#14171c'/>"
+    for name in "${names[@]}"; do
+      x=$((i * size))
+      echo "<image x='$x' width='$size' height='$size' xlink:href='$name.png'/>"
+      echo "<text x='$((x + size / 2))' y='$((size + 29))' font-family='DejaVu Sans' font-size='19'" \
+        "fill='#d8dce2' text-anchor='middle'>${captions[$i]}</text>"
+      i=$((i + 1))
+    done
+    echo "</svg>"
+  } >"$out/strip.svg"
+  rsvg-convert "$out/strip.svg" -o "$out/comparison.png"
+}
+make_once "$out/comparison.png" make_strip
+
+say "done. The pictures:"
+for file in head.png comparison.png ear.png profile.png; do
+  echo "        $PWD/$out/$file"
+done
+echo "        (all channels: $out/*.exr; your own: $lamina render SCENE, see docs/scene.md)"

@@ -41,7 +41,7 @@ const eyes = proxy.ref_vIdxs.flatMap((refs, i) =>
 const isHead = (quad) => {
   const center = [0, 1, 2].map(
     (axis) => quad.vertices.reduce((sum, v) => sum + 0.25 * body[3 * v + axis], 0));
-  return quad.group === 'body' && center[1] > 5.9 && Math.abs(center[0]) < 1.3;
+  return quad.group === 'body' && center[1] > 5.2 && Math.abs(center[0]) < 1.3;
 };
 // The corneas are the shells whose texture coordinates lie on the white spot of the eye maps.
 const uvAt = (i) => [proxy.uvs[0][2 * i], proxy.uvs[0][2 * i + 1]];

@@ -4,16 +4,33 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <mutex>
+#include <tuple>
 
 #include "lamina/optics/interface_reflectance.h"
 
 namespace lamina {
 namespace {
 
+/// A table costs a tenth of a second, and the bands and variants of a material ask for the same one
+/// again and again. So the last few are kept: they depend on nothing but these three numbers.
 InterfaceReflectance torrance_sparrow_table(const Interface& boundary, double ior_before,
                                             double ior_beyond) {
-  return make_interface_reflectance(make_rough_interface<double>(boundary, ior_before, ior_beyond),
-                                    FacetMasking::v_cavity);
+  using Key = std::tuple<double, MicrofacetDistribution, double>;
+  static std::mutex mutex;
+  static std::map<Key, InterfaceReflectance> tables;
+  const Key key(boundary.roughness, boundary.distribution, ior_beyond / ior_before);
+  {
+    const std::scoped_lock lock(mutex);
+    if (const auto found = tables.find(key); found != tables.end()) return found->second;
+  }
+  InterfaceReflectance table = make_interface_reflectance(
+      make_rough_interface<double>(boundary, ior_before, ior_beyond), FacetMasking::v_cavity);
+  const std::scoped_lock lock(mutex);
+  if (tables.size() >= 64) tables.clear();
+  tables.emplace(key, table);
+  return table;
 }
 
 bool is_smooth(const Interface& boundary) { return boundary.roughness == 0.0; }
