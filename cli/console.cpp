@@ -9,13 +9,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <span>
 
-#include "lamina/core/error.h"
+#include "lamina/image/file_bytes.h"
 
 namespace lamina::cli {
 namespace {
@@ -86,31 +85,21 @@ void print(const CommonOptions& options, std::string_view text) {
 }
 
 Progress make_progress(std::string label) {
-  return [bar = std::make_shared<Bar>(std::move(label))](double finished) {
-    return (*bar)(finished);
-  };
+  return
+      [bar = std::make_shared<Bar>(std::move(label))](double finished) { return (*bar)(finished); };
 }
 
 bool was_interrupted() { return interrupted; }
 
 void watch_for_interrupt() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int) { interrupted = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends at once
   sigaction(SIGINT, &action, nullptr);
 }
 
 void write_file(const std::string& path, std::string_view text) {
-  const std::string beside = path + ".tmp";
-  std::ofstream file(beside, std::ios::binary);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(beside, path, error);
-  if (!file || error) {
-    std::filesystem::remove(beside, error);
-    throw WriteError(path + ": cannot be written");
-  }
+  write_file_bytes(path, std::span(reinterpret_cast<const std::byte*>(text.data()), text.size()));
 }
 
 }  // namespace lamina::cli

@@ -14,7 +14,7 @@ namespace {
 // Exit codes: 0 done, 1 the work failed, 2 wrong use or wrong input, 130 interrupted.
 int run(int argc, char** argv) {
   using namespace lamina::cli;
-  CLI::App app("Light in layered translucent materials: predict, render, acquire.", "lamina");
+  CLI::App app("Light in layered translucent materials: predict and render.", "lamina");
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
   add_bsdf_command(app);
@@ -30,7 +30,11 @@ int run(int argc, char** argv) {
     return was_interrupted() ? 130 : 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "lamina: {}\n", error.what());
+    const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
+    if (is_unknown)
+      fmt::print(stderr, "lamina: there is no subcommand \"{}\"; see lamina --help\n", argv[1]);
+    else
+      fmt::print(stderr, "lamina: {}\n", error.what());
     return 2;
   } catch (const lamina::WriteError& error) {
     fmt::print(stderr, "lamina: {}\n", error.what());

@@ -173,7 +173,7 @@ void add_render_command(CLI::App& app) {
   options->seed = command->get_option("--seed");
   command->footer(
       "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
-      "Example: lamina render scenes/head.json -o head.png --samples 16 --width 256");
+      "Example: lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256");
   command->callback([options] { run_render(*options); });
 }
 

@@ -49,7 +49,7 @@ class WrongUse(unittest.TestCase):
 
     def test_is_one_line_and_exit_code_2(self):
         self.check([])
-        self.check(["nonsense"])
+        self.check(["nonsense"], "nonsense")
         self.check(["slab"])
         self.check(["slab", "donner_jensen_skim"], "donner_jensen_skin")
         self.check(["slab", "donner_jensen_skin", "--incidence", "91"], "91")
@@ -73,6 +73,17 @@ class FailedWork(unittest.TestCase):
         result = run("slab", "jade", "--method", "diffusion", "--json", "/no/such/folder/x.json")
         self.assertEqual(result.returncode, 1)
         self.assertEqual(result.stderr.count("\n"), 1)
+
+
+    @unittest.skipUnless(hasattr(os, "mkfifo"), "needs links")
+    def test_a_link_stays_a_link(self):
+        with tempfile.TemporaryDirectory() as folder:
+            target, link = os.path.join(folder, "target.json"), os.path.join(folder, "link.json")
+            open(target, "w").close()
+            os.symlink(target, link)
+            self.assertEqual(run("slab", "jade", "--method", "diffusion", "--json", link).returncode, 0)
+            self.assertTrue(os.path.islink(link))
+            self.assertGreater(os.path.getsize(target), 0)
 
 
 class Json(unittest.TestCase):
