@@ -156,10 +156,10 @@ void add_render_command(CLI::App& app) {
       ->check(at_least_one);
   command->add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
       ->type_name("N")
-      ->check(CLI::Range(1, 65536));
+      ->check(CLI::Range(1, 16384));
   command->add_option("--height", options->height, "height in pixels")
       ->type_name("N")
-      ->check(CLI::Range(1, 65536));
+      ->check(CLI::Range(1, 16384));
   command->add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
@@ -168,7 +168,7 @@ void add_render_command(CLI::App& app) {
   options->exposure_given =
       command->add_option("--exposure", options->exposure, "stops, for the PNG only")
           ->type_name("EV")
-          ->check(CLI::Range(-100.0, 100.0));
+          ->check(CLI::Range(-50.0, 50.0));
   add_common_options(*command, options->common);
   options->seed = command->get_option("--seed");
   command->footer(
