@@ -19,7 +19,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/diffusion_profile.h"
 #include "lamina/scattering/dipole_profile.h"
-#include "lamina/scattering/exact_profile.h"
+#include "lamina/scattering/exact_profile_cache.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
 
@@ -34,6 +34,7 @@ struct ProfileOptions {
   bool compare = false;
   std::string domain = "radius";
   double accuracy = 0.005;
+  bool no_cache = false;
   RadialGrid grid;
   MonteCarloEffort effort;  ///< of monte_carlo
 };
@@ -61,14 +62,17 @@ ordered_json table_json(std::span<const double> table, std::size_t columns) {
 }
 
 ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
-  ExactProfile result = exact_profile(stacks, options.grid, {.accuracy = options.accuracy});
+  auto [result, was_cached] =
+      cached_exact_profile(options.no_cache ? std::nullopt : user_cache(), stacks, options.grid,
+                           {.accuracy = options.accuracy});
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band)
     if (result.estimated_error[band] > options.accuracy)
       remarks.push_back(fmt::format("band {}: accurate to {:.1f} % only", band,
                                     100.0 * result.estimated_error[band]));
   ordered_json more = {{"accuracy", table_json(result.relative_error, stacks.size())},
-                       {"estimated_error", result.estimated_error}};
+                       {"estimated_error", result.estimated_error},
+                       {"from_cache", was_cached}};
   return {std::move(result.profile), std::move(remarks), std::move(more)};
 }
 
@@ -365,6 +369,8 @@ void add_profile_command(CLI::App& app) {
   command->add_option("--accuracy", options->accuracy, "of exact: relative")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();
+  command->add_flag("--no-cache", options->no_cache,
+                    "of exact: neither look for the result in the cache nor keep it there");
   command
       ->add_option("--domain", options->domain,
                    "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
@@ -386,7 +392,10 @@ void add_profile_command(CLI::App& app) {
       "The dipole has the coefficients of a single layer, made infinitely thick; of several "
       "layers\n"
       "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
-      "d).\n\n"
+      "d).\n"
+      "Exact profiles are kept in $XDG_CACHE_HOME/lamina or ~/.cache/lamina, at most 256 MiB; "
+      "the\n"
+      "environment variable LAMINA_CACHE moves them to a folder, or is \"off\".\n\n"
       "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
   command->callback([options] {

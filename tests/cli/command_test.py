@@ -11,6 +11,7 @@ import tempfile
 import unittest
 
 LAMINA = sys.argv.pop(1)
+os.environ["LAMINA_CACHE"] = "off"
 
 
 def run(*args):

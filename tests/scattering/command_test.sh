@@ -5,6 +5,7 @@ set -euo pipefail
 lamina=$1
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
+export LAMINA_CACHE=$folder/cache
 fail() { echo "FAILED: $1" >&2; exit 1; }
 
 "$lamina" slab donner_jensen_skin --method diffusion --json "$folder/slab.json" | grep -q "bloody dermis" ||
@@ -45,6 +46,15 @@ for b, expected in enumerate((.398083, .392509, .309059)):
 assert skin["method"] == "exact" and skin["per"] == "arriving_flux"
 assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == 60
 assert skin["comparison"]["method"] == "multipole"
+PY
+"$lamina" profile donner_jensen_skin --radii 60 --json "$folder/again.json" > /dev/null || fail "exact profile from the cache"
+"$lamina" profile donner_jensen_skin --radii 60 --no-cache --json "$folder/anew.json" > /dev/null || fail "exact profile without the cache"
+python3 - "$folder/skin.json" "$folder/again.json" "$folder/anew.json" <<'PY'
+import json, sys
+first, again, anew = (json.load(open(file)) for file in sys.argv[1:])
+assert [x.pop("from_cache") for x in (first, again, anew)] == [False, True, False]
+del first["comparison"]
+assert first == again == anew
 PY
 "$lamina" slab donner_jensen_skin --compare=20000 --json "$folder/compare.json" > /dev/null || fail "slab --compare"
 python3 - "$folder/compare.json" <<'PY'

@@ -1,0 +1,134 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/core/disk_cache.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+namespace lamina {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view suffix = ".lamina";
+
+/// Fowler, Noll and Vo's hash FNV-1a.
+std::uint64_t hash(std::string_view bytes, std::uint64_t start = 0xcbf29ce484222325u) {
+  for (const char byte : bytes) start = (start ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+  return start;
+}
+
+/// What a file starts with; the key and the value follow. The numbers are as this machine has them.
+struct Header {
+  std::array<char, 8> magic = {'l', 'a', 'm', 'c', 'a', 'c', 'h', 'e'};
+  std::uint64_t version = 1;
+  std::uint64_t key_size = 0, value_size = 0;
+  std::uint64_t checksum = 0;  ///< of key and value
+};
+
+fs::path file_of(const DiskCache& cache, std::string_view key) {
+  std::array<char, 17> name{};
+  std::snprintf(name.data(), name.size(), "%016llx", static_cast<unsigned long long>(hash(key)));
+  return cache.folder / (name.data() + std::string(suffix));
+}
+
+/// Removes what was used longest ago until a fourth of the cache is free, if it is too large.
+void prune(const DiskCache& cache) {
+  struct Kept {
+    fs::file_time_type used;
+    std::uintmax_t size;
+    fs::path file;
+  };
+  std::error_code error;
+  std::vector<Kept> all;
+  std::uintmax_t total = 0;
+  for (const auto& entry : fs::directory_iterator(cache.folder, error)) {
+    if (entry.path().extension() != suffix) continue;
+    std::error_code gone;  // another process may be pruning, too
+    const auto size = entry.file_size(gone);
+    const auto used = entry.last_write_time(gone);
+    if (gone) continue;
+    all.push_back({used, size, entry.path()});
+    total += size;
+  }
+  if (total <= cache.most_bytes) return;
+  std::ranges::sort(all, {}, &Kept::used);
+  for (const Kept& kept : all) {
+    if (total <= cache.most_bytes / 4 * 3) break;
+    fs::remove(kept.file, error);
+    total -= kept.size;
+  }
+}
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+}  // namespace
+
+std::optional<DiskCache> user_cache() {
+  const std::string own = variable("LAMINA_CACHE");
+  if (own == "off") return std::nullopt;
+  if (!own.empty()) return DiskCache{own};
+  // The standard has relative folders ignored (XDG Base Directory Specification).
+  if (const fs::path caches = variable("XDG_CACHE_HOME"); caches.is_absolute())
+    return DiskCache{caches / "lamina"};
+  if (const fs::path home = variable("HOME"); home.is_absolute())
+    return DiskCache{home / ".cache" / "lamina"};
+  return std::nullopt;
+}
+
+std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
+  const fs::path file = file_of(cache, key);
+  std::error_code error;
+  const std::uintmax_t size = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
+  Header found;
+  if (error || size < sizeof found + key.size()) return std::nullopt;
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
+  std::memcpy(&found, bytes.data(), sizeof found);
+  const std::string_view rest = std::string_view(bytes).substr(sizeof found);
+  const Header expected{
+      .key_size = key.size(), .value_size = rest.size() - key.size(), .checksum = hash(rest)};
+  if (std::memcmp(&found, &expected, sizeof found) != 0 || !rest.starts_with(key))
+    return std::nullopt;
+  fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
+  return std::string(rest.substr(key.size()));
+}
+
+bool store(const DiskCache& cache, std::string_view key, std::string_view value) {
+  static std::atomic<unsigned> count = 0;
+  std::error_code error;
+  fs::create_directories(cache.folder, error);
+  const fs::path file = file_of(cache, key);
+  fs::path beside = file;
+  beside += "." + std::to_string(getpid()) + "." + std::to_string(count++) + ".tmp";
+  const Header header{
+      .key_size = key.size(), .value_size = value.size(), .checksum = hash(value, hash(key))};
+  std::ofstream stream(beside, std::ios::binary | std::ios::trunc);
+  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
+  stream.write(key.data(), static_cast<std::streamsize>(key.size()));
+  stream.write(value.data(), static_cast<std::streamsize>(value.size()));
+  stream.close();
+  const bool is_written = !stream.fail();
+  error.clear();
+  if (is_written) fs::rename(beside, file, error);
+  if (!is_written || error) {
+    fs::remove(beside, error);
+    return false;
+  }
+  prune(cache);
+  return true;
+}
+
+}  // namespace lamina
