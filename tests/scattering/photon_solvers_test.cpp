@@ -122,6 +122,23 @@ TEST(MonteCarlo, RoughBoundariesKeepTheLight) {
   }
 }
 
+// What facets scatter has a finite radiance: with a rough top all reflected light is in the BRDF.
+TEST(MonteCarlo, RoughBoundariesLeaveNothingUnscattered) {
+  const Interface rough = {.roughness = 0.4};
+  const LayerStack stack({{.medium = {.sigma_s = 1.0, .ior = 1.5}, .thickness = 0.1, .top = rough}},
+                         1.0, 1.0);
+  const MonteCarloResult result = trace_photons(
+      stack, {.photons = 20'000, .seed = 36, .tallies = {.bsdf_cosines = 8, .bsdf_azimuths = 4}});
+  EXPECT_EQ(result.unscattered_reflectance.value, 0.0);
+  EXPECT_EQ(result.unscattered_transmittance.value, 0.0);
+  double reflected = 0.0;
+  for (std::size_t cell = 0; cell < result.bsdf.reflection.size(); ++cell)
+    reflected += 2.0 * std::numbers::pi / 32 * (static_cast<double>(cell / 4) + 0.5) / 8.0 *
+                 result.bsdf.reflection[cell].value;
+  EXPECT_NEAR(reflected, result.specular_reflectance.value + result.diffuse_reflectance.value,
+              1e-9);
+}
+
 TEST(MonteCarlo, SlightRoughnessChangesLittle) {
   const auto stack = [](double roughness) {
     const Interface top = {.roughness = roughness};

@@ -51,6 +51,7 @@ struct PhotonLanes {
   alignas(64) std::uint32_t random[4][max_lanes];
   std::uint64_t birth[max_lanes];  ///< step of the group at which the photon started
   float entered[max_lanes];        ///< weight when the photon came into its layer
+  bool met_facets[max_lanes];      ///< has been at a rough boundary, which scatters too
 };
 
 /// Follows one batch.
@@ -114,6 +115,7 @@ class Walker {
     for (auto& word : p.random) word[i] = 1;
     p.birth[i] = no_photon;
     p.entered[i] = 1.0f;
+    p.met_facets[i] = false;
   }
 
   /// A boundary met by light in direction (ux, uy, uz), which it changes; whether it goes through.
@@ -130,6 +132,7 @@ class Walker {
     p.ux[i] = static_cast<float>(wo.x);
     p.uy[i] = static_cast<float>(wo.y);
     p.uz[i] = static_cast<float>(uz > 0.0f ? -wo.z : wo.z);
+    p.met_facets[i] = true;
     return wo.z < 0.0;
   }
 
@@ -147,6 +150,7 @@ class Walker {
     if (scene_.is_rough[0] != 0) {
       if (cross(p, i, 0, eta, ux, uy, mu)) return true;
       add(PhotonLayout::specular, 1.0f);
+      tally_bsdf(p, i, 0);
       return false;
     }
     const float reflected = fresnel(mu, eta);
@@ -190,6 +194,7 @@ class Walker {
       p.order[i] = 0;
       p.path[i] = 0.0f;
       p.birth[i] = step_;
+      p.met_facets[i] = false;
       if (scene_.enters_at_random && !enter_at_random(p, i)) continue;
       p.entered[i] = p.w[i];
       return true;
@@ -317,7 +322,7 @@ class Walker {
     const PhotonLayout& layout = plan_.layout;
     const float w = p.w[i];
     add(is_below ? PhotonLayout::transmitted : PhotonLayout::reflected, w);
-    if (p.order[i] == 0)
+    if (is_unscattered(p, i))
       add(is_below ? PhotonLayout::unscattered_down : PhotonLayout::unscattered_up, w);
     const PhotonTallies& t = plan_.tallies;
     const std::size_t side = is_below ? 1 : 0;
@@ -330,11 +335,31 @@ class Walker {
               static_cast<std::size_t>(k * std::max(t.angles, 1) + angle),
           w);
     }
-    if (plan_.has_rare_exits) tally_rare_exit(p, i, side, r, mu, angle);
+    if (plan_.has_rare_exits) tally_rare_exit(p, i, side, r, angle);
   }
 
-  void tally_rare_exit(const PhotonLanes& p, std::size_t i, std::size_t side, float r, float mu,
-                       int angle) {
+  /// Light of a single direction, neither scattered inside nor at rough boundaries.
+  static bool is_unscattered(const PhotonLanes& p, std::size_t i) {
+    return p.order[i] == 0 && !p.met_facets[i];
+  }
+
+  void tally_bsdf(const PhotonLanes& p, std::size_t i, std::size_t side) {
+    const PhotonLayout& layout = plan_.layout;
+    const PhotonTallies& t = plan_.tallies;
+    if (layout.bsdf_size == 0 || is_unscattered(p, i)) return;
+    const float mu = std::min(std::abs(p.uz[i]), 1.0f);
+    const int row = bin(mu, static_cast<float>(t.bsdf_cosines), t.bsdf_cosines);
+    const int azimuths = std::max(t.bsdf_azimuths, 1);
+    const float turn = std::atan2(p.uy[i], p.ux[i]) * (0.5f * std::numbers::inv_pi_v<float>);
+    const int column =
+        bin(turn < 0.0f ? turn + 1.0f : turn, static_cast<float>(azimuths), azimuths);
+    const int plane = t.orders ? std::min(p.order[i], photon_orders - 1) : 0;
+    add(layout.bsdf + side * layout.bsdf_size +
+            static_cast<std::size_t>((plane * t.bsdf_cosines + row) * azimuths + column),
+        p.w[i]);
+  }
+
+  void tally_rare_exit(const PhotonLanes& p, std::size_t i, std::size_t side, float r, int angle) {
     const PhotonLayout& layout = plan_.layout;
     const PhotonTallies& t = plan_.tallies;
     const float w = p.w[i];
@@ -345,17 +370,7 @@ class Walker {
               static_cast<std::size_t>(bin(std::max(k, 0.0f), 1.0f, t.log_r.count)),
           w);
     }
-    if (layout.bsdf_size > 0 && order > 0) {
-      const int row = bin(mu, static_cast<float>(t.bsdf_cosines), t.bsdf_cosines);
-      const int azimuths = std::max(t.bsdf_azimuths, 1);
-      const float turn = std::atan2(p.uy[i], p.ux[i]) * (0.5f * std::numbers::inv_pi_v<float>);
-      const int column =
-          bin(turn < 0.0f ? turn + 1.0f : turn, static_cast<float>(azimuths), azimuths);
-      const int plane = t.orders ? order : 0;
-      add(layout.bsdf + side * layout.bsdf_size +
-              static_cast<std::size_t>((plane * t.bsdf_cosines + row) * azimuths + column),
-          w);
-    }
+    tally_bsdf(p, i, side);
     if (layout.order_size > 0)
       add(layout.order + side * layout.order_size +
               static_cast<std::size_t>(order * std::max(t.angles, 1) + angle),

@@ -72,7 +72,8 @@ struct PhotonLayout {
   static constexpr std::size_t specular = 0;          ///< first reflection, where it is random
   static constexpr std::size_t reflected = 1;         ///< diffuse reflectance
   static constexpr std::size_t transmitted = 2;       ///< all of it
-  static constexpr std::size_t unscattered_up = 3;    ///< part of `reflected` that never scattered
+  static constexpr std::size_t unscattered_up = 3;    ///< part of `reflected` that never scattered,
+                                                      ///< nor at rough boundaries
   static constexpr std::size_t unscattered_down = 4;  ///< part of `transmitted`
   static constexpr std::size_t unfinished = 5;
   static constexpr std::size_t path_up = 6;  ///< weight times path length of reflected light
@@ -135,7 +136,8 @@ struct MonteCarloResult {
   TwoSided angular;           ///< [angle] [1/sr]
   TwoSided radial_angular;    ///< [r][angle] [1/(mm² sr)]
   TwoSided log_radial;        ///< [bin] [1/mm²]
-  TwoSided bsdf;              ///< [cosine][azimuth] [1/sr]; unscattered light is left out
+  TwoSided bsdf;              ///< [cosine][azimuth] [1/sr]; unscattered light is left out, what
+                              ///< rough boundaries scatter is not, at first contact too
   TwoSided bsdf_by_order;     ///< [order][cosine][azimuth] [1/sr]
   TwoSided by_order;          ///< [order] fraction of the light
   TwoSided angular_by_order;  ///< [order][angle] [1/sr]
