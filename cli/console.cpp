@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "lamina/image/file_bytes.h"
+#include "lamina/core/file_bytes.h"
 
 namespace lamina::cli {
 namespace {

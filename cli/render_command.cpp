@@ -113,8 +113,8 @@ void run_render(const RenderCommandOptions& options) {
     written += files.exr.string();
   }
   if (!files.png.empty()) {
-    const View view = scene.film.view == Film::View::filmic ? View::filmic : View::standard;
-    save_png(view_image(result.image, view, static_cast<double>(scene.film.exposure)), files.png);
+    const double exposure = static_cast<double>(scene.film.exposure);
+    save_png(view_image(result.image, scene.film.view, exposure), files.png);
     written += (written.empty() ? "" : ", ") + files.png.string();
   }
 

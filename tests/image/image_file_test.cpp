@@ -235,7 +235,7 @@ TEST_F(ImageFile, ThatIsNoImageIsAFileErrorInOneLine) {
   std::ofstream(path("photo.png")) << "\xff\xd8\xff\xe0 and so on";
   std::ofstream(path("empty.exr")).flush();
   for (const auto& [file, says] :
-       {std::pair{path("missing.exr"), "does not exist"}, std::pair{folder_, "is a folder"},
+       {std::pair{path("missing.exr"), "there is no such file"}, std::pair{folder_, "is a folder"},
         std::pair{path("text.png"), "EXR, PNG or TIFF"}, std::pair{path("photo.png"), "a JPEG"},
         std::pair{path("empty.exr"), "is empty"}, std::pair{path("text.png/x"), "x:"},
         std::pair{std::filesystem::path("/dev/zero"), "is a device"}}) {

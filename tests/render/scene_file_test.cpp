@@ -56,7 +56,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.film.width, 8);
   EXPECT_EQ(scene.film.height, 4);
   EXPECT_EQ(scene.film.exposure, -1.5F);
-  EXPECT_EQ(scene.film.view, Film::View::standard);
+  EXPECT_EQ(scene.film.view, View::standard);
   EXPECT_EQ(scene.render.method, RenderSettings::Method::layered_bsdf);
   EXPECT_EQ(scene.render.samples_per_pixel, 16);
   EXPECT_EQ(scene.render.max_bounces, 2);

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <system_error>
 
 #include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 #include "lamina/core/json_tree.h"
 #include "lamina/core/nearest_name.h"
 
@@ -273,28 +271,7 @@ JsonDocument parse_json(std::string_view text, std::string name) {
 }
 
 JsonDocument load_json(const std::filesystem::path& file) {
-  const auto refuse = [&](const std::string& why) { throw FileError(file.string() + ": " + why); };
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  if (status.type() == std::filesystem::file_type::not_found) refuse("there is no such file");
-  if (std::filesystem::is_directory(status)) refuse("is a folder, but must be a file");
-  struct Close {
-    void operator()(std::FILE* stream) const { std::fclose(stream); }
-  };
-  const std::unique_ptr<std::FILE, Close> stream(std::fopen(file.c_str(), "rb"));
-  if (!stream) refuse(std::string("cannot be read: ") + std::strerror(errno));
-  std::string text;
-  constexpr std::size_t chunk = std::size_t{1} << 20;
-  for (std::size_t got = 1; got > 0;) {
-    const std::size_t before = text.size();
-    text.resize(before + chunk);
-    got = std::fread(text.data() + before, 1, chunk, stream.get());
-    text.resize(before + got);
-    if (text.size() > json_max_bytes)
-      refuse("is larger than " + std::to_string(json_max_bytes >> 20) + " MiB");
-  }
-  if (std::ferror(stream.get()) != 0) refuse("cannot be read to its end");
-  return parse_json(text, file.string());
+  return parse_json(read_file_bytes(file, json_max_bytes), file.string());
 }
 
 }  // namespace lamina

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 #include "lamina/image/codec.h"
-#include "lamina/image/file_bytes.h"
 #include "lamina/spectrum/srgb.h"
 
 namespace lamina {
@@ -89,7 +89,8 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
 }
 
 Image load_image(const std::filesystem::path& file, ColorEncoding encoding) {
-  return decode_image(read_file_bytes(file), file.string(), encoding);
+  const std::string bytes = read_file_bytes(file);
+  return decode_image(std::as_bytes(std::span(bytes)), file.string(), encoding);
 }
 
 void require_finite(const Image& image, const std::filesystem::path& file) {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "lamina/core/error.h"
-#include "lamina/image/file_bytes.h"
+#include "lamina/core/file_bytes.h"
 #include "lamina/image/plot_panel.h"
 
 namespace lamina {

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 #include "lamina/render/mesh_file.h"
 
 namespace lamina {
@@ -191,7 +192,7 @@ std::string_view GltfData::buffer(const JsonInput& index) {
       const std::string text = uri->string();
       const std::size_t comma = text.find(',');
       if (!text.starts_with("data:")) {
-        loaded_[place] = read_bytes(file_.parent_path() / decode_percent(text));
+        loaded_[place] = read_file_bytes(file_.parent_path() / decode_percent(text));
       } else if (comma != std::string::npos && text.substr(0, comma).ends_with(";base64")) {
         loaded_[place] = decode_base64(std::string_view(text).substr(comma + 1), *uri);
       } else {

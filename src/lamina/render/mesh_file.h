@@ -33,7 +33,4 @@ namespace lamina {
 /// folder of `file`.
 [[nodiscard]] PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file);
 
-/// All bytes of a file. @throws FileError if it cannot be read, or is not a file, or is huge.
-[[nodiscard]] std::string read_bytes(const std::filesystem::path& file);
-
 }  // namespace lamina

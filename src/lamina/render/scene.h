@@ -12,6 +12,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
+#include "lamina/image/tone.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {
@@ -69,7 +70,7 @@ struct SubsurfaceSurface {
   ColorParameter color;  ///< what it does is `color_use`'s to say
   enum class ColorUse {
     none,
-    scale,   ///< the map, normalized to mean white, scales the light leaving: [DonnerJensen2005] §3.1
+    scale,   ///< the map over its mean scales the light leaving: [DonnerJensen2005] §3.1
     invert,  ///< the map is the diffuse reflectance wanted; albedo inversion: [Hery2003] §2
   } color_use = ColorUse::none;
   ScalarParameter thickness;  ///< of the object [mm] where it is thin; value 0: taken from geometry
@@ -97,27 +98,27 @@ struct SurfaceMaterial {
   std::string name;
   std::variant<DiffuseSurface, SubsurfaceSurface, DielectricSurface> surface;
   std::optional<Coat> coat;
-  std::optional<TextureMap> bump;        ///< height [mm], outward
-  std::optional<ImageMap> normal_map;    ///< tangent space, OpenGL convention
+  std::optional<TextureMap> bump;      ///< height [mm], outward
+  std::optional<ImageMap> normal_map;  ///< tangent space, OpenGL convention
 };
 
 struct PointLight {
-  Vec3 position;         ///< [mm]
-  Vec3f intensity;       ///< [W/sr], linear Rec.709
+  Vec3 position;    ///< [mm]
+  Vec3f intensity;  ///< [W/sr], linear Rec.709
 };
 struct DirectionalLight {
-  Vec3 direction;        ///< towards the light, unit length
-  Vec3f irradiance;      ///< on a surface facing the light
+  Vec3 direction;    ///< towards the light, unit length
+  Vec3f irradiance;  ///< on a surface facing the light
 };
 struct RectangleLight {
   Vec3 center, edge_u, edge_v;  ///< [mm]; whole edges; it shines along edge_u x edge_v
   Vec3f radiance;
 };
 struct EnvironmentLight {
-  std::optional<std::size_t> image;  ///< latitude-longitude, index into Scene::images; else constant
+  std::optional<std::size_t> image;  ///< latitude-longitude, of Scene::images; else constant
   Vec3f scale{1, 1, 1};
-  float rotation = 0.0f;             ///< about +y, the map's up axis [rad]
-  bool is_visible = true;            ///< to the camera; else the background is black
+  float rotation = 0.0f;   ///< about +y, the map's up axis [rad]
+  bool is_visible = true;  ///< to the camera; else the background is black
 };
 using Light = std::variant<PointLight, DirectionalLight, RectangleLight, EnvironmentLight>;
 
@@ -130,8 +131,8 @@ struct Camera {
 
 struct Film {
   int width = 512, height = 512;
-  float exposure = 0.0f;                                ///< [stops], for the PNG only
-  enum class View { standard, filmic } view = View::filmic;
+  float exposure = 0.0f;  ///< [stops], for the PNG only
+  View view = View::filmic;
 };
 
 struct RenderSettings {
@@ -151,7 +152,8 @@ struct Scene {
   std::vector<SurfaceMaterial> materials;
   std::vector<Mesh> meshes;
   std::vector<Light> lights;
-  std::vector<std::string> warnings;  ///< of loading, one line each: flipped normals, zero-area faces
+  std::vector<std::string>
+      warnings;  ///< of loading, one line each: flipped normals, zero-area faces
 };
 
 /// Reads a scene file and all that it names; paths in it are relative to it.

@@ -85,8 +85,7 @@ Film decode_film(const JsonInput& value) {
   if (const auto exposure = object.optional("exposure"))
     film.exposure = static_cast<float>(exposure->number(between(-50.0, 50.0, "stops")));
   if (const auto view = object.optional("view"))
-    film.view = view->choice<Film::View>(
-        {{"standard", Film::View::standard}, {"filmic", Film::View::filmic}});
+    film.view = view->choice<View>({{"standard", View::standard}, {"filmic", View::filmic}});
   return film;
 }
 

@@ -4,13 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 
 namespace lamina {
 namespace {
@@ -191,12 +190,7 @@ std::vector<McmlRun> parse_mcml(std::string_view text, const std::string& name) 
 }
 
 std::vector<McmlRun> load_mcml(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
-    throw FileError(file.string() + ": cannot be read");
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
-  return parse_mcml(text, file.string());
+  return parse_mcml(read_file_bytes(file, std::size_t{64} << 20), file.string());
 }
 
 LayerStack layer_stack(const McmlRun& run) {

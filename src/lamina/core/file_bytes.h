@@ -4,12 +4,16 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
-#include <vector>
+#include <string>
 
 namespace lamina {
 
-/// All bytes of a file. @throws FileError if it is missing, a folder, or cannot be read.
-[[nodiscard]] std::vector<std::byte> read_file_bytes(const std::filesystem::path& file);
+/// All bytes of a file or pipe.
+///
+/// @throws FileError in one line if it is missing, a folder or device, larger than `most` bytes, or
+/// cannot be read.
+[[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file,
+                                          std::size_t most = std::size_t{4} << 30);
 
 /// Writes a file whole or not at all: beside its place first, then renamed. Links are followed.
 /// @throws WriteError

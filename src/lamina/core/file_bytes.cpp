@@ -1,11 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/image/file_bytes.h"
+#include "lamina/core/file_bytes.h"
 
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <system_error>
 
@@ -32,22 +34,32 @@ int write_into(const fs::path& place, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-std::vector<std::byte> read_file_bytes(const fs::path& file) {
+std::string read_file_bytes(const fs::path& file, std::size_t most) {
   const auto fail = [&](const std::string& why) { throw FileError(file.string() + ": " + why); };
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status))
-    fail(error && error.value() != ENOENT ? error.message() : "does not exist");
-  if (fs::is_directory(status)) fail("must be a file, but is a folder");
-  if (!fs::is_regular_file(status)) fail("must be a file, but is a device, pipe or socket");
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error) fail("cannot be read: " + error.message());
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
+  if (status.type() == fs::file_type::not_found) fail("there is no such file");
+  if (fs::is_directory(status)) fail("is a folder, but must be a file");
+  if (fs::is_character_file(status) || fs::is_block_file(status))
+    fail("is a device, but must be a file");
+  struct Close {
+    void operator()(std::FILE* stream) const { std::fclose(stream); }
+  };
+  const std::unique_ptr<std::FILE, Close> stream(std::fopen(file.c_str(), "rb"));
   if (!stream) fail("cannot be read: " + reason(errno));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (stream.gcount() != static_cast<std::streamsize>(bytes.size())) fail("cannot be read whole");
+  const std::uintmax_t size = fs::is_regular_file(status) ? fs::file_size(file, error) : 0;
+  const auto refuse_size = [&] { fail("is larger than " + std::to_string(most) + " bytes"); };
+  if (size > most) refuse_size();
+  std::string bytes(static_cast<std::size_t>(size) + 1, '\0');
+  std::size_t filled = 0;
+  while (const std::size_t got =
+             std::fread(bytes.data() + filled, 1, bytes.size() - filled, stream.get())) {
+    filled += got;
+    if (filled > most) refuse_size();
+    if (filled == bytes.size()) bytes.resize(2 * filled);  // a pipe, or a file that grows
+  }
+  if (std::ferror(stream.get()) != 0) fail("cannot be read to its end");
+  bytes.resize(filled);
   return bytes;
 }
 
