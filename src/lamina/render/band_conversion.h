@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/core/band_values.h"
 #include "lamina/core/vec.h"
-#include "lamina/render/band_values.h"
 #include "lamina/spectrum/band_set.h"
 
 namespace lamina {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "lamina/core/band_values.h"
 #include "lamina/render/band_conversion.h"
-#include "lamina/render/band_values.h"
 #include "lamina/render/low_discrepancy.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/subsurface_transport.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/render/band_values.h"
+#include "lamina/core/band_values.h"
 #include "lamina/scattering/profile.h"
 
 namespace lamina {

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/render/band_values.h"
+#include "lamina/core/band_values.h"
 #include "lamina/render/low_discrepancy.h"
 #include "lamina/render/surface_boundary.h"
 #include "lamina/render/surface_point.h"

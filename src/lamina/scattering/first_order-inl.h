@@ -1,0 +1,110 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The parts of the first-order formulas that are shared by their files: lane by lane arithmetic for
+// V = double and V = BandValues<N>.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/scattering/first_order.h"
+
+namespace lamina::first_order {
+
+[[nodiscard]] inline double fill(double x, const double*) { return x; }
+template <int N>
+[[nodiscard]] BandValues<N> fill(double x, const BandValues<N>*) {
+  return BandValues<N>::filled(static_cast<float>(x));
+}
+/// The number in all lanes.
+template <class V>
+[[nodiscard]] V all(double x) {
+  return fill(x, static_cast<const V*>(nullptr));
+}
+
+[[nodiscard]] inline double exp_minus(double x) { return std::exp(-x); }
+using lamina::abs, lamina::max, lamina::min, lamina::sqrt;
+using lamina::exp_minus;
+using std::abs, std::max, std::min, std::sqrt;
+
+/// (1 - exp(-x)) / x for x >= 0.
+[[nodiscard]] inline double mean_attenuation(double x) {
+  return x > 0.0 ? -std::expm1(-x) / x : 1.0;
+}
+template <int N>
+[[nodiscard]] BandValues<N> mean_attenuation(const BandValues<N>& x) {
+  BandValues<N> result = exp_minus(x);
+  for (int i = 0; i < N; ++i) {
+    const float y = x[i] < 0.5f ? x[i] : 0.5f;  // where the difference would cancel
+    const float series =
+        1.0f - y * (1.0f / 2.0f -
+                    y * (1.0f / 6.0f -
+                         y * (1.0f / 24.0f -
+                              y * (1.0f / 120.0f - y * (1.0f / 720.0f - y * (1.0f / 5040.0f))))));
+    const float direct = (1.0f - result[i]) / (x[i] < 0.5f ? 0.5f : x[i]);
+    result[i] = x[i] < 0.5f ? series : direct;
+  }
+  return result;
+}
+
+/// Integral of exp(-(a + b) z) over [0, d].
+template <class V>
+[[nodiscard]] V along(const V& a, const V& b, const V& d) {
+  return d * mean_attenuation((a + b) * d);
+}
+
+/// Integral of exp(-a z) exp(-b (d - z)) over [0, d]: l'Hospital's limit is its middle.
+template <class V>
+[[nodiscard]] V against(const V& a, const V& b, const V& d) {
+  return d * exp_minus(min(a, b) * d) * mean_attenuation(abs(a - b) * d);
+}
+
+/// Unpolarized reflectance of a smooth boundary by the cosines on both sides; 0 marks the side on
+/// which the light cannot be. Source: [BornWolf1999] §1.5.2, Eq. 21.
+template <class V>
+[[nodiscard]] V boundary_reflectance(const V& ior_a, const V& mu_a, const V& ior_b, const V& mu_b) {
+  const V tiny = all<V>(1e-30);
+  const V r_s = (ior_a * mu_a - ior_b * mu_b) / (ior_a * mu_a + ior_b * mu_b + tiny);
+  const V r_p = (ior_b * mu_a - ior_a * mu_b) / (ior_b * mu_a + ior_a * mu_b + tiny);
+  return all<V>(0.5) * (r_s * r_s + r_p * r_p);
+}
+
+/// Density of a layer's scattering over the sphere [1/sr] at a cosine.
+template <class V>
+[[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
+                            const V& cos_theta) {
+  constexpr double inverse_4pi = 0.25 * std::numbers::inv_pi;
+  const V one = all<V>(1.0);
+  V sum = all<V>(0.0);
+  for (std::size_t l = layer.first_lobe; l < layer.first_lobe + layer.lobes; ++l) {
+    const PhaseLobe<V>& lobe = stack.lobes[l];
+    if (lobe.is_rayleigh) {
+      sum += all<V>(0.75 * inverse_4pi) * lobe.weight * (one + cos_theta * cos_theta);
+    } else {
+      // (1 - g)^2 + 2 g (1 - cos), which keeps its digits at a forward peak.
+      const V k = (one - lobe.g) * (one - lobe.g) + all<V>(2.0) * lobe.g * (one - cos_theta);
+      sum += all<V>(inverse_4pi) * lobe.weight * (one - lobe.g * lobe.g) / (k * sqrt(k));
+    }
+  }
+  return sum;
+}
+
+/// What the event has to do with the two beams: factors of the phase function for light that turns
+/// back, and for light that goes on into the same hemisphere.
+template <class V>
+struct Turns {
+  V back, on;
+};
+
+template <class V>
+[[nodiscard]] Turns<V> turns(const FirstOrderLayer<V>& layer, const LayerBeam<V>& in,
+                             const LayerBeam<V>& out) {
+  const V factor = layer.sigma_s / (in.mu * out.mu * layer.ior * layer.ior);
+  return {
+      factor * (in.down * out.down + in.up * out.up) * along(in.decay, out.decay, layer.thickness),
+      factor * (in.down * out.up + in.up * out.down) *
+          against(in.decay, out.decay, layer.thickness)};
+}
+
+}  // namespace lamina::first_order

@@ -1,0 +1,253 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/first_order.h"
+
+#include <cassert>
+#include <string>
+#include <variant>
+
+#include "lamina/core/error.h"
+#include "lamina/core/quadrature.h"
+#include "lamina/scattering/first_order-inl.h"
+
+namespace lamina {
+namespace {
+
+using namespace first_order;
+
+constexpr double half_space = 1e12;  // [mm], thicker than anything seen through
+
+void set_lane(double& value, std::size_t, double x) { value = x; }
+template <int N>
+void set_lane(BandValues<N>& value, std::size_t lane, double x) {
+  value.v[lane] = static_cast<float>(x);
+}
+
+std::vector<PhaseMixture::Lobe> lobes_of(const Layer& layer) {
+  const PhaseFunction phase = phase_function(layer);
+  if (const auto* mixture = std::get_if<PhaseMixture>(&phase)) return mixture->lobes;
+  if (std::holds_alternative<Rayleigh>(phase)) return {{1.0, Rayleigh{}}};
+  return {{1.0, std::get<HenyeyGreenstein>(phase)}};
+}
+
+bool is_rayleigh(const PhaseMixture::Lobe& lobe) {
+  return std::holds_alternative<Rayleigh>(lobe.phase);
+}
+
+void require_smooth_inside(const LayerStack& stack) {
+  const auto require = [](const Interface& boundary, const std::string& where) {
+    if (boundary.roughness > 0.0)
+      throw InvalidInput(where +
+                         ": first order needs smooth boundaries below the top, but the "
+                         "roughness is " +
+                         std::to_string(boundary.roughness));
+  };
+  for (std::size_t k = 1; k < stack.layers().size(); ++k)
+    require(stack.layers()[k].top, "layer " + std::to_string(k));
+  require(stack.ground().top, "ground");
+}
+
+/// All bands must have the same layers with the same kinds of particles.
+void require_one_build(const LayerStack& a, const LayerStack& b) {
+  bool is_same =
+      a.layers().size() == b.layers().size() && is_semi_infinite(a) == is_semi_infinite(b);
+  for (std::size_t k = 0; is_same && k < a.layers().size(); ++k) {
+    const auto of_a = lobes_of(a.layers()[k]), of_b = lobes_of(b.layers()[k]);
+    is_same = of_a.size() == of_b.size();
+    for (std::size_t l = 0; is_same && l < of_a.size(); ++l)
+      is_same = is_rayleigh(of_a[l]) == is_rayleigh(of_b[l]);
+  }
+  if (!is_same) throw InvalidInput("bands: all must have the same layers and kinds of particles");
+}
+
+template <class V>
+FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lanes,
+                              InternalReflections reflections) {
+  assert(!bands.empty() && bands.size() <= lanes);
+  FirstOrderStack<V> made;
+  const std::size_t count = bands.front().layers().size();
+  made.layers = InlineVector<FirstOrderLayer<V>, 4>(count);
+  std::size_t lobes = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    made.layers[k] = {};
+    made.layers[k].first_lobe = lobes;
+    made.layers[k].lobes = lobes_of(bands.front().layers()[k]).size();
+    made.layers[k].is_matched_above = true;
+    lobes += made.layers[k].lobes;
+  }
+  made.lobes = InlineVector<PhaseLobe<V>, 6>(lobes);
+  for (std::size_t l = 0; l < lobes; ++l) made.lobes[l] = {};
+  made.is_semi_infinite = is_semi_infinite(bands.front());
+  made.is_matched_below = true;
+  made.reflections = reflections;
+
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const LayerStack& stack = bands[std::min(lane, bands.size() - 1)];
+    require_smooth_inside(stack);
+    require_one_build(bands.front(), stack);
+    set_lane(made.ior_above, lane, stack.ior_above());
+    set_lane(made.ior_below, lane, stack.ior_below());
+    set_lane(made.ground_reflectance, lane, stack.ground().reflectance);
+    made.has_ground |= stack.ground().reflectance > 0.0;
+    double ior = stack.ior_above();
+    for (std::size_t k = 0; k < count; ++k) {
+      const Layer& from = stack.layers()[k];
+      FirstOrderLayer<V>& to = made.layers[k];
+      set_lane(to.sigma_s, lane, from.medium.sigma_s);
+      set_lane(to.sigma_t, lane, sigma_t(from.medium));
+      set_lane(to.thickness, lane, std::min(from.thickness, half_space));
+      set_lane(to.ior, lane, from.medium.ior);
+      to.is_matched_above &= from.medium.ior == ior;
+      ior = from.medium.ior;
+      const auto kinds = lobes_of(from);
+      for (std::size_t l = 0; l < kinds.size(); ++l) {
+        PhaseLobe<V>& lobe = made.lobes[to.first_lobe + l];
+        lobe.is_rayleigh = is_rayleigh(kinds[l]);
+        set_lane(lobe.weight, lane, kinds[l].weight);
+        if (!lobe.is_rayleigh) set_lane(lobe.g, lane, std::get<HenyeyGreenstein>(kinds[l].phase).g);
+      }
+    }
+    made.is_matched_below &= stack.ior_below() == ior;
+  }
+  return made;
+}
+
+/// Horizontal part of two directions inside a medium, multiplied.
+template <class V>
+V sines(const StackBeam<V>& in, const StackBeam<V>& out, const V& ior) {
+  const double outside = in.toward.x * out.toward.x + in.toward.y * out.toward.y;
+  return in.ior * out.ior / (ior * ior) * all<V>(outside);
+}
+
+template <class V>
+V ground_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in, const StackBeam<V>& out) {
+  return all<V>(std::numbers::inv_pi) * stack.ground_reflectance * in.ground * out.ground /
+         (stack.ior_below * stack.ior_below);
+}
+
+}  // namespace
+
+FirstOrderStack<double> make_first_order(const LayerStack& stack, InternalReflections reflections) {
+  return make_stack<double>({&stack, 1}, 1, reflections);
+}
+
+template <int N>
+FirstOrderStack<BandValues<N>> make_first_order(std::span<const LayerStack> bands,
+                                                InternalReflections reflections) {
+  return make_stack<BandValues<N>>(bands, N, reflections);
+}
+
+template <class V>
+StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
+  const std::size_t count = stack.layers.size();
+  const bool is_above = toward.z >= 0.0;
+  assert(is_above || stack.is_transmissive());
+  const bool has_ladder = stack.reflections == InternalReflections::ladder;
+  const V one = all<V>(1.0), zero = all<V>(0.0);
+  StackBeam<V> beam{.layers = InlineVector<LayerBeam<V>, 4>(count),
+                    .toward = toward,
+                    .mu = all<V>(std::max(std::abs(toward.z), 1e-7)),
+                    .ior = is_above ? stack.ior_above : stack.ior_below};
+  const V sin2 = all<V>(toward.x * toward.x + toward.y * toward.y) * beam.ior * beam.ior;
+  const auto cosine = [&](const V& ior) { return sqrt(max(one - sin2 / (ior * ior), zero)); };
+
+  // Layers and boundaries in the order in which the light meets them.
+  const auto at = [&](std::size_t i) { return is_above ? i : count - 1 - i; };
+  const auto is_matched = [&](std::size_t i) {  // the boundary before layer at(i)
+    const std::size_t k = is_above ? i : count - i;
+    return k == count ? stack.is_matched_below : stack.layers[k].is_matched_above;
+  };
+  InlineVector<V, 5> mirror(count + 1);
+  InlineVector<V, 4> pass(count);
+  V ior = beam.ior, mu = beam.mu;
+  for (std::size_t i = 0; i <= count; ++i) {
+    const bool is_last = i == count;
+    const V& next =
+        is_last ? (is_above ? stack.ior_below : stack.ior_above) : stack.layers[at(i)].ior;
+    const V mu_next = is_matched(i) ? mu : cosine(next);
+    mirror[i] = is_matched(i) ? zero : boundary_reflectance(ior, mu, next, mu_next);
+    ior = next;
+    mu = mu_next;
+    if (is_last) break;
+    LayerBeam<V>& layer = beam.layers[at(i)];
+    layer.mu = max(mu, all<V>(1e-7));
+    layer.decay = stack.layers[at(i)].sigma_t / layer.mu;
+    pass[i] = exp_minus(layer.decay * stack.layers[at(i)].thickness);
+  }
+  beam.mirror_below = mirror[is_above ? count : 0];
+
+  // What lies behind each boundary reflects, from the far side on.
+  InlineVector<V, 5> behind(count + 1);
+  behind[count] = zero;  // nothing comes back unscattered from a ground, or from outside
+  InlineVector<V, 5> through(count + 1);
+  for (std::size_t i = count + 1; i-- > 0;) {
+    through[i] = one - mirror[i];
+    if (has_ladder) through[i] = through[i] / max(one - mirror[i] * behind[i], all<V>(1e-30));
+    const V all_back = mirror[i] + (one - mirror[i]) * behind[i] * through[i];
+    if (i == 0)
+      beam.reflected = has_ladder ? all_back : mirror[i];
+    else
+      behind[i - 1] = has_ladder ? all_back * pass[i - 1] * pass[i - 1] : zero;
+  }
+  V flux = one;
+  for (std::size_t i = 0; i < count; ++i) {
+    LayerBeam<V>& layer = beam.layers[at(i)];
+    flux *= through[i];
+    const V entering = flux;
+    flux *= pass[i];
+    // Of the light that arrives at the layer's far end, what comes back there.
+    const V all_back = mirror[i + 1] + (one - mirror[i + 1]) * behind[i + 1] * through[i + 1];
+    const V returning = has_ladder ? flux * all_back : zero;
+    layer.down = is_above ? entering : returning;
+    layer.up = is_above ? returning : entering;
+  }
+  beam.ground = flux * through[count];
+  return beam;
+}
+
+template <class V>
+V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
+                   const StackBeam<V>& out) {
+  V sum = all<V>(0.0);
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    const FirstOrderLayer<V>& layer = stack.layers[k];
+    const Turns<V> turn = turns(layer, in.layers[k], out.layers[k]);
+    const V across = V{} - sines(in, out, layer.ior);
+    const V cosines = in.layers[k].mu * out.layers[k].mu;
+    const V one = all<V>(1.0), minus_one = all<V>(-1.0);
+    sum += turn.back * layer_phase(stack, layer, max(across - cosines, minus_one)) +
+           turn.on * layer_phase(stack, layer, min(across + cosines, one));
+  }
+  if (stack.has_ground) sum += ground_bsdf(stack, in, out);
+  return out.ior * out.ior * sum;
+}
+
+template <class V>
+V surface_reflectance(const FirstOrderStack<V>& stack, const StackBeam<V>& beam) {
+  const FirstOrderLayer<V>& first = stack.layers[0];
+  if (first.is_matched_above) return all<V>(0.0);
+  const V sin2 = all<V>(beam.toward.x * beam.toward.x + beam.toward.y * beam.toward.y);
+  const V ratio = stack.ior_above / first.ior;
+  const V inside = sqrt(max(all<V>(1.0) - sin2 * ratio * ratio, all<V>(0.0)));
+  return boundary_reflectance(stack.ior_above, beam.mu, first.ior, inside);
+}
+
+template double surface_reflectance(const FirstOrderStack<double>&, const StackBeam<double>&);
+template StackBeam<double> make_beam(const FirstOrderStack<double>&, const Vec3&);
+template double first_order_bsdf(const FirstOrderStack<double>&, const StackBeam<double>&,
+                                 const StackBeam<double>&);
+
+#define LAMINA_FIRST_ORDER(N)                                                                      \
+  template FirstOrderStack<BandValues<N>> make_first_order<N>(std::span<const LayerStack>,         \
+                                                              InternalReflections);                \
+  template BandValues<N> surface_reflectance(const FirstOrderStack<BandValues<N>>&,                \
+                                             const StackBeam<BandValues<N>>&);                     \
+  template StackBeam<BandValues<N>> make_beam(const FirstOrderStack<BandValues<N>>&, const Vec3&); \
+  template BandValues<N> first_order_bsdf(const FirstOrderStack<BandValues<N>>&,                   \
+                                          const StackBeam<BandValues<N>>&,                         \
+                                          const StackBeam<BandValues<N>>&);
+LAMINA_FIRST_ORDER(4)
+LAMINA_FIRST_ORDER(8)
+LAMINA_FIRST_ORDER(16)
+#undef LAMINA_FIRST_ORDER
+
+}  // namespace lamina
