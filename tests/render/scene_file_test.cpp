@@ -62,7 +62,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.max_bounces, 2);
   EXPECT_EQ(scene.render.seed, 42U);
 
-  ASSERT_EQ(scene.materials.size(), 5U);
+  ASSERT_EQ(scene.materials.size(), 7U);
   EXPECT_EQ(scene.images.size(), 3U);  // the checker as sRGB and as linear, and the studio
   const auto& skin = std::get<SubsurfaceSurface>(scene.materials[0].surface);
   EXPECT_EQ(scene.materials[0].name, "skin");
@@ -87,13 +87,24 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_DOUBLE_EQ(own.material.layers[0].sigma_s[0], 1.0);  // 10 per cm
   EXPECT_EQ(own.color_use, SubsurfaceSurface::ColorUse::none);
   EXPECT_EQ(own.thickness.value, 0.0F);
-  EXPECT_EQ(std::get<DielectricSurface>(scene.materials[4].surface).roughness.value, 0.1F);
+  EXPECT_TRUE(scene.materials[3].opacity->map);
+  const auto& leaf = std::get<ThinSurface>(scene.materials[4].surface);
+  EXPECT_EQ(leaf.material.layers.size(), 2U);
+  EXPECT_EQ(leaf.thickness->map->offset, 0.2F);
+  EXPECT_EQ(scene.materials[4].opacity->value, 0.9F);
+  const auto& frost = std::get<DielectricSurface>(scene.materials[5].surface);
+  EXPECT_EQ(frost.smoothness->value, 3.0F);
+  EXPECT_EQ(frost.scattering, FacetScattering::xu_sun);
+  const auto& glass = std::get<DielectricSurface>(scene.materials[6].surface);
+  EXPECT_EQ(glass.roughness.value, 0.1F);
+  EXPECT_EQ(glass.distribution, MicrofacetDistribution::ggx);
+  EXPECT_EQ(glass.scattering, FacetScattering::multiple);
 
   ASSERT_EQ(scene.meshes.size(), 7U);
   const Mesh& triangle =
       scene.meshes[0];  // the part "left" alone, subdivided into 3 quadrilaterals
   EXPECT_EQ(triangle.triangles.size(), 6U);
-  EXPECT_EQ(triangle.material[0], 4U);
+  EXPECT_EQ(triangle.material[0], 6U);
   ASSERT_EQ(scene.lights.size(), 4U);
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).position, (Vec3{10, 20, 30}));
   EXPECT_EQ(std::get<PointLight>(scene.lights[0]).intensity, (Vec3f{500, 500, 500}));

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/optics/rough_interface.h"
+#include "lamina/render/dielectric_scattering.h"
 
 namespace lamina {
 namespace {
@@ -46,6 +46,12 @@ Vec3f make_visible(const Vec3f& n, const Vec3f& wo) {
 }
 
 float square(float x) { return x * x; }
+
+/// Whether a direction lies on the same side of the triangle as of the normal that is bent by
+/// interpolation and bumps. `point` has its normals on the side of the eye.
+bool leaves_by_its_side(const SurfacePoint& point, const Vec3f& direction, const Vec3f& local) {
+  return local.z * dot(direction, point.geometric_normal) > 0.0f;
+}
 
 }  // namespace
 
@@ -90,7 +96,8 @@ template <int N>
 template <class Value>
 typename PathTracer<N>::LightDrawn PathTracer<N>::draw_light(const SurfacePoint& point,
                                                              PixelSamples& samples,
-                                                             const Value& value) const {
+                                                             const Value& value,
+                                                             Dielectrics dielectrics) const {
   const float u_light = samples.next_1d();
   const Vec2f u = samples.next_2d();
   const auto fraction = [](float x) { return x - std::floor(x); };
@@ -119,17 +126,19 @@ typename PathTracer<N>::LightDrawn PathTracer<N>::draw_light(const SurfacePoint&
   if (!(total > 0.0f)) return chosen;
   const LightSample& light = chosen.light;
   const Ray ray{leave_surface(point, light.direction), light.direction};
-  const float visible = clear_fraction(scene_, ray, 0.9999f * light.distance);
-  chosen.weight = visible * total / (chosen_brightness * light.pdf * light_candidates);
+  chosen.clear = clear_fraction(scene_, sheets_, ray, 0.9999f * light.distance, dielectrics);
+  if (largest(chosen.clear) > 0.0f)
+    chosen.weight = total / (chosen_brightness * light.pdf * light_candidates);
   return chosen;
 }
 
 template <int N>
 typename PathTracer<N>::Surface PathTracer<N>::make_surface(const SurfacePoint& point,
                                                             const Vec3f& towards_eye) const {
-  Surface surface{.point = point, .boundary = boundary_at(scene_, point)};
+  const ThinSheet<N>* sheet = sheets_[point.material].get();
+  const bool is_inside = dot(point.geometric_normal, towards_eye) < 0.0f;
+  Surface surface{.point = point, .boundary = boundary_at(scene_, point, sheet && is_inside)};
   SurfacePoint& p = surface.point;
-  const bool is_inside = dot(p.geometric_normal, towards_eye) < 0.0f;
   if (is_inside) {
     p.geometric_normal = -p.geometric_normal;
     p.smooth_normal = -p.smooth_normal;
@@ -139,15 +148,50 @@ typename PathTracer<N>::Surface PathTracer<N>::make_surface(const SurfacePoint& 
   surface.frame = make_frame(p.normal);
   surface.wo = surface.frame.to_local(towards_eye);
   const auto& material = scene_.scene->materials[p.material];
-  if (const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) {
-    const Vec3f c = scene_.textures.color(diffuse->color, p);
-    surface.reflectance = conversion_.from_rgb(
+  const auto color_of = [&](const ColorParameter& parameter) {
+    const Vec3f c = scene_.textures.color(parameter, p);
+    return conversion_.from_rgb(
         {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)});
+  };
+  if (const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) {
+    surface.reflectance = color_of(diffuse->color);
+  } else if (sheet) {
+    surface.sheet = sheet;
+    surface.place = sheet->place_at(scene_.textures, p);
+    surface.side = is_inside ? 1 : 0;
+    surface.color = color_of(std::get<ThinSurface>(material.surface).color);
+    surface.beyond = boundary_at(scene_, point, !is_inside);
+    const auto at = sheet->fractions(surface.place, surface.side, surface.wo.z);
+    surface.reflectance = surface.color * at.reflected;
+    surface.transmittance = surface.color * at.transmitted;
   } else if (const auto* transport = transports_[p.material].get()) {
     surface.reflectance = transport->local_reflectance(p);
     if (!is_inside) surface.transport = transport;  // the inner side of an open mesh is diffuse
   }
   return surface;
+}
+
+template <int N>
+float PathTracer<N>::base_lobe(const Surface& surface, const Vec3f& wi) {
+  if (wi.z < 0.0f && !surface.sheet) return 0.0f;
+  const float entering =
+      1.0f - reflectance(wi.z > 0.0f ? surface.boundary : surface.beyond, std::abs(wi.z));
+  return entering * exit_distribution(surface.boundary, surface.wo.z);
+}
+
+template <int N>
+BandValues<N> PathTracer<N>::base_color(const Surface& surface, const Vec3f& wi) {
+  if (!surface.sheet) return surface.reflectance;
+  const float cos_o = surface.wo.z;
+  return surface.color *
+         (wi.z > 0.0f ? surface.sheet->reflection(surface.place, surface.side, wi.z, cos_o)
+                      : surface.sheet->transmission(surface.place, 1 - surface.side, -wi.z, cos_o));
+}
+
+template <int N>
+float PathTracer<N>::pdf_base(const Surface& surface, const Vec3f& wi) {
+  const float beyond = surface.beyond_chance();
+  return (wi.z > 0.0f ? 1.0f - beyond : beyond) * std::abs(wi.z) / pi;
 }
 
 template <int N>
@@ -158,29 +202,31 @@ typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& sur
   const auto reflected = [&](const LightSample& light) {
     const Vec3f wi = surface.frame.to_local(light.direction);
     Lobes lobes;
-    if (!(wi.z > 0.0f) || !(dot(light.direction, surface.point.geometric_normal) > 0.0f))
-      return lobes;
+    if (!leaves_by_its_side(surface.point, light.direction, wi)) return lobes;
     lobes.specular = specular_brdf(surface.boundary, wi, surface.wo);
-    if (with_base)
-      lobes.base = (1.0f - reflectance(surface.boundary, wi.z)) *
-                   exit_distribution(surface.boundary, surface.wo.z);
+    if (with_base) lobes.base = base_lobe(surface, wi);
     if (!(lobes.specular + lobes.base > 0.0f)) return lobes;
-    float pdf = base_chance * wi.z / pi;
+    float pdf = base_chance * pdf_base(surface, wi);
     if (lobes.specular > 0.0f && !light.is_delta)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    lobes.scale = wi.z * weight_of_light_sample(light, pdf);
+    lobes.scale = std::abs(wi.z) * weight_of_light_sample(light, pdf);
     return lobes;
   };
-  const float base_brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
+  const float brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
+  const float brightness_beyond = with_base ? sum(surface.transmittance) / N : 0.0f;
   const LightDrawn drawn = draw_light(surface.point, samples, [&](const LightSample& light) {
     const Lobes lobes = reflected(light);
-    return lobes.scale * (lobes.specular + base_brightness * lobes.base);
+    const bool is_beyond = dot(light.direction, surface.frame.z) < 0.0f;
+    return lobes.scale *
+           (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
   });
   if (!(drawn.weight > 0.0f)) return {};
   const Lobes lobes = reflected(drawn.light);
-  const Bands arriving = drawn.weight * lobes.scale * conversion_.from_rgb(drawn.light.radiance);
+  const Bands arriving =
+      drawn.weight * lobes.scale * drawn.clear * conversion_.from_rgb(drawn.light.radiance);
   return {.specular = lobes.specular * arriving,
-          .base = lobes.base * surface.reflectance * arriving};
+          .base = lobes.base * base_color(surface, surface.frame.to_local(drawn.light.direction)) *
+                  arriving};
 }
 
 template <int N>
@@ -196,7 +242,8 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
   };
   const LightDrawn drawn = draw_light(entry, samples, entering);
   if (drawn.weight > 0.0f)
-    irradiance += drawn.weight * entering(drawn.light) * conversion_.from_rgb(drawn.light.radiance);
+    irradiance += drawn.weight * entering(drawn.light) * drawn.clear *
+                  conversion_.from_rgb(drawn.light.radiance);
   const Framef frame = make_frame(entry.normal);
   const Vec3f wi = draw_cosine(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);
@@ -216,7 +263,7 @@ template <int N>
 float PathTracer<N>::specular_chance(const Surface& surface) {
   if (surface.boundary.count == 0) return 0.0f;
   const float mirrored = reflectance(surface.boundary, surface.wo.z);
-  const float base = (1.0f - mirrored) * largest(surface.reflectance);
+  const float base = (1.0f - mirrored) * largest(surface.reflectance + surface.transmittance);
   return std::clamp(mirrored / (mirrored + base + 1e-6f), 0.1f, 0.9f);
 }
 
@@ -239,47 +286,89 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
     if (!sample.is_mirror) path.pdf = sample.pdf;
   } else {
     wi = draw_cosine(u2);
+    if (u - chance < (1.0f - chance) * surface.beyond_chance()) wi.z = -wi.z;
     path.pdf = 1.0f;
     path.spread = 0.3f;
   }
-  if (!(wi.z > 0.0f)) return false;
-  if (path.pdf > 0.0f) {
-    // Both lobes may give this direction, so both count.
-    path.pdf = (1.0f - chance) * wi.z / pi +
-               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
-    const float base = (1.0f - reflectance(surface.boundary, wi.z)) *
-                       exit_distribution(surface.boundary, surface.wo.z);
-    throughput *=
-        (wi.z / path.pdf) * (base * surface.reflectance +
-                             Bands::filled(specular_brdf(surface.boundary, wi, surface.wo)));
-  }
   ray.direction = surface.frame.to_world(wi);
-  if (!(dot(ray.direction, surface.point.geometric_normal) > 0.0f)) return false;
+  if (!leaves_by_its_side(surface.point, ray.direction, wi)) return false;
+  if (path.pdf > 0.0f) {
+    // All lobes may give this direction, so all count.
+    path.pdf = (1.0f - chance) * pdf_base(surface, wi) +
+               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
+    throughput *= (std::abs(wi.z) / path.pdf) *
+                  (base_lobe(surface, wi) * base_color(surface, wi) +
+                   Bands::filled(specular_brdf(surface.boundary, wi, surface.wo)));
+  }
   ray.origin = leave_surface(surface.point, ray.direction);
   return true;
 }
 
 template <int N>
-bool PathTracer<N>::refract_at(const SurfacePoint& point, const DielectricSurface& glass, Ray& ray,
-                               Path& path, Bands& throughput, PixelSamples& samples) const {
+bool PathTracer<N>::pass_dielectric(const SurfacePoint& point, const DielectricSurface& glass,
+                                    Ray& ray, Path& path, Bands& throughput, Bands& radiance,
+                                    PixelSamples& samples) const {
   const bool is_inside = dot(ray.direction, point.geometric_normal) > 0.0f;
   const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, -ray.direction);
   const Framef frame = make_frame(n);
-  const float alpha = std::clamp(scene_.textures.scalar(glass.roughness, point), 0.0f, 1.0f);
-  const RoughInterface<float> interface{.facets = {.alpha = alpha},
-                                        .eta = is_inside ? 1.0f / glass.ior : glass.ior};
-  const float u = samples.next_1d();
-  const Vec2f u2 = samples.next_2d();
-  const auto sample =
-      sample_rough_interface(interface, frame.to_local(-ray.direction), u2.x, u2.y, u);
+  const Vec3f wo = frame.to_local(-ray.direction);
+  const DielectricScattering boundary = dielectric_at(scene_.textures, glass, point, is_inside);
+  const auto index_towards = [&](const Vec3f& direction) {
+    return dot(direction, point.geometric_normal) < 0.0f ? glass.ior : 1.0f;
+  };
+  // Radiance over n^2 is what paths carry: glass passes it unchanged.
+  if (!is_specular(boundary.interface)) {
+    const auto pdf = [&](const LightSample& light) {
+      const Vec3f wi = frame.to_local(light.direction);
+      const float side = dot(light.direction, point.geometric_normal) * (is_inside ? -1.0f : 1.0f);
+      return wi.z * side > 0.0f ? pdf_dielectric(boundary, wo, wi) : 0.0f;
+    };
+    // Lights behind another glass are found by paths that are refracted there.
+    const LightDrawn drawn = draw_light(
+        point, samples,
+        [&](const LightSample& light) {
+          const float density = pdf(light);
+          return density * weight_of_light_sample(light, density);
+        },
+        Dielectrics::block);
+    if (drawn.weight > 0.0f) {
+      const LightSample& light = drawn.light;
+      const float value =
+          evaluate_dielectric(boundary, wo, frame.to_local(light.direction), samples) *
+          weight_of_light_sample(light, pdf(light)) / square(index_towards(light.direction));
+      radiance +=
+          value * drawn.weight * throughput * drawn.clear * conversion_.from_rgb(light.radiance);
+    }
+  }
+  const DielectricSample sample = sample_dielectric(boundary, wo, samples);
   if (!(sample.weight > 0.0f)) return false;
-  // Radiance over n², which glass passes unchanged, so no factor n² is needed on either side.
   throughput *= sample.weight;
-  ray.direction = normalize(frame.to_world(sample.wo));
+  ray.direction = normalize(frame.to_world(sample.wi));
   ray.origin = leave_surface(point, ray.direction);
-  path.pdf = 0.0f;
+  path.pdf = sample.pdf;
+  path.index = index_towards(ray.direction);
+  if (sample.pdf > 0.0f)
+    path.spread = std::max(
+        path.spread, 0.3f * std::min(static_cast<float>(boundary.interface.facets.alpha), 1.0f));
   path.is_camera_ray = false;
   return true;
+}
+
+template <int N>
+bool PathTracer<N>::passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,
+                           PixelSamples& samples) const {
+  const ThinSheet<N>* sheet = sheets_[point.material].get();
+  if (!sheet && !scene_.scene->materials[point.material].opacity) return false;
+  const float opacity = opacity_at(scene_, point);
+  Bands straight;
+  if (sheet) straight = straight_through(scene_, *sheet, point, ray.direction);
+  const float chance = 1.0f - opacity + opacity * std::min(largest(straight), 0.9f);
+  if (samples.next_1d() < chance) {
+    throughput *= (1.0f / chance) * (Bands::filled(1.0f - opacity) + opacity * straight);
+    return true;
+  }
+  throughput *= opacity / (1.0f - chance);
+  return false;
 }
 
 template <int N>
@@ -293,13 +382,17 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const Hit hit = scene_.geometry.first_hit(ray, t_near);
     scene_.lights.for_lights_seen(
         ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
-          const Bands arriving = weight_of_surface_sample(path.pdf, seen.pdf) * throughput *
-                                 conversion_.from_rgb(seen.radiance);
+          const float weight = weight_of_surface_sample(path.pdf, seen.pdf) / square(path.index);
+          const Bands arriving = weight * throughput * conversion_.from_rgb(seen.radiance);
           radiance += path.pdf == 0.0f ? without_caustics(arriving, path) : arriving;
         });
     if (!hit.is_hit()) break;
     const float footprint = path.footprint + path.spread * hit.distance;
     const SurfacePoint point = surface_at(scene_, hit, footprint);
+    if (passes(point, ray, throughput, samples)) {
+      t_near = behind(hit, point);
+      continue;
+    }
     if (path.is_camera_ray && first) {
       first->depth = hit.distance;
       first->is_hit = true;
@@ -308,7 +401,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const auto& material = scene_.scene->materials[point.material];
     if (const auto* glass = std::get_if<DielectricSurface>(&material.surface)) {
       if (path.is_from_eye) {
-        if (!refract_at(point, *glass, ray, path, throughput, samples)) break;
+        if (!pass_dielectric(point, *glass, ray, path, throughput, radiance, samples)) break;
         path.footprint = footprint;
         t_near = 0.0f;
         continue;
@@ -321,7 +414,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
         path.pdf = 0.0f;
         t_near = 0.0f;
       } else {
-        t_near = hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
+        t_near = behind(hit, point);
       }
       continue;
     }
@@ -372,6 +465,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       before_specular = radiance;
     }
     path.is_camera_ray = path.is_from_eye = false;
+    path.index = 1.0f;  // from here on glass bends and concentrates nothing
     path.is_scattered = path.is_scattered || path.pdf > 0.0f;
     ++path.bounce;
     t_near = 0.0f;

@@ -1,14 +1,17 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
 #include "lamina/core/band_values.h"
 #include "lamina/render/band_conversion.h"
+#include "lamina/render/clear_fraction.h"
 #include "lamina/render/low_discrepancy.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/subsurface_transport.h"
+#include "lamina/render/thin_sheet.h"
 
 namespace lamina {
 
@@ -40,12 +43,16 @@ class PathTracer {
  public:
   using Bands = BandValues<N>;
 
-  /// `transports` holds one entry per material, null where it is not translucent. All must outlive
-  /// the tracer.
+  /// `transports` and `sheets` hold one entry per material, null where it is not translucent or not
+  /// thin. All must outlive the tracer.
   PathTracer(const RenderScene& scene, const BandConversion<N>& conversion,
              const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports,
-             const PathOptions& options)
-      : scene_(scene), conversion_(conversion), transports_(transports), options_(options) {}
+             const ThinSheets<N>& sheets, const PathOptions& options)
+      : scene_(scene),
+        conversion_(conversion),
+        transports_(transports),
+        sheets_(sheets),
+        options_(options) {}
 
   /// @param spread  angle between the rays of neighbouring pixels [rad]
   [[nodiscard]] CameraSample trace_camera_ray(const Ray& ray, float spread,
@@ -54,7 +61,7 @@ class PathTracer {
  private:
   class Gatherer;
 
-  /// An opaque surface seen from `wo`.
+  /// An opaque or thin surface seen from `wo`.
   struct Surface {
     SurfacePoint point;
     SurfaceBoundary boundary;
@@ -62,6 +69,19 @@ class PathTracer {
     Vec3f wo;           ///< in the frame
     Bands reflectance;  ///< of the base
     const SubsurfaceTransport<N>* transport = nullptr;
+
+    // Of a thin sheet alone:
+    const ThinSheet<N>* sheet = nullptr;
+    typename ThinSheet<N>::Place place;
+    int side = 0;            ///< that it is seen from
+    Bands color;             ///< of the scattered light
+    SurfaceBoundary beyond;  ///< the boundary on the other side
+    Bands transmittance;     ///< fraction that comes through scattered
+    /// Share of light scattered by the base that is drawn from beyond.
+    [[nodiscard]] float beyond_chance() const {
+      const float t = sum(transmittance);
+      return t > 0.0f ? std::clamp(t / (t + sum(reflectance)), 0.05f, 0.95f) : 0.0f;
+    }
   };
 
   struct Path {
@@ -69,6 +89,7 @@ class PathTracer {
     float pdf = 0.0f;        ///< with which its direction was drawn [1/sr]; 0: from a single one
     float spread = 0.0f;     ///< growth of the footprint with distance [rad]
     float footprint = 0.0f;  ///< at the origin of the ray [mm]
+    float index = 1.0f;      ///< refractive index of what it is in, known on paths from the eye
     bool is_camera_ray = false;  ///< straight from the camera
     bool is_from_eye = false;    ///< from the camera, maybe through glass
     bool is_scattered = false;   ///< spread out by a surface on the way
@@ -79,13 +100,15 @@ class PathTracer {
 
   struct LightDrawn {
     LightSample light;
-    float weight = 0.0f;  ///< on its radiance, shadows included; 0: nothing to be had
+    float weight = 0.0f;  ///< on its radiance; 0: nothing to be had
+    Bands clear;          ///< fraction that arrives, for what lies between
   };
   /// A light, drawn in proportion to what it would give: `value(LightSample)` is the factor on its
   /// radiance. Source: [Talbot2005], with one visibility for all candidates.
   template <class Value>
   [[nodiscard]] LightDrawn draw_light(const SurfacePoint& point, PixelSamples& samples,
-                                      const Value& value) const;
+                                      const Value& value,
+                                      Dielectrics dielectrics = Dielectrics::let_through) const;
 
   /// Light from one light sample, mirrored and, if asked for, scattered by the base.
   struct Reflected {
@@ -101,9 +124,19 @@ class PathTracer {
   /// Turns a path at a diffuse or coated surface; false if it ends there.
   [[nodiscard]] bool scatter(const Surface& surface, float chance, Ray& ray, Path& path,
                              Bands& throughput, bool& is_specular, PixelSamples& samples) const;
-  /// Turns a path from the eye at glass.
-  [[nodiscard]] bool refract_at(const SurfacePoint& point, const DielectricSurface& glass, Ray& ray,
-                                Path& path, Bands& throughput, PixelSamples& samples) const;
+  /// What the base makes of light from wi: its bsdf is lobe * color [1/sr].
+  [[nodiscard]] static float base_lobe(const Surface& surface, const Vec3f& wi);
+  [[nodiscard]] static Bands base_color(const Surface& surface, const Vec3f& wi);
+  /// Density with which `scatter` draws a direction by the base [1/sr].
+  [[nodiscard]] static float pdf_base(const Surface& surface, const Vec3f& wi);
+  /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
+  [[nodiscard]] bool passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,
+                            PixelSamples& samples) const;
+  /// Adds the light that a rough dielectric scatters towards the eye, and turns the path there;
+  /// false if it ends.
+  [[nodiscard]] bool pass_dielectric(const SurfacePoint& point, const DielectricSurface& glass,
+                                     Ray& ray, Path& path, Bands& throughput, Bands& radiance,
+                                     PixelSamples& samples) const;
   /// Light on its way to a surface by a mirror or a highlight, cut off at ten times the typical
   /// radiance of the scene. What is lost are caustics, which paths from the eye find so seldom that
   /// they are but bright specks; light scattered diffusely stays below that anyway.
@@ -114,6 +147,7 @@ class PathTracer {
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports_;
+  const ThinSheets<N>& sheets_;
   PathOptions options_;
 };
 

@@ -65,11 +65,13 @@ BandSet common_bands(const Scene& scene) {
   BandSet bands = BandSet::rgb();
   for (const SurfaceMaterial& material : scene.materials) {
     const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
-    if (!subsurface) continue;
+    const auto* thin = std::get_if<ThinSurface>(&material.surface);
+    if (!subsurface && !thin) continue;
+    const BandSet& own = subsurface ? subsurface->material.bands : thin->material.bands;
     if (!first) {
       first = &material;
-      bands = subsurface->material.bands;
-    } else if (!(subsurface->material.bands == bands)) {
+      bands = own;
+    } else if (!(own == bands)) {
       throw InvalidInput("materials \"" + first->name + "\" and \"" + material.name +
                          "\": all translucent materials of a scene must have the same bands");
     }
@@ -110,7 +112,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion = make_band_conversion<N>(bands);
   const Transports<N> transports = make_transports<N>(scene, conversion, options);
-  const PathTracer<N> tracer(scene, conversion, transports,
+  const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
+  const PathTracer<N> tracer(scene, conversion, transports, sheets,
                              {.max_bounces = settings.max_bounces,
                               .direct_light = static_cast<DirectLight>(options.direct_light)});
   const CameraRays camera(scene.scene->camera, width, height);

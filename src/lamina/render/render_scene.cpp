@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
-#include "lamina/optics/fresnel.h"
 
 namespace lamina {
 namespace {
@@ -27,25 +26,37 @@ void check(const Scene& scene) {
   }
 }
 
+/// The boundary of a layer towards the outside; none if the indices are equal.
+std::unique_ptr<BoundaryReflectance> make_boundary(const MaterialLayer& layer,
+                                                   const std::vector<double>& ior_outside,
+                                                   const Interface& interface) {
+  // One index for all bands: over the visible it varies by a percent, reflectance by a few.
+  double ratio = 0.0;
+  for (std::size_t b = 0; b < layer.ior.size(); ++b)
+    ratio += layer.ior[b] / ior_outside[b] / static_cast<double>(layer.ior.size());
+  if (std::abs(ratio - 1.0) <= 1e-4) return nullptr;
+  return std::make_unique<BoundaryReflectance>(static_cast<float>(ratio), interface.distribution,
+                                               static_cast<float>(interface.roughness), false);
+}
+
 RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
   RenderScene::Boundaries boundaries;
   if (const auto& coat = material.coat)
     boundaries.coat = std::make_unique<BoundaryReflectance>(
         coat->ior, coat->distribution, coat->roughness.value, coat->roughness.map.has_value());
-  if (const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface)) {
-    const Material& layers = subsurface->material;
-    if (layers.layers.empty())
-      throw InvalidInput("material \"" + material.name + "\": at least one layer is required");
-    // One index for all bands: over the visible it varies by a percent, reflectance by a few.
-    double ratio = 0.0;
-    const auto& inside = layers.layers.front().ior;
-    for (std::size_t b = 0; b < inside.size(); ++b)
-      ratio += inside[b] / layers.ior_above[b] / static_cast<double>(inside.size());
-    const Interface& top = layers.layers.front().top;
-    boundaries.own_roughness = static_cast<float>(top.roughness);
-    if (std::abs(ratio - 1.0) > 1e-4)
-      boundaries.own = std::make_unique<BoundaryReflectance>(
-          static_cast<float>(ratio), top.distribution, boundaries.own_roughness, false);
+  const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
+  const auto* thin = std::get_if<ThinSurface>(&material.surface);
+  if (!subsurface && !thin) return boundaries;
+  const Material& layers = subsurface ? subsurface->material : thin->material;
+  if (layers.layers.empty())
+    throw InvalidInput("material \"" + material.name + "\": at least one layer is required");
+  const Interface& top = layers.layers.front().top;
+  boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top);
+  boundaries.own_roughness = static_cast<float>(top.roughness);
+  if (thin) {
+    const Interface& bottom = layers.ground.top;
+    boundaries.own_below = make_boundary(layers.layers.back(), layers.ior_below, bottom);
+    boundaries.own_roughness_below = static_cast<float>(bottom.roughness);
   }
   return boundaries;
 }
@@ -59,11 +70,13 @@ RenderScene::RenderScene(const Scene& from)
       lights(from, geometry.box_low(), geometry.box_high()) {
   for (const SurfaceMaterial& material : from.materials) {
     boundaries.push_back(make_boundaries(material));
-    has_dielectrics |= std::holds_alternative<DielectricSurface>(material.surface);
+    has_clear_surfaces |= std::holds_alternative<DielectricSurface>(material.surface) ||
+                          std::holds_alternative<ThinSurface>(material.surface) ||
+                          material.opacity.has_value();
   }
 }
 
-SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point) {
+SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point, bool from_below) {
   const RenderScene::Boundaries& tables = scene.boundaries[point.material];
   const SurfaceMaterial& material = scene.scene->materials[point.material];
   SurfaceBoundary boundary;
@@ -75,7 +88,9 @@ SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point)
     boundary.add({tables.coat.get(), roughness, share});
     uncovered -= share;
   }
-  if (tables.own) boundary.add({tables.own.get(), tables.own_roughness, uncovered});
+  if (const auto& own = from_below ? tables.own_below : tables.own)
+    boundary.add(
+        {own.get(), from_below ? tables.own_roughness_below : tables.own_roughness, uncovered});
   return boundary;
 }
 
@@ -85,25 +100,6 @@ SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprin
   if (material.bump || material.normal_map)
     point.normal = bent_normal(scene.textures, material, point);
   return point;
-}
-
-float clear_fraction(const RenderScene& scene, const Ray& ray, float t_far) {
-  if (!scene.has_dielectrics) return scene.geometry.is_blocked(ray, 0.0f, t_far) ? 0.0f : 1.0f;
-  float fraction = 1.0f, t_near = 0.0f;
-  for (int surfaces = 0; surfaces < 16; ++surfaces) {
-    const Hit hit = scene.geometry.first_hit(ray, t_near, t_far);
-    if (!hit.is_hit()) return fraction;
-    const SurfacePoint point = make_surface_point(scene.scene->meshes, hit, 0.0f);
-    const auto* glass =
-        std::get_if<DielectricSurface>(&scene.scene->materials[point.material].surface);
-    if (!glass) return 0.0f;
-    // As through a parallel plate: each face by its reflectance from outside, which equals that
-    // from inside along the refracted ray.
-    const float cos_i = std::min(std::abs(dot(ray.direction, point.smooth_normal)), 1.0f);
-    fraction *= 1.0f - fresnel(cos_i, glass->ior);
-    t_near = hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
-  }
-  return 0.0f;
 }
 
 }  // namespace lamina

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct RenderScene {
   /// lies: its reflection takes the place of the other, so no light is reflected by both.
   struct Boundaries {
     std::unique_ptr<BoundaryReflectance> coat;
-    std::unique_ptr<BoundaryReflectance> own;  ///< of a translucent material, unless matched
-    float own_roughness = 0.0f;
+    std::unique_ptr<BoundaryReflectance> own;        ///< of a translucent material, unless matched
+    std::unique_ptr<BoundaryReflectance> own_below;  ///< of a thin one, its other side
+    float own_roughness = 0.0f, own_roughness_below = 0.0f;
   };
 
   /// `scene` must outlive the result.
@@ -32,18 +34,20 @@ struct RenderScene {
   TextureStore textures;
   Lights lights;
   std::vector<Boundaries> boundaries;  ///< [material]
-  bool has_dielectrics = false;        ///< which shadow rays pass
+  bool has_clear_surfaces = false;     ///< which shadow rays pass: dielectric, thin or cut out
 };
 
-/// The boundary over the base at a point.
-[[nodiscard]] SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point);
+/// The boundary over the base at a point; of a thin sheet on the side of the mesh's normals, or
+/// that below.
+[[nodiscard]] SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point,
+                                          bool from_below = false);
 
 /// The surface at a hit, its normal bent by the material's bump and normal maps.
 [[nodiscard]] SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprint);
 
-/// Fraction of light that comes straight through between two distances along a ray: 0 behind an
-/// opaque surface. A dielectric lets through what it does not reflect and bends nothing: for light
-/// on other surfaces its focusing is left out, which keeps the image clean.
-[[nodiscard]] float clear_fraction(const RenderScene& scene, const Ray& ray, float t_far);
+/// Where to look for the next surface along a ray that goes on behind a hit [mm].
+[[nodiscard]] inline float behind(const Hit& hit, const SurfacePoint& point) {
+  return hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
+}
 
 }  // namespace lamina

@@ -80,10 +80,30 @@ struct DiffuseSurface {
   ColorParameter color{.value = {0.5f, 0.5f, 0.5f}};  ///< reflectance
 };
 
-/// Smooth or rough dielectric: glass, a wet eye. roughness is the microfacet alpha.
+/// Which light a rough dielectric passes on, and how its facets hide one another.
+enum class FacetScattering {
+  single,    ///< light that meets one facet, Smith's masking; the rest is lost: [Walter2007]
+  multiple,  ///< light that meets any number of them, so none is lost: [Heitz2016]
+  xu_sun,    ///< one facet, with the visibility of [XuSun2008] Eq. 24
+};
+
+/// Smooth or rough dielectric: glass, a wet eye. Light inside it has the radiance that its lights
+/// state; a single sheet of it parts two half-spaces, of which the one behind is the dielectric.
 struct DielectricSurface {
   float ior = 1.5f;
-  ScalarParameter roughness{.value = 0.0f};
+  ScalarParameter roughness{.value = 0.0f};   ///< microfacet alpha
+  std::optional<ScalarParameter> smoothness;  ///< s of a Gaussian surface: alpha is 2 / s
+  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
+  FacetScattering scattering = FacetScattering::single;
+};
+
+/// Layers so thin that light leaves where it entered, on either side: a leaf, paper. The mesh is
+/// one sheet of triangles; its normals are on the side of the first layer.
+struct ThinSurface {
+  Material material;
+  ColorParameter color;  ///< scales the scattered light on both sides
+  std::optional<ScalarParameter> thickness;  ///< of the sheet [mm], all layers together; absent:
+                                             ///< as the material has it
 };
 
 /// Torrance-Sparrow reflection on top of a surface: oil, moisture, wax.
@@ -96,7 +116,9 @@ struct Coat {
 
 struct SurfaceMaterial {
   std::string name;
-  std::variant<DiffuseSurface, SubsurfaceSurface, DielectricSurface> surface;
+  std::variant<DiffuseSurface, SubsurfaceSurface, DielectricSurface, ThinSurface> surface;
+  std::optional<ScalarParameter> opacity;  ///< share of the surface that is there, of diffuse and
+                                           ///< thin ones only
   std::optional<Coat> coat;
   std::optional<TextureMap> bump;      ///< height [mm], outward
   std::optional<ImageMap> normal_map;  ///< tangent space, OpenGL convention

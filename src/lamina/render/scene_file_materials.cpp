@@ -1,5 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "lamina/core/nearest_name.h"
 #include "lamina/materials/material_file.h"
@@ -34,7 +35,8 @@ class MaterialDecoder {
 
   DecodedMaterial run(const std::string& name, const JsonInput& value) {
     result_.material.name = name;
-    constexpr std::array<std::string_view, 3> kinds = {"subsurface", "diffuse", "dielectric"};
+    constexpr std::array<std::string_view, 4> kinds = {"subsurface", "diffuse", "dielectric",
+                                                       "thin"};
     const auto count = std::ranges::count_if(
         kinds, [&](std::string_view kind) { return value.peek(kind).has_value(); });
     if (count == 1) {
@@ -42,15 +44,19 @@ class MaterialDecoder {
         decode_subsurface(value);
       else if (value.peek("diffuse"))
         decode_diffuse(value);
-      else
+      else if (value.peek("dielectric"))
         decode_dielectric(value);
+      else
+        decode_thin(value);
       return std::move(result_);
     }
     // A misspelled key is named as such before the kind is missed.
-    (void)value.object({"subsurface", "diffuse", "dielectric", "color", "color_use", "thickness",
-                        "coat", "bump", "normal_map"});
-    value.fail(count == 0 ? "must have \"subsurface\", \"diffuse\" or \"dielectric\", but has none"
-                          : "must have only one of \"subsurface\", \"diffuse\" and \"dielectric\"");
+    (void)value.object({"subsurface", "diffuse", "dielectric", "thin", "color", "color_use",
+                        "thickness", "opacity", "coat", "bump", "normal_map"});
+    value.fail(
+        count == 0
+            ? "must have \"subsurface\", \"diffuse\", \"dielectric\" or \"thin\", but has none"
+            : "must have only one of \"subsurface\", \"diffuse\", \"dielectric\" and \"thin\"");
   }
 
  private:
@@ -95,19 +101,58 @@ class MaterialDecoder {
   }
 
   void decode_diffuse(const JsonInput& value) {
-    const JsonObject object = value.object({"diffuse", "coat", "bump", "normal_map"});
+    const JsonObject object = value.object({"diffuse", "opacity", "coat", "bump", "normal_map"});
     result_.material.surface =
         DiffuseSurface{.color = decode_color_parameter(object.required("diffuse"))};
+    decode_opacity(object);
     decode_common(object);
+  }
+
+  void decode_thin(const JsonInput& value) {
+    const JsonObject object =
+        value.object({"thin", "color", "thickness", "opacity", "coat", "bump", "normal_map"});
+    const JsonInput layers = object.required("thin");
+    ThinSurface surface{.material = decode_layers_of(layers)};
+    if (std::isinf(surface.material.layers.back().thickness))
+      layers.fail("must be a material of finite layers, but its last one is infinitely thick");
+    if (const auto color = object.optional("color")) surface.color = decode_color_parameter(*color);
+    if (const auto thickness = object.optional("thickness"))
+      surface.thickness = decode_scalar_parameter(
+          *thickness, {.low = 0.0, .high = longest, .includes_low = false, .unit = "mm"});
+    result_.material.surface = std::move(surface);
+    decode_opacity(object);
+    decode_common(object);
+  }
+
+  void decode_opacity(const JsonObject& object) {
+    if (const auto opacity = object.optional("opacity"))
+      result_.material.opacity = decode_scalar_parameter(*opacity, between(0.0, 1.0));
   }
 
   void decode_dielectric(const JsonInput& value) {
     const JsonObject object = value.object({"dielectric", "coat", "bump", "normal_map"});
-    const JsonObject inner = object.required("dielectric").object({"ior", "roughness"});
+    const JsonObject inner =
+        object.required("dielectric")
+            .object({"ior", "roughness", "smoothness", "distribution", "scattering"});
     DielectricSurface surface;
     surface.ior = static_cast<float>(inner.required("ior").number(between(0.1, 10.0)));
     if (const auto roughness = inner.optional("roughness"))
       surface.roughness = decode_scalar_parameter(*roughness, between(0.0, 1.0));
+    if (const auto smoothness = inner.optional("smoothness")) {
+      if (inner.has("roughness")) smoothness->fail("must not stand beside \"roughness\"");
+      surface.smoothness = decode_scalar_parameter(*smoothness, between(0.1, 1e4));
+    }
+    if (const auto distribution = inner.optional("distribution"))
+      surface.distribution = decode_distribution(*distribution);
+    if (const auto scattering = inner.optional("scattering")) {
+      surface.scattering =
+          scattering->choice<FacetScattering>({{"single", FacetScattering::single},
+                                               {"multiple", FacetScattering::multiple},
+                                               {"xu_sun", FacetScattering::xu_sun}});
+      if (surface.scattering == FacetScattering::xu_sun &&
+          surface.distribution == MicrofacetDistribution::ggx)
+        scattering->fail("\"xu_sun\" has Gaussian slopes, which is \"beckmann\"");
+    }
     result_.material.surface = surface;
     decode_common(object);
   }
@@ -122,9 +167,13 @@ class MaterialDecoder {
     if (const auto weight = object.optional("weight"))
       coat.weight = decode_scalar_parameter(*weight, between(0.0, 1.0));
     if (const auto distribution = object.optional("distribution"))
-      coat.distribution = distribution->choice<MicrofacetDistribution>(
-          {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
+      coat.distribution = decode_distribution(*distribution);
     return coat;
+  }
+
+  static MicrofacetDistribution decode_distribution(const JsonInput& value) {
+    return value.choice<MicrofacetDistribution>(
+        {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
   }
 
   /// A built-in material by name, a material file by path, or a material file as an object.
