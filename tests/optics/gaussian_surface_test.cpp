@@ -116,5 +116,32 @@ TEST(GaussianSurface, SamplesCarryTheBsdfOverTheirDensity) {
   }
 }
 
+TEST(GaussianSurface, SamplesFollowTheirDensityOnBothSides) {
+  for (const double s : {0.5, 3.0, 10.0})
+    for (const double eta : {1.4, 1.0 / 1.4})
+      for (const double theta : {0.0, 85.0})
+        for (const double side : {1.0, -1.0}) {
+          const GaussianSurface surface{s, eta};
+          const Vec3 wi = direction(theta * degree, 0.3);
+          Random random = make_random(22, static_cast<std::uint64_t>(10.0 * s * eta + theta));
+          int found = 0;
+          const double z = chi_square_deviation(
+              [&]() -> std::optional<Vec3> {
+                const auto sample = sample_single_scattering(surface, wi, random.uniform(),
+                                                             random.uniform(), random.uniform());
+                if (!(sample.pdf > 0.0) || sample.wo.z * side < 0.0) return std::nullopt;
+                ++found;
+                return sample.wo;
+              },
+              [&](const Vec3& wo) {
+                return pdf_rough_interface(make_rough_interface(surface), wi, wo);
+              },
+              40'000);
+          if (found < 1000) continue;
+          EXPECT_LT(std::abs(z), 4.5)
+              << "s " << s << " eta " << eta << " theta " << theta << " side " << side;
+        }
+}
+
 }  // namespace
 }  // namespace lamina

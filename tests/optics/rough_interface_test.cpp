@@ -45,7 +45,7 @@ TEST(RoughInterface, ReflectionIsReciprocalAndTransmissionWithTheSquareOfTheInde
 TEST(RoughInterface, SamplesFollowTheirDensityOnBothSides) {
   for (const auto distribution : distributions)
     for (const double eta : {1.4, 1.0 / 1.4})
-      for (const double alpha : {0.01, 0.1, 0.4, 1.0})
+      for (const double alpha : {0.01, 0.1, 0.4, 1.0, 4.0})
         for (const double theta : {0.0, 50.0, 89.0})
           for (const double side : {1.0, -1.0}) {
             const RoughInterface<double> interface{{alpha, distribution}, eta};

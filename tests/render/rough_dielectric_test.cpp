@@ -7,7 +7,6 @@
 #include "lamina/core/random.h"
 #include "lamina/optics/gaussian_surface.h"
 #include "lamina/optics/multiple_scattering.h"
-#include "optics/sampler_test.h"
 #include "small_scenes.h"
 
 namespace lamina {

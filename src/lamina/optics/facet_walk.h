@@ -66,4 +66,15 @@ inline void scatter(FacetWalk& walk, const Vec3& h, Random& random) {
   return smith_lambda(facets, Vec3{ray.x, ray.y, std::max(std::abs(ray.z), 1e-12)});
 }
 
+/// Flux, per solid angle, from the facet that the light has come to straight to wo in the outer
+/// world: reflected or refracted there, then met by no other facet.
+[[nodiscard]] inline double flux_from_facet(const Microfacets<double>& facets,
+                                            const FacetWalk& walk, const Vec3& wo) {
+  const bool leaves_beyond = wo.z < 0.0;
+  const Vec3 to = walk.is_beyond ? turned_over(wo) : wo;
+  const double seen = leaves_beyond == walk.is_beyond ? walk.u : 1.0 - walk.u;
+  return pdf_rough_interface({facets, walk.eta}, -walk.direction, to) *
+         std::pow(seen, smith_lambda_of_ray(facets, wo));
+}
+
 }  // namespace lamina::detail

@@ -41,21 +41,12 @@ double evaluate_multiple_scattering(const RoughInterface<double>& interface, con
   assert(wi.z > 0.0);
   if (is_specular(interface) || wo.z == 0.0) return 0.0;
   const Microfacets<double>& facets = interface.facets;
-  const bool leaves_beyond = wo.z < 0.0;
-  const double lambda_o = detail::smith_lambda_of_ray(facets, wo);
-
   FacetWalk walk = {.direction = -wi, .eta = interface.eta};
   Vec3 normal;
   double flux = 0.0;  // to wo, per solid angle
   for (int order = 0; order < most_facets; ++order) {
     if (!advance(walk, facets, random, normal)) break;
-    if (order > 0) {
-      // From this facet straight to wo: reflected or refracted there, then met by no other.
-      const Vec3 to = walk.is_beyond ? detail::turned_over(wo) : wo;
-      const RoughInterface<double> here{facets, walk.eta};
-      const double seen = leaves_beyond == walk.is_beyond ? walk.u : 1.0 - walk.u;
-      flux += pdf_rough_interface(here, -walk.direction, to) * std::pow(seen, lambda_o);
-    }
+    if (order > 0) flux += flux_from_facet(facets, walk, wo);
     scatter(walk, normal, random);
   }
   return bsdf(interface, wi, wo) + flux / std::abs(wo.z);
