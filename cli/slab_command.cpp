@@ -53,15 +53,17 @@ struct SlabMethod {
 SlabResult by_adding_doubling(const std::vector<LayerStack>& stacks, const Incidence& incidence,
                               const SlabOptions& options) {
   SlabResult result;
+  double error = 0.0;  // the largest that is not as small as asked
   for (const auto& band : adding_doubling(stacks, incidence, options.adding_doubling)) {
-    if (!band.is_accurate)
-      result.remarks.push_back(fmt::format("band {}: accurate to {:.1g} only", result.totals.size(),
-                                           band.estimated_error));
+    if (!band.is_accurate) error = std::max(error, band.estimated_error);
     result.totals.push_back(band.totals);
     result.more["unscattered_reflectance"].push_back(band.unscattered_reflectance);
     result.more["unscattered_transmittance"].push_back(band.unscattered_transmittance);
     result.more["estimated_error"].push_back(band.estimated_error);
   }
+  if (error > 0.0)
+    result.remarks.push_back(fmt::format("accurate to {:.1g}, not to {:.1g} (--accuracy)", error,
+                                         options.adding_doubling.accuracy));
   return result;
 }
 

@@ -96,4 +96,39 @@ struct StackCase {
   return table;
 }
 
+/// Stacks with rough boundaries: at the top, below, inside; to lighter and denser media; Beckmann's
+/// and GGX's facets from fine to coarse.
+[[nodiscard]] inline std::vector<StackCase> rough_stack_table() {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  constexpr auto ggx = MicrofacetDistribution::ggx;
+  const auto layer = [](double sigma_a, double sigma_s, double g, double ior, double thickness,
+                        Interface top = {}) {
+    return Layer{.medium = {.sigma_a = sigma_a, .sigma_s = sigma_s, .g = g, .ior = ior},
+                 .thickness = thickness,
+                 .top = top};
+  };
+  const Interface fine{.roughness = 0.1}, middle{.roughness = 0.4}, coarse{.roughness = 0.8};
+  const Interface fine_ggx{0.1, ggx}, middle_ggx{0.4, ggx}, coarse_ggx{1.0, ggx};
+  std::vector<StackCase> table;
+  const auto add = [&](std::string name, std::vector<Layer> layers, double above = 1.0,
+                       double below = 1.0, Ground ground = {}) {
+    table.push_back({std::move(name), LayerStack(std::move(layers), above, below, ground)});
+  };
+  add("fine top", {layer(0.5, 10.0, 0.5, 1.5, 0.3, fine)});
+  add("rough top", {layer(0.5, 10.0, 0.5, 1.5, 0.3, middle)});
+  add("coarse top", {layer(0.5, 10.0, 0.5, 1.5, 0.3, coarse)});
+  add("coarse GGX top, half-space", {layer(0.1, 10.0, 0.8, 1.4, infinite, coarse_ggx)}, 1.0, 1.4);
+  add("denser outside", {layer(0.5, 10.0, 0.5, 1.0, 0.3, middle)}, 1.5, 1.5);
+  add("rough bottom", {layer(0.2, 3.0, 0.3, 1.4, 0.3)}, 1.0, 1.0, {.top = coarse_ggx});
+  add("rough inside", {layer(0.5, 10.0, 0.5, 1.3, 0.2), layer(0.2, 5.0, 0.8, 1.6, 0.4, middle_ggx)},
+      1.0, 1.3);
+  add("clear rough plate", {layer(0.3, 0.0, 0.0, 1.5, 1.0, fine_ggx)}, 1.0, 1.0, {.top = middle});
+  add("rough glass on paint",
+      {layer(0.0, 0.0, 0.0, 1.5, 1.0, middle), layer(0.01, 10.0, 0.7, 1.35, 1.0, coarse)});
+  add("rough all over",
+      {layer(0.0, 5.0, 0.9, 1.5, 0.3, fine), layer(1.0, 4.0, 0.0, 1.2, 0.2, coarse)}, 1.3, 1.6,
+      {.top = middle_ggx});
+  return table;
+}
+
 }  // namespace lamina::reference

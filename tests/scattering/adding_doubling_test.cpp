@@ -323,9 +323,6 @@ RC_GTEST_PROP(AddingDoubling, AnyStackKeepsItsEnergy, ()) {
 TEST(AddingDoubling, RefusesWhatItCannotDo) {
   const LayerStack slab({layer(1.0, 9.0, 0.75, 1.0, 0.2)});
   EXPECT_THROW((void)adding_doubling(slab, oblique(90.0)), InvalidInput);
-  Layer rough = layer(1.0, 9.0, 0.75, 1.4, 0.2);
-  rough.top.roughness = 0.3;
-  EXPECT_THROW((void)adding_doubling(LayerStack({rough})), InvalidInput);
   EXPECT_THROW((void)adding_doubling(slab, {.theta = std::nan("")}), InvalidInput);
   EXPECT_THROW((void)adding_doubling(slab, {}, {.accuracy = 0.0}), InvalidInput);
   EXPECT_THROW((void)adding_doubling(slab, {}, {.max_nodes = 1}), InvalidInput);

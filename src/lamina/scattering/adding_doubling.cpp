@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/adding_doubling_rough.h"
 #include "lamina/scattering/adding_doubling_stack.h"
 
 namespace lamina {
@@ -38,18 +39,6 @@ std::vector<double> incident_state(const GridStack& stack, const Incidence& inci
   return state;
 }
 
-/// Fraction of the incident light that the top surface sends back at once.
-double first_reflection(const GridStack& stack, const std::vector<double>& incident) {
-  const std::size_t inside = active_count(stack.grid, stack.ior[1]);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < incident.size(); ++i) {
-    const double r =
-        i < inside ? detail::node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0;
-    sum += r * std::sqrt(stack.grid.etendue[i]) * incident[i];
-  }
-  return sum;
-}
-
 AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& incidence,
                                     int nodes) {
   std::vector<double> beams;
@@ -60,7 +49,7 @@ AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& in
   AddingDoublingTotals result{.nodes = nodes};
   SlabTotals& totals = result.totals;
   std::vector<double> down = incident_state(on_grid, incidence);
-  totals.specular_reflectance = first_reflection(on_grid, down);
+  totals.specular_reflectance = flux(on_grid, detail::product(operators.first_reflection, down));
   totals.diffuse_reflectance =
       flux(on_grid, detail::product(operators.reflection, down)) - totals.specular_reflectance;
   for (std::size_t i = 0; i < down.size(); ++i) {
@@ -117,20 +106,21 @@ AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidenc
                                      const AddingDoublingOptions& options) {
   check(incidence);
   check(options);
-  detail::require_smooth(stack, "adding-doubling");
   constexpr int coarsest = 6;
+  const double least_error = is_smooth(stack) ? 0.0 : detail::rough_boundary_error;
   AddingDoublingTotals result =
       totals_on_grid(stack, incidence, std::min(coarsest, options.max_nodes));
-  while (!result.is_accurate && result.nodes < options.max_nodes) {
+  result.estimated_error = 1.0;
+  while (result.estimated_error > std::max(options.accuracy, least_error) &&
+         result.nodes < options.max_nodes) {
     AddingDoublingTotals finer =
         totals_on_grid(stack, incidence, std::min(result.nodes * 3 / 2, options.max_nodes));
     // Two grids may agree by chance; then the step before has its say.
-    finer.estimated_error =
-        std::max(largest_difference(finer.totals, result.totals), 0.02 * result.estimated_error);
+    finer.estimated_error = std::max({largest_difference(finer.totals, result.totals), least_error,
+                                      0.02 * result.estimated_error});
     finer.is_accurate = finer.estimated_error <= options.accuracy;
     result = std::move(finer);
   }
-  if (result.nodes == std::min(coarsest, options.max_nodes)) result.estimated_error = 1.0;
   return result;
 }
 

@@ -28,7 +28,8 @@ struct AddingDoublingTotals {
 ///
 /// Every layer has its own index, so light is refracted and totally reflected inside the stack.
 /// A grid of directions is refined until the totals stay. Error: below the one asked for, with the
-/// estimate on the safe side; rounding stands at 1e-11.
+/// estimate on the safe side; rounding stands at 1e-11. Rough boundaries, with all light that meets
+/// several of their facets, are good to 1e-4 and cost 0.1 s or so each.
 ///
 /// In a semi-infinite stack `transmittance` is 0, unless its last layer is clear: then it is the
 /// light that goes down and never returns. Over a ground that reflects it is what the ground takes.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/scattering/adding_doubling_rough.h"
+
 namespace lamina::detail {
 namespace {
 
@@ -176,15 +178,20 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
   return operators;
 }
 
-std::vector<double> reach_of_layers(std::span<const Layer> layers, const std::vector<double>& ior,
-                                    bool from_ground) {
+std::vector<double> reach_of_layers(std::span<const Layer> layers,
+                                    std::span<const Interface> interfaces,
+                                    const std::vector<double>& ior, bool from_ground) {
+  const auto touches_facets = [&](std::size_t medium) {
+    return (medium > 0 && is_rough(interfaces[medium - 1], ior[medium - 1], ior[medium])) ||
+           (medium <= layers.size() && is_rough(interfaces[medium], ior[medium], ior[medium + 1]));
+  };
   const auto brings_light = [&](std::size_t medium) {
-    if (medium == 0) return true;
+    if (medium == 0 || touches_facets(medium)) return true;
     return medium <= layers.size() ? layers[medium - 1].medium.sigma_s > 0.0 : from_ground;
   };
   std::vector<double> reach;
   for (std::size_t k = 1; k <= layers.size(); ++k) {
-    double largest = 0.0;
+    double largest = touches_facets(k) ? ior[k] : 0.0;
     for (std::size_t j = 0; j < ior.size(); ++j) {
       if (!brings_light(j) || j == k) continue;
       const auto from = static_cast<std::ptrdiff_t>(std::min(j, k));

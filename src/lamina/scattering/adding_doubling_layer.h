@@ -71,12 +71,14 @@ struct LayerOperators {
 };
 [[nodiscard]] LayerOperators layer_operators(const GridLayer& layer, int m);
 
-/// For each layer the largest p that outside or a scattering layer can bring into it. Directions
-/// beyond would be caught in a clear layer for ever.
+/// For each layer the largest p that outside, a scattering layer or a rough boundary can bring into
+/// it. Directions beyond would be caught in a clear layer for ever.
 ///
+/// @param interfaces   the top of each layer, and what is under the last one.
 /// @param ior          above, of each layer, below.
 /// @param from_ground  whether light comes back from below.
 [[nodiscard]] std::vector<double> reach_of_layers(std::span<const Layer> layers,
+                                                  std::span<const Interface> interfaces,
                                                   const std::vector<double>& ior, bool from_ground);
 
 }  // namespace lamina::detail

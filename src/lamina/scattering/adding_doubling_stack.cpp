@@ -7,9 +7,19 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/adding_doubling_rough.h"
 
 namespace lamina::detail {
 namespace {
+
+/// What a smooth interface sends back to the side of the first index.
+Matrix mirror(const DirectionGrid& grid, double ior, double ior_beyond) {
+  const std::size_t n = active_count(grid, ior), beyond = active_count(grid, ior_beyond);
+  Matrix reflection(n, n);
+  for (std::size_t i = 0; i < n; ++i)
+    reflection(i, i) = i < beyond ? node_fresnel(grid, i, ior, ior_beyond) : 1.0;
+  return reflection;
+}
 
 Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, double ior_behind,
                                   Matrix below) {
@@ -18,9 +28,7 @@ Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, 
   std::vector<double> r(std::max(before, behind), 1.0);  // total reflection where not common
   for (std::size_t i = 0; i < common; ++i) r[i] = node_fresnel(grid, i, ior_before, ior_behind);
 
-  Matrix mirror(behind, behind);
-  for (std::size_t i = 0; i < behind; ++i) mirror(i, i) = r[i];
-  const Matrix returns = between(mirror, below);
+  const Matrix returns = between(mirror(grid, ior_behind, ior_before), below);
   const Matrix sent_back = product(below, returns);
   Covered covered{{Matrix(behind, before), std::move(below)}, Matrix(before, before)};
   for (std::size_t j = 0; j < common; ++j) {
@@ -31,6 +39,15 @@ Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, 
   }
   for (std::size_t i = 0; i < before; ++i) covered.reflection(i, i) += r[i];
   return covered;
+}
+
+Covered cover_by_rough_interface(const RoughBoundary& boundary, Matrix below) {
+  const Matrix returns = between(boundary.reflection_below, below);
+  Matrix pass = product(returns, boundary.transmission_down);
+  Matrix reflection = product(boundary.transmission_up, product(below, pass));
+  for (std::size_t k = 0; k < reflection.values.size(); ++k)
+    reflection.values[k] += boundary.reflection_above.values[k];
+  return {{std::move(pass), std::move(below)}, std::move(reflection)};
 }
 
 /// A Lambertian ground sends back equal radiance in all directions, so only in mode 0.
@@ -75,13 +92,12 @@ GridStack make_grid_stack(const LayerStack& stack, int nodes, std::span<const do
   GridStack made;
   made.ior = merged_indices(stack);
   made.grid = make_direction_grid(made.ior, nodes, extra_p);
-  const std::vector<double> reach =
-      reach_of_layers(stack.layers(), made.ior, stack.ground().reflectance > 0.0);
-  for (std::size_t k = 0; k < stack.layers().size(); ++k) {
-    made.layers.push_back(make_grid_layer(stack.layers()[k], made.ior[k + 1], reach[k], made.grid));
-    made.interfaces.push_back(stack.layers()[k].top);
-  }
+  for (const Layer& layer : stack.layers()) made.interfaces.push_back(layer.top);
   made.interfaces.push_back(stack.ground().top);
+  const std::vector<double> reach =
+      reach_of_layers(stack.layers(), made.interfaces, made.ior, stack.ground().reflectance > 0.0);
+  for (std::size_t k = 0; k < stack.layers().size(); ++k)
+    made.layers.push_back(make_grid_layer(stack.layers()[k], made.ior[k + 1], reach[k], made.grid));
   made.ground_reflectance = stack.ground().reflectance;
   made.is_semi_infinite = is_semi_infinite(stack);
   return made;
@@ -102,8 +118,16 @@ StackOperators stack_operators(const GridStack& stack, int m) {
     operators.reflection = std::move(covered.reflection);
   };
   const auto cover_by_interface = [&](std::size_t k) {
-    take(cover_by_smooth_interface(stack.grid, stack.ior[k], stack.ior[k + 1],
-                                   std::move(operators.reflection)));
+    const double before = stack.ior[k], behind = stack.ior[k + 1];
+    if (!is_rough(stack.interfaces[k], before, behind)) {
+      if (k == 0) operators.first_reflection = mirror(stack.grid, before, behind);
+      return take(
+          cover_by_smooth_interface(stack.grid, before, behind, std::move(operators.reflection)));
+    }
+    const RoughBoundary boundary =
+        rough_boundary(stack.grid, stack.interfaces[k], before, behind, m);
+    if (k == 0) operators.first_reflection = boundary.reflection_above;
+    take(cover_by_rough_interface(boundary, std::move(operators.reflection)));
   };
   operators.reflection = ground_reflection(stack, m);
   for (std::size_t k = stack.layers.size(); k-- > 0;) {
@@ -145,7 +169,9 @@ UnscatteredFlux unscattered_flux(const GridStack& stack, std::size_t node, Unsca
   for (std::size_t c = count; c-- > 0;) {
     below[c] = r_below;
     const std::size_t k = c / 2;
-    if (c % 2 == 0) {
+    if (c % 2 == 0 && is_rough(stack.interfaces[k], stack.ior[k], stack.ior[k + 1])) {
+      r_below = 0.0;
+    } else if (c % 2 == 0) {
       const bool is_common = is_active(k) && is_active(k + 1);
       const double r =
           is_common ? node_fresnel(stack.grid, node, stack.ior[k], stack.ior[k + 1]) : 1.0;

@@ -53,6 +53,7 @@ struct Covered {
 struct StackOperators {
   std::vector<Crossing> crossings;  ///< top surface, first layer, second surface, ...
   Matrix reflection;                ///< of the whole, for light from above
+  Matrix first_reflection;          ///< of the top surface alone
 };
 
 /// Adds up the stack from the bottom.
@@ -73,8 +74,8 @@ enum class Unscattered {
   on_grid     ///< scaled, with what the quadrature adds to it
 };
 
-/// Light of one node that is reflected and refracted by the interfaces but not scattered, for unit
-/// flux from above.
+/// Light of one node that is reflected and refracted by the interfaces but not scattered, neither
+/// inside nor by rough boundaries, for unit flux from above.
 struct UnscatteredFlux {
   std::vector<double> down, up;  ///< [crossing] just behind it
   double reflectance = 0.0;      ///< of the whole stack

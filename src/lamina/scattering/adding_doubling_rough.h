@@ -1,0 +1,37 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/adding_doubling_matrix.h"
+#include "lamina/scattering/direction_grid.h"
+
+namespace lamina::detail {
+
+/// A rough boundary on a direction grid, for one azimuthal mode and from both sides.
+///
+/// Beams and directions to look from do not see one another directly: as two extra nodes have no
+/// flux to exchange, these entries are 0.
+struct RoughBoundary {
+  Matrix reflection_above, transmission_down;  ///< of light from above
+  Matrix reflection_below, transmission_up;    ///< of light from below
+};
+
+/// How wrong totals can be for the lattice of facets alone; 5e-5 is the worst met.
+inline constexpr double rough_boundary_error = 1e-4;
+
+/// Whether the boundary scatters at all; else it is treated as smooth, as RoughInterface has it.
+[[nodiscard]] bool is_rough(const Interface& boundary, double ior_above, double ior_below);
+
+/// Reflection and transmission by facets at independent heights, with all the light that meets
+/// several of them: the same walk that photons take, as an equation of transfer between facets.
+/// Nothing is lost: in mode 0 what leaves equals what arrives to rounding.
+///
+/// Heights are Gauss nodes in u, the share of lower facets. Directions are the nodes of the grid,
+/// up and down; the narrow lobe of a facet is shared out among them by Lagrange's polynomials, so
+/// that its integral with smooth radiance is exact however narrow it is.
+///
+/// Source: [Heitz2016] for the walk; its solution on a grid is lamina's (docs/adding_doubling.md).
+[[nodiscard]] RoughBoundary rough_boundary(const DirectionGrid& grid, const Interface& boundary,
+                                           double ior_above, double ior_below, int m);
+
+}  // namespace lamina::detail
