@@ -17,15 +17,16 @@ void add_bsdf_command(CLI::App& app) {
   command->add_option("--model", options->model, "in place of a material: rough_transmission")
       ->check(CLI::IsMember({"rough_transmission"}));
   command->add_option("--method", options->method,
-                      "of a material: adding_doubling (default); of rough_transmission: analytic "
-                      "(default), monte_carlo or height_field");
+                      "of a material: adding_doubling (default), first_order (closed form) or "
+                      "layered_bsdf (first order, the rest without shape); of rough_transmission: "
+                      "analytic (default), monte_carlo or height_field");
   command->add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
       ->capture_default_str();
   command->add_option("--photons", options->photons, "rays of the random methods")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
       ->capture_default_str();
-  command->add_option("--plot", options->plot, "draw the lobes of rough_transmission as SVG")
+  command->add_option("--plot", options->plot, "draw the lobes in the plane of incidence as SVG")
       ->type_name("FILE");
   const std::string layered = "Layered materials";
   command
@@ -57,14 +58,15 @@ void add_bsdf_command(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
-  command
-      ->add_flag("--compare", options->compare,
-                 "all methods side by side, with the light that each misplaces")
-      ->group(rough);
+  command->add_flag("--compare", options->compare,
+                    "all methods side by side, with the light that each misplaces");
   add_common_options(*command, options->common);
   command->footer(
       "Example: how skin scatters light from 45 degrees\n"
       "  lamina bsdf donner_jensen_skin --theta-i 45 --json skin.json\n"
+      "Its first order in closed form, drawn, and how far the approximations are off\n"
+      "  lamina bsdf donner_jensen_skin --method first_order --plot skin.svg\n"
+      "  lamina bsdf leaf --theta-i 45 --compare --plot leaf.svg\n"
       "A frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
       "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
       "lobes.svg\n"
@@ -74,8 +76,6 @@ void add_bsdf_command(CLI::App& app) {
     set_thread_count(options->common.threads);
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
-    if (options->model.empty() && !options->plot.empty())
-      throw InvalidInput("bsdf: --plot is for --model rough_transmission");
     options->model.empty() ? run_material_bsdf(*options) : run_rough_transmission(*options);
   });
 }

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -11,8 +12,9 @@
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/adding_doubling_bsdf.h"
+#include "lamina/scattering/layered_bsdf.h"
 
 namespace lamina::cli {
 namespace {
@@ -59,11 +61,18 @@ ordered_json by_band(const std::vector<StackBsdf>& bands,
   return list;
 }
 
+/// A method and what it found, [band].
+struct Named {
+  std::string method;
+  std::vector<StackBsdf> bands;
+};
+
 ordered_json to_json(const BsdfOptions& options, const Material& material, const Angles& angles,
-                     const std::vector<StackBsdf>& bands) {
+                     const Named& result) {
+  const std::vector<StackBsdf>& bands = result.bands;
   ordered_json json = make_result("bsdf");
   json["material"] = material.name;
-  json["method"] = "adding_doubling";
+  json["method"] = result.method;
   ordered_json& names = json["bands"] = ordered_json::array();
   for (std::size_t band = 0; band < bands.size(); ++band) {
     if (material.bands.is_rgb())
@@ -80,16 +89,18 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
       by_band(bands, [](const StackBsdf& b) { return b.unscattered_reflectance; });
   json["unscattered_transmittance"] =
       by_band(bands, [](const StackBsdf& b) { return b.unscattered_transmittance; });
-  json["estimated_error"] = by_band(bands, [](const StackBsdf& b) { return b.estimated_error; });
+  if (result.method == "adding_doubling")
+    json["estimated_error"] = by_band(bands, [](const StackBsdf& b) { return b.estimated_error; });
   return json;
 }
 
 std::string to_text(const BsdfOptions& options, const Material& material, const Angles& angles,
-                    const std::vector<StackBsdf>& bands) {
+                    const Named& result) {
+  const std::vector<StackBsdf>& bands = result.bands;
   std::string text = fmt::format(
-      "{}, light from {:.4g}°, adding_doubling: 1/sr in the plane of "
+      "{}, light from {:.4g}°, {}: 1/sr in the plane of "
       "incidence, < 0 on the side of the light\n\n",
-      material.name, options.theta_i_deg);
+      material.name, options.theta_i_deg, result.method);
   text += fmt::format("{:>8}", "theta_o");
   for (const char* side : {"brdf", "btdf"})
     for (std::size_t band = 0; band < bands.size(); ++band)
@@ -116,24 +127,120 @@ std::string to_text(const BsdfOptions& options, const Material& material, const 
   return text;
 }
 
+Named solve(const BsdfOptions& options, const Material& material, const Angles& angles,
+            const std::string& method) {
+  Named result{method, std::vector<StackBsdf>(material.bands.size())};
+  const double theta_i = options.theta_i_deg * degree;
+  const std::vector<double> theta_o = in_radians(angles.theta), phi_o = in_radians(angles.phi);
+  parallel_for(result.bands.size(), [&](std::size_t band) {
+    const LayerStack stack = layer_stack(material, band);
+    if (method == "adding_doubling")
+      result.bands[band] =
+          stack_bsdf(stack, theta_i, theta_o, phi_o, {.accuracy = options.accuracy});
+    else
+      result.bands[band] = layered_bsdf(
+          stack, method == "first_order" ? ScatteringOrders::first : ScatteringOrders::all, theta_i,
+          theta_o, phi_o);
+  });
+  return result;
+}
+
+/// Polar diagrams of the plane of incidence, as [HanrahanKrueger1993] Figure 9.
+void write_plot(const BsdfOptions& options, const Material& material, const Angles& angles,
+                const std::vector<Named>& results) {
+  if (options.plot.empty()) return;
+  constexpr std::array styles = {CurveStyle::line, CurveStyle::dashed, CurveStyle::dotted};
+  Plot plot{.title = fmt::format("{}, light from {:.4g}°", material.name, options.theta_i_deg),
+            .caption =
+                "radiance per irradiance in the plane of incidence; unscattered light has no "
+                "finite radiance and is left out"};
+  for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf}) {
+    const bool is_above = values == &StackBsdf::brdf;
+    Panel panel;
+    panel.title = is_above ? "reflected" : "transmitted";
+    panel.kind = PanelKind::polar;
+    panel.y.label = "[1/sr]";
+    panel.arrow_angle = -options.theta_i_deg * degree;
+    double largest = 0.0;
+    for (std::size_t r = 0; r < results.size(); ++r)
+      for (std::size_t band = 0; band < material.bands.size(); ++band) {
+        Curve curve{.color = band_color(material.bands, band), .style = styles[r % styles.size()]};
+        if (is_above)  // one legend serves both
+          curve.name = band_label(material.bands, band) +
+                       (results.size() > 1 ? " " + results[r].method : "");
+        const auto& of_band = results[r].bands[band].*values;
+        const auto add = [&](std::size_t i, bool is_light_side) {
+          const double theta = angles.theta[i] * degree;
+          const double from_normal = is_above ? theta : std::numbers::pi - theta;
+          curve.x.push_back(is_light_side ? -from_normal : from_normal);
+          curve.y.push_back(
+              of_band[i * angles.phi.size() + (is_light_side ? 0 : angles.phi.size() - 1)]);
+          largest = std::max(largest, curve.y.back());
+        };
+        for (std::size_t i = angles.theta.size(); i-- > 1;) add(i, true);
+        for (std::size_t i = 0; i < angles.theta.size(); ++i) add(i, false);
+        panel.curves.push_back(std::move(curve));
+      }
+    if (is_above || largest > 0.0) plot.panels.push_back(std::move(panel));
+  }
+  save_svg(plot, options.plot);
+}
+
+/// All methods beside adding-doubling, with the share of the light that each sends elsewhere.
+void compare_methods(const BsdfOptions& options, const Material& material, const Angles& angles) {
+  std::vector<Named> results;
+  for (const char* method : {"adding_doubling", "layered_bsdf", "first_order"})
+    results.push_back(solve(options, material, angles, method));
+  const std::vector<StackBsdf>& truth = results.front().bands;
+  ordered_json json = make_result("bsdf");
+  json["material"] = material.name;
+  json["method"] = "compare";
+  json["theta_i_deg"] = options.theta_i_deg;
+  std::string text =
+      fmt::format("{}, light from {:.4g}°: light sent elsewhere than by {}\n\n{:<16}",
+                  material.name, options.theta_i_deg, results.front().method, "");
+  for (const char* side : {"reflected", "transmitted"})
+    for (std::size_t band = 0; band < truth.size(); ++band)
+      text += fmt::format("{:>19}", fmt::format("{} {}", side, band_name(material.bands, band)));
+  text += "\n";
+  for (const Named& result : results) {
+    ordered_json& entry = json["methods"].emplace_back(to_json(options, material, angles, result));
+    if (&result == &results.front()) continue;
+    text += fmt::format("{:<16}", result.method);
+    for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf}) {
+      ordered_json row = ordered_json::array();
+      for (std::size_t band = 0; band < truth.size(); ++band) {
+        row.push_back(misplaced_light(result.bands[band].*values, truth[band].*values,
+                                      in_radians(angles.theta), in_radians(angles.phi)));
+        text += fmt::format("{:>19.4f}", row.back().get<double>());
+      }
+      entry[values == &StackBsdf::brdf ? "misplaced_reflection" : "misplaced_transmission"] = row;
+    }
+    text += "\n";
+  }
+  write_plot(options, material, angles, results);
+  write_json(json, options.common);
+  print(options.common, text);
+}
+
 }  // namespace
 
 void run_material_bsdf(const BsdfOptions& options) {
-  if (!options.method.empty() && options.method != "adding_doubling")
-    throw InvalidInput("--method of a material must be adding_doubling, but is " + options.method);
+  const std::string method = options.method.empty() ? "adding_doubling" : options.method;
+  if (method != "adding_doubling" && method != "first_order" && method != "layered_bsdf")
+    throw InvalidInput(
+        "--method of a material must be adding_doubling, first_order or layered_bsdf, but is " +
+        options.method);
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
         fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));
   const Material material = find_material(options.material);
   const Angles angles = make_angles(options.step_deg);
-  std::vector<StackBsdf> bands(material.bands.size());
-  parallel_for(bands.size(), [&](std::size_t band) {
-    bands[band] = stack_bsdf(layer_stack(material, band), options.theta_i_deg * degree,
-                             in_radians(angles.theta), in_radians(angles.phi),
-                             {.accuracy = options.accuracy});
-  });
-  write_json(to_json(options, material, angles, bands), options.common);
-  print(options.common, to_text(options, material, angles, bands));
+  if (options.compare) return compare_methods(options, material, angles);
+  const Named result = solve(options, material, angles, method);
+  write_plot(options, material, angles, {result});
+  write_json(to_json(options, material, angles, result), options.common);
+  print(options.common, to_text(options, material, angles, result));
 }
 
 }  // namespace lamina::cli

@@ -13,10 +13,11 @@ struct BsdfOptions {
   CommonOptions common;
   std::string material;  ///< file or built-in; "" if a model is asked for
   std::string model;     ///< "rough_transmission" or ""
-  std::string method;  ///< of the model; "" for its default
+  std::string method;    ///< of the model; "" for its default
   double theta_i_deg = 30.0;
   std::int64_t photons = 1'000'000;
-  std::string plot;  ///< SVG file or ""
+  std::string plot;      ///< SVG file or ""
+  bool compare = false;  ///< all methods side by side
 
   // layered materials
   double accuracy = 1e-3;
@@ -27,7 +28,6 @@ struct BsdfOptions {
   double smoothness = 3.0;
   std::string visibility = "xu_sun";
   int realizations = 8;
-  bool compare = false;  ///< all methods side by side
 };
 
 /// A layered material. @throws InvalidInput, FileError, WriteError

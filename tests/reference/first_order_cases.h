@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -61,16 +62,30 @@ struct FirstOrderComparison {
 inline double cell_mean(const FirstOrderStack<double>& stack, const StackBeam<double>& in,
                         bool is_above, double mu_low, double mu_high, double phi_low,
                         double phi_high) {
-  const Quadrature mus = gauss_legendre(12, mu_low, mu_high);
+  // Pieces end at critical angles, where Fresnel's law has a square root.
+  std::vector<double> ends{mu_low, mu_high};
+  const double ior = is_above ? stack.ior_above : stack.ior_below;
+  const auto end_at = [&](double other) {
+    const double mu = other < ior ? std::sqrt(1.0 - other * other / (ior * ior)) : 0.0;
+    if (mu_low < mu && mu < mu_high) ends.push_back(mu);
+  };
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) end_at(stack.layers[k].ior);
+  end_at(is_above ? stack.ior_below : stack.ior_above);
+  std::sort(ends.begin(), ends.end());
+  const Quadrature rule = gauss_legendre(12, 0.0, 1.0);
   const Quadrature phis = gauss_legendre(12, phi_low, phi_high);
   double sum = 0.0;
-  for (std::size_t i = 0; i < mus.nodes.size(); ++i)
-    for (std::size_t j = 0; j < phis.nodes.size(); ++j) {
-      const double mu = mus.nodes[i], sine = std::sqrt(1.0 - mu * mu), phi = phis.nodes[j];
-      const StackBeam<double> out =
-          make_beam(stack, {-sine * std::cos(phi), -sine * std::sin(phi), is_above ? mu : -mu});
-      sum += mus.weights[i] * phis.weights[j] * mu * first_order_bsdf(stack, in, out);
-    }
+  for (std::size_t piece = 0; piece + 1 < ends.size(); ++piece)
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i)
+      for (std::size_t j = 0; j < phis.nodes.size(); ++j) {
+        const double t = rule.nodes[i], width = ends[piece + 1] - ends[piece];
+        const double mu = ends[piece] + width * t * t * (3.0 - 2.0 * t);  // crowded at both ends
+        const double sine = std::sqrt(1.0 - mu * mu), phi = phis.nodes[j];
+        const StackBeam<double> out =
+            make_beam(stack, {-sine * std::cos(phi), -sine * std::sin(phi), is_above ? mu : -mu});
+        sum += rule.weights[i] * 6.0 * t * (1.0 - t) * width * phis.weights[j] * mu *
+               first_order_bsdf(stack, in, out);
+      }
   const double mid = 0.5 * (mu_low + mu_high);
   return sum / ((mu_high - mu_low) * (phi_high - phi_low) * mid);
 }

@@ -81,3 +81,17 @@ refused profile leaf --accuracy 2
 refused profile leaf --r-min 0
 refused profile leaf --radii 1
 refused profile leaf --r-min nan
+
+"$lamina" bsdf leaf --method first_order --theta-i 45 --plot "$folder/bsdf.svg" --json "$folder/bsdf.json" > /dev/null ||
+  fail "bsdf by first order"
+grep -q "transmitted" "$folder/bsdf.svg" || fail "the plot has both sides of a leaf"
+"$lamina" bsdf leaf --compare --theta-i 45 --step 15 --json "$folder/compared.json" | grep -q layered_bsdf || fail "bsdf compares"
+"$lamina" bsdf leaf --method guess > "$folder/out" 2>&1 && fail "an unknown method of bsdf"
+grep -q "must be adding_doubling, first_order or layered_bsdf, but is guess" "$folder/out" || fail "bsdf names its methods"
+python3 - "$folder/bsdf.json" "$folder/compared.json" <<'PY'
+import json, sys
+first, compared = (json.load(open(name)) for name in sys.argv[1:])
+assert first["method"] == "first_order" and first["brdf"][0][0][0] > 0 and first["btdf"][0][0][1] > 0
+assert [m["method"] for m in compared["methods"]] == ["adding_doubling", "layered_bsdf", "first_order"]
+assert all(m < 0.15 for m in compared["methods"][1]["misplaced_reflection"])
+PY

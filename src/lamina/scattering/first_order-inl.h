@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "lamina/scattering/first_order.h"
 
 namespace lamina::first_order {
 
 [[nodiscard]] inline double fill(double x, const double*) { return x; }
+[[nodiscard]] inline float fill(double x, const float*) { return static_cast<float>(x); }
 template <int N>
 [[nodiscard]] BandValues<N> fill(double x, const BandValues<N>*) {
   return BandValues<N>::filled(static_cast<float>(x));
@@ -23,48 +25,75 @@ template <class V>
   return fill(x, static_cast<const V*>(nullptr));
 }
 
+/// A number of all bands alike in all lanes.
+template <class V, class G>
+[[nodiscard]] V widened(const G& x) {
+  if constexpr (std::is_same_v<V, G>)
+    return x;
+  else
+    return V::filled(x);
+}
+
 [[nodiscard]] inline double exp_minus(double x) { return std::exp(-x); }
-using lamina::abs, lamina::max, lamina::min, lamina::sqrt;
-using lamina::exp_minus;
+using lamina::abs, lamina::max, lamina::min, lamina::sqrt, lamina::exp_minus;
 using std::abs, std::max, std::min, std::sqrt;
 
-/// (1 - exp(-x)) / x for x >= 0.
-[[nodiscard]] inline double mean_attenuation(double x) {
-  return x > 0.0 ? -std::expm1(-x) / x : 1.0;
+/// Integral of exp(-(a + b) z) over the layer, for the decays a and b of two beams.
+[[nodiscard]] inline double along(const LayerBeam<double>& in, const LayerBeam<double>& out,
+                                  double thickness) {
+  const double x = (in.decay + out.decay) * thickness;
+  return thickness * (x > 0.0 ? -std::expm1(-x) / x : 1.0);
 }
+
+/// Integral of exp(-a z) exp(-b (d - z)): l'Hospital's limit is its middle.
+[[nodiscard]] inline double against(const LayerBeam<double>& in, const LayerBeam<double>& out,
+                                    double thickness) {
+  const double x = std::abs(in.decay - out.decay) * thickness;
+  return thickness * std::max(in.pass, out.pass) * (x > 0.0 ? -std::expm1(-x) / x : 1.0);
+}
+
+/// (1 - exp(-x)) / x for 0 <= x <= 1/2, where the difference would cancel; `direct` beyond.
 template <int N>
-[[nodiscard]] BandValues<N> mean_attenuation(const BandValues<N>& x) {
-  BandValues<N> result = exp_minus(x);
+[[nodiscard]] BandValues<N> mean_attenuation(const BandValues<N>& x, const BandValues<N>& direct) {
+  BandValues<N> result;
   for (int i = 0; i < N; ++i) {
-    const float y = x[i] < 0.5f ? x[i] : 0.5f;  // where the difference would cancel
+    const float y = x[i] < 0.5f ? x[i] : 0.5f;
     const float series =
         1.0f - y * (1.0f / 2.0f -
                     y * (1.0f / 6.0f -
                          y * (1.0f / 24.0f -
                               y * (1.0f / 120.0f - y * (1.0f / 720.0f - y * (1.0f / 5040.0f))))));
-    const float direct = (1.0f - result[i]) / (x[i] < 0.5f ? 0.5f : x[i]);
-    result[i] = x[i] < 0.5f ? series : direct;
+    result[i] = x[i] < 0.5f ? series : direct[i];
   }
   return result;
 }
-
-/// Integral of exp(-(a + b) z) over [0, d].
-template <class V>
-[[nodiscard]] V along(const V& a, const V& b, const V& d) {
-  return d * mean_attenuation((a + b) * d);
+template <int N>
+[[nodiscard]] BandValues<N> along(const LayerBeam<BandValues<N>>& in,
+                                  const LayerBeam<BandValues<N>>& out,
+                                  const BandValues<N>& thickness) {
+  const BandValues<N> x = (in.decay + out.decay) * thickness;
+  const BandValues<N> one = BandValues<N>::filled(1.0f);
+  return thickness *
+         mean_attenuation(x, (one - in.pass * out.pass) / max(x, BandValues<N>::filled(0.5f)));
 }
-
-/// Integral of exp(-a z) exp(-b (d - z)) over [0, d]: l'Hospital's limit is its middle.
-template <class V>
-[[nodiscard]] V against(const V& a, const V& b, const V& d) {
-  return d * exp_minus(min(a, b) * d) * mean_attenuation(abs(a - b) * d);
+template <int N>
+[[nodiscard]] BandValues<N> against(const LayerBeam<BandValues<N>>& in,
+                                    const LayerBeam<BandValues<N>>& out,
+                                    const BandValues<N>& thickness) {
+  const BandValues<N> x = abs(in.decay - out.decay) * thickness;
+  const BandValues<N> high = max(in.pass, out.pass), low = min(in.pass, out.pass);
+  const BandValues<N> half = BandValues<N>::filled(0.5f);
+  BandValues<N> mean = high * mean_attenuation(x, half + half);
+  const BandValues<N> direct = (high - low) / max(x, half);
+  for (int i = 0; i < N; ++i) mean[i] = x[i] < 0.5f ? mean[i] : direct[i];
+  return thickness * mean;
 }
 
 /// Unpolarized reflectance of a smooth boundary by the cosines on both sides; 0 marks the side on
 /// which the light cannot be. Source: [BornWolf1999] §1.5.2, Eq. 21.
 template <class V>
 [[nodiscard]] V boundary_reflectance(const V& ior_a, const V& mu_a, const V& ior_b, const V& mu_b) {
-  const V tiny = all<V>(1e-30);
+  const V tiny = all<V>(1e-30);  // both cosines may be 0
   const V r_s = (ior_a * mu_a - ior_b * mu_b) / (ior_a * mu_a + ior_b * mu_b + tiny);
   const V r_p = (ior_b * mu_a - ior_a * mu_b) / (ior_b * mu_a + ior_a * mu_b + tiny);
   return all<V>(0.5) * (r_s * r_s + r_p * r_p);
@@ -95,16 +124,19 @@ template <class V>
 template <class V>
 struct Turns {
   V back, on;
+  bool has_on = true;
 };
 
 template <class V>
 [[nodiscard]] Turns<V> turns(const FirstOrderLayer<V>& layer, const LayerBeam<V>& in,
-                             const LayerBeam<V>& out) {
+                             const LayerBeam<V>& out, bool are_above) {
   const V factor = layer.sigma_s / (in.mu * out.mu * layer.ior * layer.ior);
-  return {
-      factor * (in.down * out.down + in.up * out.up) * along(in.decay, out.decay, layer.thickness),
-      factor * (in.down * out.up + in.up * out.down) *
-          against(in.decay, out.decay, layer.thickness)};
+  const V back = factor * along(in, out, layer.thickness);
+  // Two beams from above with nothing below that reflects: both go down, and light can but turn.
+  if (are_above && layer.is_matched_on_below)
+    return {.back = back * in.down * out.down, .on = all<V>(0.0), .has_on = false};
+  return {.back = back * (in.down * out.down + in.up * out.up),
+          .on = factor * (in.down * out.up + in.up * out.down) * against(in, out, layer.thickness)};
 }
 
 }  // namespace lamina::first_order

@@ -59,23 +59,26 @@ void require_one_build(const LayerStack& a, const LayerStack& b) {
   if (!is_same) throw InvalidInput("bands: all must have the same layers and kinds of particles");
 }
 
+bool has_equal_indices(const LayerStack& a, const LayerStack& b) {
+  for (std::size_t k = 0; k < a.layers().size(); ++k)
+    if (a.layers()[k].medium.ior != b.layers()[k].medium.ior) return false;
+  return a.ior_above() == b.ior_above() && a.ior_below() == b.ior_below();
+}
+
 template <class V>
 FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lanes,
                               InternalReflections reflections) {
   assert(!bands.empty() && bands.size() <= lanes);
-  FirstOrderStack<V> made;
-  const std::size_t count = bands.front().layers().size();
-  made.layers = InlineVector<FirstOrderLayer<V>, 4>(count);
+  const std::span<const Layer> first = bands.front().layers();
+  const std::size_t count = first.size();
   std::size_t lobes = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    made.layers[k] = {};
-    made.layers[k].first_lobe = lobes;
-    made.layers[k].lobes = lobes_of(bands.front().layers()[k]).size();
-    made.layers[k].is_matched_above = true;
-    lobes += made.layers[k].lobes;
-  }
-  made.lobes = InlineVector<PhaseLobe<V>, 6>(lobes);
+  for (const Layer& layer : first) lobes += lobes_of(layer).size();
+  FirstOrderStack<V> made{.layers = InlineVector<FirstOrderLayer<V>, 4>(count),
+                          .lobes = InlineVector<PhaseLobe<V>, 6>(lobes)};
   for (std::size_t l = 0; l < lobes; ++l) made.lobes[l] = {};
+  for (std::size_t k = 0, lobe = 0; k < count; lobe += made.layers[k++].lobes)
+    made.layers[k] = {
+        .first_lobe = lobe, .lobes = lobes_of(first[k]).size(), .is_matched_above = true};
   made.is_semi_infinite = is_semi_infinite(bands.front());
   made.is_matched_below = true;
   made.reflections = reflections;
@@ -107,6 +110,12 @@ FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lan
       }
     }
     made.is_matched_below &= stack.ior_below() == ior;
+    made.has_one_ior &= has_equal_indices(stack, bands.front());
+  }
+  bool is_matched_on = made.is_matched_below;
+  for (std::size_t k = count; k-- > 0;) {
+    made.layers[k].is_matched_on_below = is_matched_on || reflections == InternalReflections::lost;
+    is_matched_on &= made.layers[k].is_matched_above;
   }
   return made;
 }
@@ -136,6 +145,64 @@ FirstOrderStack<BandValues<N>> make_first_order(std::span<const LayerStack> band
   return make_stack<BandValues<N>>(bands, N, reflections);
 }
 
+namespace {
+
+/// What refraction and reflection do to a direction, for one band or, where all bands share their
+/// directions, once for all of them.
+template <class G>
+struct BeamGeometry {
+  InlineVector<G, 4> mu;      ///< in the layers, in the order in which the light meets them
+  InlineVector<G, 5> mirror;  ///< reflectance of the boundary before each, and of the last one
+};
+
+double only(double value, const double*) { return value; }
+template <int N>
+float only(const BandValues<N>& values, const float*) {
+  return values[0];
+}
+template <int N>
+const BandValues<N>& only(const BandValues<N>& values, const BandValues<N>*) {
+  return values;
+}
+
+template <class G, class V>
+BeamGeometry<G> make_geometry(const FirstOrderStack<V>& stack, const Vec3& toward) {
+  const auto index = [](const V& ior) { return only(ior, static_cast<const G*>(nullptr)); };
+  const std::size_t count = stack.layers.size();
+  const bool is_above = toward.z >= 0.0;
+  G ior = index(is_above ? stack.ior_above : stack.ior_below);
+  G mu = all<G>(std::max(std::abs(toward.z), 1e-7));
+  const G sin2 = all<G>(toward.x * toward.x + toward.y * toward.y) * ior * ior;
+  BeamGeometry<G> beam{InlineVector<G, 4>(count), InlineVector<G, 5>(count + 1)};
+  for (std::size_t i = 0; i <= count; ++i) {
+    const std::size_t boundary = is_above ? i : count - i;  // [layer below it]
+    const bool is_matched =
+        boundary == count ? stack.is_matched_below : stack.layers[boundary].is_matched_above;
+    const G next = index(i < count ? stack.layers[is_above ? i : count - 1 - i].ior
+                                   : (is_above ? stack.ior_below : stack.ior_above));
+    beam.mirror[i] = all<G>(0.0);
+    if (!is_matched) {
+      const G mu_next = sqrt(max(all<G>(1.0) - sin2 / (next * next), all<G>(0.0)));
+      beam.mirror[i] = boundary_reflectance(ior, mu, next, mu_next);
+      mu = mu_next;
+    }
+    ior = next;
+    if (i < count) beam.mu[i] = max(mu, all<G>(1e-7));
+  }
+  return beam;
+}
+
+template <class V>
+struct ScalarOf {
+  using type = float;
+};
+template <>
+struct ScalarOf<double> {
+  using type = double;
+};
+
+}  // namespace
+
 template <class V>
 StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
   const std::size_t count = stack.layers.size();
@@ -147,33 +214,24 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
                     .toward = toward,
                     .mu = all<V>(std::max(std::abs(toward.z), 1e-7)),
                     .ior = is_above ? stack.ior_above : stack.ior_below};
-  const V sin2 = all<V>(toward.x * toward.x + toward.y * toward.y) * beam.ior * beam.ior;
-  const auto cosine = [&](const V& ior) { return sqrt(max(one - sin2 / (ior * ior), zero)); };
-
-  // Layers and boundaries in the order in which the light meets them.
+  // Layers in the order in which the light meets them.
   const auto at = [&](std::size_t i) { return is_above ? i : count - 1 - i; };
-  const auto is_matched = [&](std::size_t i) {  // the boundary before layer at(i)
-    const std::size_t k = is_above ? i : count - i;
-    return k == count ? stack.is_matched_below : stack.layers[k].is_matched_above;
-  };
   InlineVector<V, 5> mirror(count + 1);
   InlineVector<V, 4> pass(count);
-  V ior = beam.ior, mu = beam.mu;
-  for (std::size_t i = 0; i <= count; ++i) {
-    const bool is_last = i == count;
-    const V& next =
-        is_last ? (is_above ? stack.ior_below : stack.ior_above) : stack.layers[at(i)].ior;
-    const V mu_next = is_matched(i) ? mu : cosine(next);
-    mirror[i] = is_matched(i) ? zero : boundary_reflectance(ior, mu, next, mu_next);
-    ior = next;
-    mu = mu_next;
-    if (is_last) break;
-    LayerBeam<V>& layer = beam.layers[at(i)];
-    layer.mu = max(mu, all<V>(1e-7));
-    layer.decay = stack.layers[at(i)].sigma_t / layer.mu;
-    pass[i] = exp_minus(layer.decay * stack.layers[at(i)].thickness);
-  }
-  beam.mirror_below = mirror[is_above ? count : 0];
+  const auto take = [&](const auto& geometry) {
+    for (std::size_t i = 0; i <= count; ++i) mirror[i] = widened<V>(geometry.mirror[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+      LayerBeam<V>& layer = beam.layers[at(i)];
+      layer.mu = widened<V>(geometry.mu[i]);
+      layer.decay = stack.layers[at(i)].sigma_t / layer.mu;
+      layer.pass = pass[i] = exp_minus(layer.decay * stack.layers[at(i)].thickness);
+    }
+  };
+  if (stack.has_one_ior)
+    take(make_geometry<typename ScalarOf<V>::type>(stack, toward));
+  else
+    take(make_geometry<V>(stack, toward));
+  beam.surface = mirror[0];
 
   // What lies behind each boundary reflects, from the far side on.
   InlineVector<V, 5> behind(count + 1);
@@ -207,31 +265,20 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
 template <class V>
 V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
                    const StackBeam<V>& out) {
+  const bool are_above = in.toward.z >= 0.0 && out.toward.z >= 0.0;
   V sum = all<V>(0.0);
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const FirstOrderLayer<V>& layer = stack.layers[k];
-    const Turns<V> turn = turns(layer, in.layers[k], out.layers[k]);
+    const Turns<V> turn = turns(layer, in.layers[k], out.layers[k], are_above);
     const V across = V{} - sines(in, out, layer.ior);
     const V cosines = in.layers[k].mu * out.layers[k].mu;
-    const V one = all<V>(1.0), minus_one = all<V>(-1.0);
-    sum += turn.back * layer_phase(stack, layer, max(across - cosines, minus_one)) +
-           turn.on * layer_phase(stack, layer, min(across + cosines, one));
+    sum += turn.back * layer_phase(stack, layer, max(across - cosines, all<V>(-1.0)));
+    if (turn.has_on) sum += turn.on * layer_phase(stack, layer, min(across + cosines, all<V>(1.0)));
   }
   if (stack.has_ground) sum += ground_bsdf(stack, in, out);
   return out.ior * out.ior * sum;
 }
 
-template <class V>
-V surface_reflectance(const FirstOrderStack<V>& stack, const StackBeam<V>& beam) {
-  const FirstOrderLayer<V>& first = stack.layers[0];
-  if (first.is_matched_above) return all<V>(0.0);
-  const V sin2 = all<V>(beam.toward.x * beam.toward.x + beam.toward.y * beam.toward.y);
-  const V ratio = stack.ior_above / first.ior;
-  const V inside = sqrt(max(all<V>(1.0) - sin2 * ratio * ratio, all<V>(0.0)));
-  return boundary_reflectance(stack.ior_above, beam.mu, first.ior, inside);
-}
-
-template double surface_reflectance(const FirstOrderStack<double>&, const StackBeam<double>&);
 template StackBeam<double> make_beam(const FirstOrderStack<double>&, const Vec3&);
 template double first_order_bsdf(const FirstOrderStack<double>&, const StackBeam<double>&,
                                  const StackBeam<double>&);
@@ -239,8 +286,6 @@ template double first_order_bsdf(const FirstOrderStack<double>&, const StackBeam
 #define LAMINA_FIRST_ORDER(N)                                                                      \
   template FirstOrderStack<BandValues<N>> make_first_order<N>(std::span<const LayerStack>,         \
                                                               InternalReflections);                \
-  template BandValues<N> surface_reflectance(const FirstOrderStack<BandValues<N>>&,                \
-                                             const StackBeam<BandValues<N>>&);                     \
   template StackBeam<BandValues<N>> make_beam(const FirstOrderStack<BandValues<N>>&, const Vec3&); \
   template BandValues<N> first_order_bsdf(const FirstOrderStack<BandValues<N>>&,                   \
                                           const StackBeam<BandValues<N>>&,                         \

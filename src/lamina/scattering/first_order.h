@@ -34,6 +34,7 @@ struct FirstOrderLayer {
   V ior{};
   std::size_t first_lobe = 0, lobes = 0;  ///< in FirstOrderStack::lobes
   bool is_matched_above = false;          ///< the boundary above does nothing, in all bands
+  bool is_matched_on_below = false;       ///< nor does any boundary below
 };
 
 /// A layer stack as the first-order formulas want it.
@@ -44,6 +45,7 @@ struct FirstOrderStack {
   V ior_above{}, ior_below{};
   V ground_reflectance{};
   bool is_matched_below = false;  ///< the boundary under the last layer does nothing
+  bool has_one_ior = true;        ///< for all bands: they share all directions
   bool is_semi_infinite = false;
   bool has_ground = false;
   InternalReflections reflections = InternalReflections::ladder;
@@ -69,6 +71,7 @@ template <class V>
 struct LayerBeam {
   V mu;        ///< |cosine| inside
   V decay;     ///< sigma_t / mu [1/mm]
+  V pass;      ///< exp(-decay * thickness)
   V down, up;  ///< flux going down at the layer's top, and going up at its bottom
 };
 
@@ -76,12 +79,12 @@ struct LayerBeam {
 template <class V>
 struct StackBeam {
   InlineVector<LayerBeam<V>, 4> layers;
-  V ground;        ///< flux that arrives on the ground, or leaves on the far side
-  V reflected;     ///< flux sent back to the side that the light came from
-  Vec3 toward;     ///< away from the stack; z < 0: below
-  V mu;            ///< |toward.z|
-  V ior;           ///< of the outside that it is in
-  V mirror_below;  ///< reflectance of the last boundary for this direction, from inside
+  V ground;     ///< flux that arrives on the ground, or leaves on the far side
+  V reflected;  ///< flux sent back to the side that the light came from
+  V surface;    ///< of that, by the boundary that it meets first
+  Vec3 toward;  ///< away from the stack; z < 0: below
+  V mu;         ///< |toward.z|
+  V ior;        ///< of the outside that it is in
 };
 
 /// @param toward  unit vector away from the stack, to where the light comes from or goes to; z < 0
@@ -112,9 +115,5 @@ template <class V>
 /// Flux scattered once of a beam that arrives along `in`, on the side of `in` or on the other one.
 [[nodiscard]] double first_order_flux(const FirstOrderStack<double>& stack,
                                       const StackBeam<double>& in, bool is_same_side);
-
-/// Reflectance of the top boundary alone at the beam's direction, from outside.
-template <class V>
-[[nodiscard]] V surface_reflectance(const FirstOrderStack<V>& stack, const StackBeam<V>& beam);
 
 }  // namespace lamina

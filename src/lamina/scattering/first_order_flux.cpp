@@ -38,7 +38,7 @@ double mean_first_order_bsdf(const FirstOrderStack<double>& stack, const StackBe
   double sum = 0.0;
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const FirstOrderLayer<double>& layer = stack.layers[k];
-    const Turns<double> turn = turns(layer, in.layers[k], out.layers[k]);
+    const Turns<double> turn = turns(layer, in.layers[k], out.layers[k], false);
     if (!(turn.back + turn.on > 0.0)) continue;
     const double mu_in = in.layers[k].mu, mu_out = out.layers[k].mu;
     const double cosines = mu_in * mu_out;

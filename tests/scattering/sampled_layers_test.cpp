@@ -1,0 +1,189 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/sampled_layers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "lamina/core/quadrature.h"
+#include "lamina/core/random.h"
+
+namespace lamina {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Layer layer(double albedo, double tau, double g, double ior) {
+  return {.medium = {.sigma_a = 1.0 - albedo, .sigma_s = albedo, .g = g, .ior = ior},
+          .thickness = tau};
+}
+
+/// A stack as the renderer has it: one for all bands but for the albedo of the first layer.
+struct Case {
+  std::vector<LayerStack> bands;
+  double theta_o;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  const auto add = [&](double theta_o, auto make) {
+    Case& one = all.emplace_back(Case{{}, theta_o});
+    for (const double albedo : {0.9, 0.6, 0.3}) one.bands.push_back(make(albedo));
+  };
+  add(0.3, [](double a) { return LayerStack({layer(a, infinite, 0.0, 1.0)}); });
+  add(1.53, [](double a) { return LayerStack({layer(a, infinite, 0.0, 1.4)}, 1.0, 1.4); });
+  add(1.4, [](double a) { return LayerStack({layer(a, infinite, 0.9, 1.0)}); });
+  add(1.55, [](double a) { return LayerStack({layer(a, 0.5, 0.8, 1.33)}); });
+  add(0.5, [](double a) { return LayerStack({layer(a, 0.5, 0.9, 1.33)}, 1.0, 1.5); });
+  add(pi - 1.0, [](double a) { return LayerStack({layer(a, 0.5, 0.7, 1.33)}); });
+  add(0.8, [](double a) {
+    return LayerStack(
+        {layer(a, 0.3, 0.8, 1.5), layer(0.8, 0.4, -0.4, 1.33), layer(0.9, infinite, 0.6, 1.4)}, 1.0,
+        1.4);
+  });
+  return all;
+}
+
+Vec3 direction(double mu, double phi) {
+  const double sine = std::sqrt(std::max(0.0, 1.0 - mu * mu));
+  return {sine * std::cos(phi), sine * std::sin(phi), mu};
+}
+
+struct Prepared {
+  explicit Prepared(const Case& from)
+      : stack(make_first_order<4>(from.bands)), wo(direction(std::cos(from.theta_o), 0.4)) {
+    std::vector<HigherOrders> orders;
+    for (const LayerStack& band : from.bands) orders.push_back(make_higher_orders(band));
+    higher = make_higher_order_bands<4>(orders);
+  }
+  FirstOrderStack<BandValues<4>> stack;
+  HigherOrderBands<4> higher;
+  Vec3 wo;
+};
+
+const std::vector<Prepared>& prepared_cases() {
+  static const std::vector<Prepared> all = [] {
+    std::vector<Prepared> made;
+    for (const Case& one : cases()) made.emplace_back(one);
+    return made;
+  }();
+  return all;
+}
+
+// Chi-square over cells of direction; what is not drawn is one more cell. Significance 1e-3 each.
+TEST(SampledLayers, DirectionsComeWithTheirDensity) {
+  constexpr int cosines = 16, azimuths = 8, draws = 40'000;
+  for (const Prepared& prepared : prepared_cases()) {
+    const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo);
+    std::vector<double> expected(2 * cosines * azimuths + 1, 0.0);
+    const Quadrature rule = gauss_legendre(6, 0.0, 1.0);
+    double rest = 1.0;
+    for (int i = -cosines; i < cosines; ++i) {
+      if (i < 0 && !prepared.stack.is_transmissive()) continue;
+      for (int j = 0; j < azimuths; ++j) {
+        double sum = 0.0;
+        for (std::size_t p = 0; p < rule.nodes.size(); ++p)
+          for (std::size_t q = 0; q < rule.nodes.size(); ++q)
+            sum += rule.weights[p] * rule.weights[q] *
+                   static_cast<double>(
+                       layers
+                           .evaluate(direction((i + rule.nodes[p]) / cosines,
+                                               2.0 * pi * (j + rule.nodes[q]) / azimuths))
+                           .pdf);
+        const double share = sum * 2.0 * pi / azimuths / cosines;
+        expected[static_cast<std::size_t>((i + cosines) * azimuths + j)] = share * draws;
+        rest -= share;
+      }
+    }
+    ASSERT_GT(rest, -1e-3);
+    expected.back() = std::max(rest, 0.0) * draws;
+    std::vector<int> drawn(expected.size(), 0);
+    Random random(7);
+    for (int k = 0; k < draws; ++k) {
+      const auto sample =
+          layers.sample(random.uniform_float(), random.uniform_float(), random.uniform_float());
+      std::size_t cell = expected.size() - 1;
+      if (sample.value.pdf > 0.0f) {
+        const int i = std::min(static_cast<int>(std::floor(sample.wi.z * cosines)), cosines - 1);
+        const double phi = std::atan2(sample.wi.y, sample.wi.x);
+        const int j =
+            std::min(static_cast<int>((phi < 0.0 ? phi + 2.0 * pi : phi) / (2.0 * pi) * azimuths),
+                     azimuths - 1);
+        cell = static_cast<std::size_t>((i + cosines) * azimuths + j);
+      }
+      ++drawn[cell];
+    }
+    double chi2 = 0.0, few_expected = 0.0, few_drawn = 0.0;
+    int cells = 0;
+    for (std::size_t c = 0; c < expected.size(); ++c) {
+      if (expected[c] < 10.0) {
+        few_expected += expected[c];
+        few_drawn += drawn[c];
+        continue;
+      }
+      chi2 += (drawn[c] - expected[c]) * (drawn[c] - expected[c]) / expected[c];
+      ++cells;
+    }
+    EXPECT_NEAR(few_drawn, few_expected, 4.0 * std::sqrt(few_expected) + 5.0);
+    EXPECT_LT(chi2, cells + 3.1 * std::sqrt(2.0 * cells) + 10.0)
+        << "theta_o " << std::acos(prepared.wo.z);
+  }
+}
+
+// The mean of bsdf * cosine / pdf is the light that leaves to wo of uniform radiance around.
+TEST(SampledLayers, SamplesAddUpToTheFlux) {
+  for (const Prepared& prepared : prepared_cases()) {
+    if (prepared.wo.z < 0.0) continue;  // the rows are of light from above
+    const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo);
+    Random random(3);
+    double sum = 0.0, squares = 0.0;
+    constexpr int draws = 40'000;
+    for (int k = 0; k < draws; ++k) {
+      const auto sample =
+          layers.sample(random.uniform_float(), random.uniform_float(), random.uniform_float());
+      if (!(sample.value.pdf > 0.0f)) continue;
+      const double n_out = prepared.stack.ior_above[0];
+      const double n_in =
+          sample.wi.z > 0.0 ? n_out : static_cast<double>(prepared.stack.ior_below[0]);
+      const double weight = static_cast<double>(sample.value.bsdf[1] / sample.value.pdf) *
+                            std::abs(sample.wi.z) * n_in * n_in / (n_out * n_out);
+      sum += weight;
+      squares += weight * weight;
+    }
+    const double mean = sum / draws;
+    const double error = std::sqrt((squares / draws - mean * mean) / draws);
+    // By reciprocity what leaves of a beam from wo, to both sides.
+    const auto& beam = layers.beam();
+    const double expected = static_cast<double>(
+        (1.0f - beam.surface[1]) * (value_at(prepared.higher.reflected, beam.mu[0]) +
+                                    value_at(prepared.higher.transmitted, beam.mu[0]))[1]);
+    EXPECT_NEAR(mean, expected, 4.0 * error + 1e-3) << "theta_o " << std::acos(prepared.wo.z);
+    EXPECT_LT(error, 0.02 * mean);
+  }
+}
+
+TEST(SampledLayers, ValuesAreThoseOfTheSolversInDouble) {
+  for (std::size_t c = 0; c < cases().size(); ++c) {
+    const Case one = cases()[c];
+    const Prepared& prepared = prepared_cases()[c];
+    const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo);
+    const auto stack = make_first_order(one.bands[2]);
+    const HigherOrders higher = make_higher_orders(one.bands[2]);
+    for (const double mu : {0.9, 0.2, -0.5}) {
+      if (mu < 0.0 && !stack.is_transmissive()) continue;
+      const Vec3 wi = direction(mu, 1.0);
+      const auto in = make_beam(stack, wi), out = make_beam(stack, prepared.wo);
+      const double expected =
+          first_order_bsdf(stack, in, out) + higher_orders_bsdf(higher, in, out);
+      EXPECT_NEAR(static_cast<double>(layers.evaluate(wi).bsdf[2]), expected, 1e-4 * expected);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamina
