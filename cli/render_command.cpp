@@ -66,18 +66,25 @@ void require_writable(const fs::path& file) {
     throw FileError(file.string() + ": the file is not writable");
 }
 
-RenderSettings::Method method_named(const std::string& name) {
-  using Method = RenderSettings::Method;
-  constexpr std::array<std::pair<const char*, Method>, 6> methods = {
-      {{"profile", Method::profile},
-       {"layered_bsdf", Method::layered_bsdf},
-       {"hierarchy", Method::hierarchy},
-       {"shadow_map", Method::shadow_map},
-       {"texture_space", Method::texture_space},
-       {"random_walk", Method::random_walk}}};
+using Method = RenderSettings::Method;
+constexpr std::array<std::pair<const char*, Method>, 6> methods = {
+    {{"profile", Method::profile},
+     {"layered_bsdf", Method::layered_bsdf},
+     {"hierarchy", Method::hierarchy},
+     {"shadow_map", Method::shadow_map},
+     {"texture_space", Method::texture_space},
+     {"random_walk", Method::random_walk}}};
+
+Method method_named(const std::string& name) {
   for (const auto& [known, method] : methods)
     if (name == known) return method;
-  throw InvalidInput("--method: must be profile, but is " + name);
+  throw InvalidInput("--method: must be profile or hierarchy, but is " + name);
+}
+
+std::string name_of(Method method) {
+  for (const auto& [name, known] : methods)
+    if (method == known) return name;
+  return {};
 }
 
 void apply(const RenderCommandOptions& options, Scene& scene) {
@@ -125,7 +132,7 @@ void run_render(const RenderCommandOptions& options) {
                     s.is_complete ? "" : "stopped early: ", written, s.wall_seconds, s.cpu_seconds,
                     s.samples_per_pixel, 100.0 * s.relative_noise, s.peak_memory_mib));
   nlohmann::ordered_json json = make_result("render");
-  json["method"] = options.method.empty() ? "profile" : options.method;
+  json["method"] = name_of(scene.render.method);
   json["wall_seconds"] = s.wall_seconds;
   json["cpu_seconds"] = s.cpu_seconds;
   json["samples_per_pixel"] = s.samples_per_pixel;
@@ -163,7 +170,10 @@ void add_render_command(CLI::App& app) {
   command->add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
-  command->add_option("--method", options->method, "of subsurface transport: profile")
+  command
+      ->add_option("--method", options->method,
+                   "of light below surfaces: profile draws entry points at random; "
+                   "hierarchy sums a profile over samples of the light, without noise")
       ->type_name("NAME");
   options->exposure_given =
       command->add_option("--exposure", options->exposure, "stops, for the PNG only")

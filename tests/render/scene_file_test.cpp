@@ -61,6 +61,10 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.samples_per_pixel, 16);
   EXPECT_EQ(scene.render.max_bounces, 2);
   EXPECT_EQ(scene.render.seed, 42U);
+  EXPECT_EQ(scene.render.hierarchy.spacing, 0.5F);
+  EXPECT_EQ(scene.render.hierarchy.max_points, 20'000);
+  EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);
+  EXPECT_EQ(scene.render.hierarchy.error, 0.1F);
 
   ASSERT_EQ(scene.materials.size(), 7U);
   EXPECT_EQ(scene.images.size(), 3U);  // the checker as sRGB and as linear, and the studio

@@ -39,7 +39,7 @@ struct PathOptions {
 /// bounce translucent surfaces count as diffuse ones of the same total reflectance, since the
 /// spread of light below them is lost in the next bounce anyway.
 template <int N>
-class PathTracer {
+class PathTracer final : public LightGatherer<N> {
  public:
   using Bands = BandValues<N>;
 
@@ -57,6 +57,12 @@ class PathTracer {
   /// @param spread  angle between the rays of neighbouring pixels [rad]
   [[nodiscard]] CameraSample trace_camera_ray(const Ray& ray, float spread,
                                               PixelSamples& samples) const;
+
+  /// Of a point that no path has come to before.
+  [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry,
+                                          PixelSamples& samples) const override {
+    return entering_irradiance(entry, 0, samples);
+  }
 
  private:
   class Gatherer;

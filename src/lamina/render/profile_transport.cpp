@@ -153,10 +153,23 @@ float ProfileTransport<N>::thickness_at(const SurfacePoint& point) const {
 }
 
 template <int N>
-typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_at(
-    const SurfacePoint& point) const {
+Vec3f ProfileTransport<N>::color_at(const SurfacePoint& point) const {
+  return surface_.color_use == SubsurfaceSurface::ColorUse::none
+             ? Vec3f{1, 1, 1}
+             : scene_.textures.color(surface_.color, point);
+}
+
+template <int N>
+BandValues<N> ProfileTransport<N>::color_scale(const Vec3f& color) const {
+  return conversion_.from_rgb({std::max(color.x / mean_color_.x, 0.0f),
+                               std::max(color.y / mean_color_.y, 0.0f),
+                               std::max(color.z / mean_color_.z, 0.0f)});
+}
+
+template <int N>
+typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_for(float thickness,
+                                                                      const Vec3f& color) const {
   Local local;
-  const float thickness = thickness_at(point);
   local.low = local.high = local.sampling = &by_thickness_.back();
   if (!thicknesses_.empty() && thickness < thicknesses_.back()) {
     std::size_t i = 0;
@@ -168,13 +181,9 @@ typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_at(
     local.sampling = local.blend < 0.5f ? local.low : local.high;
   }
   using ColorUse = SubsurfaceSurface::ColorUse;
-  if (surface_.color_use == ColorUse::none) return local;
-  const Vec3f color = scene_.textures.color(surface_.color, point);
   if (surface_.color_use == ColorUse::scale)
-    local.scale = conversion_.from_rgb({std::max(color.x / mean_color_.x, 0.0f),
-                                        std::max(color.y / mean_color_.y, 0.0f),
-                                        std::max(color.z / mean_color_.z, 0.0f)});
-  else
+    local.scale = color_scale(color);
+  else if (surface_.color_use == ColorUse::invert)
     invert_albedo(conversion_.from_rgb(color), local);
   return local;
 }
@@ -200,6 +209,17 @@ void ProfileTransport<N>::invert_albedo(const Bands& target, Local& local) const
   }
   // Where the object is thin, half of the samples are for what passes it.
   local.share *= (local.low == &by_thickness_.back() ? 1.0f : 0.5f) / std::max(all, 1e-6f);
+}
+
+template <int N>
+BandValues<N> ProfileTransport<N>::shade_of(const Bands& reflectance) const {
+  Local local;
+  local.low = &by_thickness_.back();
+  invert_albedo(reflectance, local);
+  Bands shade;
+  for (int b = 0; b < bands_; ++b)
+    shade[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  return shade;
 }
 
 template <int N>

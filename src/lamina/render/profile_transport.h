@@ -54,7 +54,6 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
                                        PixelSamples& samples) const override;
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
 
- private:
   /// The profiles at one exit point.
   struct Local {
     const SpreadTable<N>* low = nullptr;
@@ -67,10 +66,27 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
     Bands share;  ///< of the samples that each band's own profile gets, under inversion
     Bands scale = Bands::filled(1.0f);
   };
+  [[nodiscard]] Local profiles_at(const SurfacePoint& point) const {
+    return profiles_for(thickness_at(point), color_at(point));
+  }
+  /// @param thickness  of the object there [mm]
+  /// @param color      of the material there
+  [[nodiscard]] Local profiles_for(float thickness, const Vec3f& color) const;
+  [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
+  [[nodiscard]] Vec3f color_at(const SurfacePoint& point) const;
+  /// What a colour that scales the light that leaves makes of it.
+  [[nodiscard]] Bands color_scale(const Vec3f& color) const;
+
+  /// Slabs ever thicker, and last the material as its file says: what Local::low, high point into.
+  [[nodiscard]] const std::vector<SpreadTable<N>>& by_thickness() const { return by_thickness_; }
+  /// Half-spaces ever darker, if the material's colour is inverted: what Local::node points into.
+  [[nodiscard]] const std::vector<SpreadTable<N>>& by_absorption() const { return by_absorption_; }
+  /// Where in by_absorption() a reflectance is met: index and fraction of the way to the next.
+  [[nodiscard]] Bands shade_of(const Bands& reflectance) const;
+
+ private:
   [[nodiscard]] float draw_radius(const Local& local, float u) const;
   [[nodiscard]] float density(const Local& local, float r) const;
-  [[nodiscard]] Local profiles_at(const SurfacePoint& point) const;
-  [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
   void invert_albedo(const Bands& target, Local& local) const;
   [[nodiscard]] Bands spread(const Local& local, const Vec3f& offset, const Vec3f& exit_normal,
                              const Vec3f& entry_normal) const;

@@ -17,6 +17,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/film_accumulator.h"
+#include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_transport.h"
 #include "lamina/render/render_scene.h"
@@ -84,22 +85,40 @@ BandSet common_bands(const Scene& scene) {
 }
 
 template <int N>
-using Transports = std::vector<std::unique_ptr<SubsurfaceTransport<N>>>;
+struct Transports {
+  std::vector<std::unique_ptr<SubsurfaceTransport<N>>> of_material;  ///< null: not translucent
+  std::vector<HierarchyTransport<N>*> hierarchies;  ///< those that are to sample light first
+};
 
 /// The one place where a method of subsurface transport is chosen.
 template <int N>
 Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>& conversion,
                               const RenderOptions& options) {
+  using Method = RenderSettings::Method;
   const auto& materials = scene.scene->materials;
-  Transports<N> transports(materials.size());
-  for (std::size_t i = 0; i < materials.size(); ++i) {
+  Transports<N> transports;
+  transports.of_material.resize(materials.size());
+  const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
+  for (std::uint32_t i = 0; i < materials.size(); ++i) {
     if (!std::holds_alternative<SubsurfaceSurface>(materials[i].surface)) continue;
-    if (scene.scene->render.method != RenderSettings::Method::profile)
-      throw InvalidInput(
-          "render: method must be \"profile\", the others do not exist in this version");
-    transports[i] = std::make_unique<ProfileTransport<N>>(
-        scene, conversion, static_cast<std::uint32_t>(i), diffusion_profile,
-        options.exit_angle == RenderOptions::ExitAngle::printed);
+    auto& transport = transports.of_material[i];
+    switch (scene.scene->render.method) {
+      case Method::profile:
+        transport = std::make_unique<ProfileTransport<N>>(scene, conversion, i, diffusion_profile,
+                                                          is_printed);
+        break;
+      case Method::hierarchy: {
+        auto hierarchy = std::make_unique<HierarchyTransport<N>>(scene, conversion, i,
+                                                                 diffusion_profile, is_printed);
+        transports.hierarchies.push_back(hierarchy.get());
+        transport = std::move(hierarchy);
+        break;
+      }
+      default:
+        throw InvalidInput(
+            "render: method must be \"profile\" or \"hierarchy\", the others do not exist in this "
+            "version");
+    }
   }
   return transports;
 }
@@ -113,10 +132,11 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const BandConversion<N> conversion = make_band_conversion<N>(bands);
   const Transports<N> transports = make_transports<N>(scene, conversion, options);
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
-  const PathTracer<N> tracer(scene, conversion, transports, sheets,
+  const PathTracer<N> tracer(scene, conversion, transports.of_material, sheets,
                              {.max_bounces = settings.max_bounces,
                               .direct_light = static_cast<DirectLight>(options.direct_light)});
   const CameraRays camera(scene.scene->camera, width, height);
+  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, progress)) return false;
 
   const int columns = (width + tile_size - 1) / tile_size;
   const int rows = (height + tile_size - 1) / tile_size;

@@ -157,12 +157,21 @@ struct Film {
   View view = View::filmic;
 };
 
+/// How the method `hierarchy` samples light on surfaces and sums it.
+struct HierarchySettings {
+  float spacing = 0.0f;         ///< of samples [mm]; 0: from the profile and the size of a pixel
+  int max_points = 1'000'000;   ///< of a material, whatever the spacing
+  int irradiance_samples = 32;  ///< random estimates of the light at each sample
+  float error = 0.06f;          ///< solid angle up to which samples are summed as one [sr]
+};
+
 struct RenderSettings {
   enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
   Method method = Method::profile;
   int samples_per_pixel = 64;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;
+  HierarchySettings hierarchy;
 };
 
 /// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.

@@ -89,8 +89,24 @@ Film decode_film(const JsonInput& value) {
   return film;
 }
 
+HierarchySettings decode_hierarchy(const JsonInput& value) {
+  const JsonObject object =
+      value.object({"spacing_mm", "max_points", "irradiance_samples", "error"});
+  HierarchySettings settings;
+  if (const auto spacing = object.optional("spacing_mm"))
+    settings.spacing = static_cast<float>(spacing->number(between(0.0, 1e6, "mm")));
+  if (const auto points = object.optional("max_points"))
+    settings.max_points = static_cast<int>(points->integer(1000, 20'000'000));
+  if (const auto samples = object.optional("irradiance_samples"))
+    settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
+  if (const auto error = object.optional("error"))
+    settings.error = static_cast<float>(error->number(between(1e-4, 1.0, "sr")));
+  return settings;
+}
+
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object = value.object({"method", "samples_per_pixel", "max_bounces", "seed"});
+  const JsonObject object =
+      value.object({"method", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -106,6 +122,8 @@ RenderSettings decode_render_settings(const JsonInput& value) {
     settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
   if (const auto seed = object.optional("seed"))
     settings.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
+  if (const auto hierarchy = object.optional("hierarchy"))
+    settings.hierarchy = decode_hierarchy(*hierarchy);
   return settings;
 }
 

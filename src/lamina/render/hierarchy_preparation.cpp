@@ -1,0 +1,53 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/hierarchy_preparation.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace lamina {
+namespace {
+
+/// What a pixel sees at least of a material [mm].
+float smallest_pixel(const Scene& scene, const CameraRays& camera, std::uint32_t material) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Mesh& mesh : scene.meshes)
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (mesh.material[t] != material) continue;
+      for (const std::uint32_t corner : mesh.triangles[t]) {
+        const Vec3f& p = mesh.positions[corner];
+        const Vec3 offset =
+            Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)} -
+            scene.camera.position;
+        nearest = std::min(nearest, dot(offset, offset));
+      }
+    }
+  return nearest < std::numeric_limits<double>::infinity()
+             ? camera.pixel_angle() * static_cast<float>(std::sqrt(nearest))
+             : 0.0f;
+}
+
+}  // namespace
+
+template <int N>
+bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
+                         const RenderScene& scene, const CameraRays& camera,
+                         const LightGatherer<N>& light, const Progress& progress) {
+  for (HierarchyTransport<N>* hierarchy : hierarchies) {
+    const auto cloud =
+        hierarchy->sample_light(light, smallest_pixel(*scene.scene, camera, hierarchy->material()),
+                                scene.scene->render.seed, progress);
+    if (!cloud) return false;
+    hierarchy->use(*cloud);
+  }
+  return true;
+}
+
+template bool prepare_hierarchies<4>(const std::vector<HierarchyTransport<4>*>&, const RenderScene&,
+                                     const CameraRays&, const LightGatherer<4>&, const Progress&);
+template bool prepare_hierarchies<8>(const std::vector<HierarchyTransport<8>*>&, const RenderScene&,
+                                     const CameraRays&, const LightGatherer<8>&, const Progress&);
+template bool prepare_hierarchies<16>(const std::vector<HierarchyTransport<16>*>&,
+                                      const RenderScene&, const CameraRays&,
+                                      const LightGatherer<16>&, const Progress&);
+
+}  // namespace lamina

@@ -1,0 +1,288 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/hierarchy_transport.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/core/parallel.h"
+#include "lamina/render/surface_cells.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+/// Samples to the radius that holds half of the light of the narrowest band.
+constexpr float samples_per_half_radius = 3.0f;
+
+/// Standard deviation of the Gaussian that stands for one sample, over the spacing of samples.
+/// Wider, it blurs; narrower, samples show.
+constexpr float blur_of_spacing = 0.6f;
+
+/// Distance up to which samples are fitted for what lies between them, over their spacing.
+constexpr float reach_of_fit = 1.9f;
+
+/// The width of a profile's middle over its smallest half-light radius.
+constexpr float middle_of_profile = 0.6f;
+
+/// Areas that make the sum of samples, each spread by a Gaussian, 1 at each of them: points are not
+/// spaced as evenly as a lattice, and a narrow profile would show by how much. Where the surface
+/// ends or turns the sum is smaller in truth, and left so.
+std::vector<float> balanced_areas(const std::vector<CloudPoint>& points, const PointGrid& grid,
+                                  float blur) {
+  std::vector<float> areas, sums(points.size()), wanted(points.size(), 1.0f);
+  for (const CloudPoint& point : points) areas.push_back(point.area);
+  constexpr int rounds = 4;
+  constexpr std::size_t chunk = 1024;
+  for (int round = 0; round < rounds; ++round) {
+    parallel_for((points.size() + chunk - 1) / chunk, [&](std::size_t c) {
+      for (std::size_t i = c * chunk; i < std::min(points.size(), (c + 1) * chunk); ++i) {
+        const PointGrid::Near near = grid.near(points[i].position, points[i].normal);
+        float sum = 0.0f;
+        for (std::size_t k = 0; k < near.count; ++k)
+          sum += areas[near.point[k]] *
+                 std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (blur * blur));
+        sums[i] = sum / (2.0f * pi * blur * blur);
+        if (round > 0) continue;
+        const float inside = std::clamp((sums[i] - 0.6f) / 0.2f, 0.0f, 1.0f);
+        wanted[i] = sums[i] + inside * (1.0f - sums[i]);
+      }
+    });
+    for (std::size_t i = 0; i < points.size(); ++i) areas[i] *= wanted[i] / sums[i];
+  }
+  double before = 0.0, after = 0.0;
+  for (const CloudPoint& point : points) before += static_cast<double>(point.area);
+  for (const float area : areas) after += static_cast<double>(area);
+  for (float& area : areas) area *= static_cast<float>(before / after);
+  return areas;
+}
+
+}  // namespace
+
+template <int N>
+HierarchyTransport<N>::HierarchyTransport(const RenderScene& scene,
+                                          const BandConversion<N>& conversion,
+                                          std::uint32_t material, const ProfileMaker& make_profile,
+                                          bool is_printed_exit)
+    : scene_(scene),
+      conversion_(conversion),
+      surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
+      material_(material),
+      is_printed_exit_(is_printed_exit),
+      profiles_(scene, conversion, material, make_profile, is_printed_exit) {}
+
+template <int N>
+float HierarchyTransport<N>::automatic_spacing(float pixel_size) const {
+  const HierarchySettings& settings = scene_.scene->render.hierarchy;
+  const float of_profile =
+      smallest_half_radius(profiles_.by_thickness().back()) / samples_per_half_radius;
+  const float wanted =
+      settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
+  const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
+  return std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_points)));
+}
+
+template <int N>
+std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGatherer<N>& light,
+                                                                   float pixel_size,
+                                                                   std::uint64_t seed,
+                                                                   const Progress& progress) const {
+  const float spacing = automatic_spacing(pixel_size);
+  const SurfaceCells surface = make_surface_cells(scene_.scene->meshes, material_, spacing, seed);
+  IrradianceCloud cloud{.material = material_,
+                        .bands = surface_.material.bands.size(),
+                        .spacing = spacing,
+                        .points = std::vector<CloudPoint>(surface.cells.size()),
+                        .irradiance = {}};
+  cloud.irradiance.resize(cloud.points.size() * cloud.bands);
+  const SurfaceMaterial& material = scene_.scene->materials[material_];
+  const auto point_on = [&](const SurfaceElement& e) {
+    SurfacePoint point = make_surface_point(
+        scene_.scene->meshes,
+        {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle}, spacing);
+    if (material.bump || material.normal_map)
+      point.normal = bent_normal(scene_.textures, material, point);
+    return point;
+  };
+  constexpr std::size_t chunk = 64;
+  const int estimates = scene_.scene->render.hierarchy.irradiance_samples;
+  std::atomic<bool> is_stopped = false;
+  parallel_for((surface.cells.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    if (is_stopped) return;
+    for (std::size_t i = c * chunk; i < std::min(surface.cells.size(), (c + 1) * chunk); ++i) {
+      const SurfaceCell& cell = surface.cells[i];
+      const auto elements = surface.elements_of(cell);
+      Bands irradiance;
+      std::size_t at = 0;
+      float before = 0.0f;  // area of the elements before `at`
+      for (int s = 0; s < estimates; ++s) {
+        // Points spread over the patch by area.
+        const float target =
+            cell.area * (static_cast<float>(s) + 0.5f) / static_cast<float>(estimates);
+        while (at + 1 < elements.size() && before + elements[at].area < target)
+          before += elements[at++].area;
+        PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
+                             static_cast<std::uint32_t>(s));
+        irradiance += light.entering_irradiance(point_on(elements[at]), samples);
+      }
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        cloud.irradiance[i * cloud.bands + b] =
+            irradiance[static_cast<int>(b)] / static_cast<float>(estimates);
+      const SurfacePoint middle = point_on(elements[elements.size() / 2]);
+      cloud.points[i] = {.position = cell.position,
+                         .normal = cell.normal,
+                         .uv = middle.uv,
+                         .area = cell.area,
+                         .albedo = profiles_.color_at(middle),
+                         .thickness = profiles_.thickness_at(middle)};
+    }
+    if (!report(progress, 0.0)) is_stopped = true;
+  });
+  if (is_stopped) return std::nullopt;
+  return cloud;
+}
+
+template <int N>
+void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
+  const float blur = blur_of_spacing * cloud.spacing;
+  by_thickness_ = make_gather_tables<N>(profiles_.by_thickness(), blur);
+  by_absorption_ = make_gather_tables<N>(profiles_.by_absorption(), blur);
+  reach_ = profiles_.by_thickness().back().reach() + 4.0f * blur;
+  width_ = std::max(middle_of_profile * smallest_half_radius(profiles_.by_thickness().back()),
+                    2.0f * blur);
+  std::vector<IrradianceSample<N>> samples(cloud.points.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const CloudPoint& point = cloud.points[i];
+    IrradianceSample<N>& sample = samples[i];
+    sample = {.position = point.position,
+              .normal = point.normal,
+              .area = point.area,
+              .irradiance = {},
+              .shade = {}};
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      sample.irradiance[static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
+    if (!by_absorption_.empty())
+      sample.shade = profiles_.shade_of(conversion_.from_rgb(point.albedo));
+  }
+  points_ = cloud.points;
+  std::vector<PointGrid::Place> places;
+  for (const CloudPoint& point : points_) places.push_back({point.position, point.normal});
+  grid_ = PointGrid(std::move(places), reach_of_fit * cloud.spacing);
+  const std::vector<float> areas = balanced_areas(points_, grid_, blur);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].area = areas[i];
+  tree_ = IrradianceTree<N>(samples);
+  exitance_ = LazyValues<BandValues<N>>(points_.size());
+}
+
+template <int N>
+BandValues<N> HierarchyTransport<N>::effect_of_color(const Vec3f& color) const {
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale) return profiles_.color_scale(color);
+  Bands effect = Bands::filled(1.0f);
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::invert) {
+    const Bands reflectance = conversion_.from_rgb(color);
+    for (int b = 0; b < N; ++b) effect[b] = std::max(reflectance[b], 1e-3f);
+  }
+  return effect;
+}
+
+template <int N>
+BandValues<N> HierarchyTransport<N>::exitance_without_color(const CloudPoint& point) const {
+  Local local = profiles_.profiles_for(point.thickness, point.albedo);
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale) local.scale = Bands::filled(1.0f);
+  Bands exitance = summed_exitance(point.position, point.normal, local);
+  if (local.is_inverted) {
+    const Bands effect = effect_of_color(point.albedo);
+    for (int b = 0; b < N; ++b) exitance[b] /= effect[b];
+  }
+  return exitance;
+}
+
+template <int N>
+BandValues<N> HierarchyTransport<N>::exitance(const SurfacePoint& point) const {
+  const PointGrid::Weights near = grid_.weights_at(point.position, point.smooth_normal);
+  if (near.count == 0)
+    return summed_exitance(point.position, point.smooth_normal, profiles_.profiles_at(point));
+  Bands total;
+  for (std::size_t i = 0; i < near.count; ++i)
+    total += near.weight[i] * exitance_.at(near.point[i], [this](std::size_t k) {
+      return exitance_without_color(points_[k]);
+    });
+  for (int b = 0; b < N; ++b) total[b] = std::max(total[b], 0.0f);  // where a line overshoots
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::none) return total;
+  return total * effect_of_color(profiles_.color_at(point));
+}
+
+template <int N>
+BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, const Vec3f& n,
+                                                     const Local& local) const {
+  const auto& slabs = profiles_.by_thickness();
+  const GatherTable<N>& low = by_thickness_[static_cast<std::size_t>(local.low - slabs.data())];
+  const GatherTable<N>& high = by_thickness_[static_cast<std::size_t>(local.high - slabs.data())];
+  const GatherTable<N>& thick = by_thickness_.back();
+  Bands shade;
+  if (local.is_inverted)
+    for (int b = 0; b < N; ++b)
+      shade[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  Bands total;
+  tree_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
+               [&](const auto& node, const Bands& node_shade, const Vec3f& offset, float d2) {
+                 const float facing = std::clamp(dot(n, node.normal), -1.0f, 1.0f);
+                 // Second order: a profile that falls as r^-3 gains 9/4 of the mean square over d²
+                 // from the width of a node, as if it were nearer; one that is flat in its middle
+                 // gains nothing.
+                 const float width2 = width_ * width_;
+                 const float bent = 1.5f * node.mean_square * d2 / (d2 + width2);
+                 const float near2 = std::max(d2 - bent, 0.5f * d2);
+                 Bands spread = low.reflectance.at(near2);
+                 if (local.blend > 0.0f)
+                   spread += local.blend * (high.reflectance.at(near2) - spread);
+                 if (local.is_inverted) {
+                   // The half-space of the colours, thinned by as much as the material itself is.
+                   const bool is_thin = &low != &thick;
+                   const Bands of_thick = is_thin ? thick.reflectance.at(near2) : spread;
+                   for (int b = 0; b < N; ++b) {
+                     const float at = 0.5f * (shade[b] + node_shade[b]);
+                     const std::size_t i =
+                         std::min(static_cast<std::size_t>(at), by_absorption_.size() - 2);
+                     const auto [k, f] = by_absorption_[i].reflectance.place(near2);
+                     const auto value = [&](std::size_t table) {
+                       const RadialTable<N>& t = by_absorption_[table].reflectance;
+                       return f > 0.0f ? t[k][b] + f * (t[k + 1][b] - t[k][b]) : t[k][b];
+                     };
+                     const float light = value(i), dark = value(i + 1);
+                     const float thinned = !is_thin             ? 1.0f
+                                           : of_thick[b] > 0.0f ? spread[b] / of_thick[b]
+                                                                : 0.0f;
+                     spread[b] = thinned * (light + (at - static_cast<float>(i)) * (dark - light));
+                   }
+                 }
+                 spread *= 0.5f * (1.0f + facing);
+                 if (low.is_transmitting && facing < 1.0f) {
+                   const float along = dot(offset, n);
+                   const float lateral2 = std::max(d2 - along * along, 0.0f);
+                   Bands through = low.transmittance.at(lateral2);
+                   if (local.blend > 0.0f)
+                     through += local.blend * (high.transmittance.at(lateral2) - through);
+                   spread += 0.5f * (1.0f - facing) * through;
+                 }
+                 total += spread * node.power;
+               });
+  return total * local.scale;
+}
+
+template <int N>
+BandValues<N> HierarchyTransport<N>::leaving_radiance(const ExitPoint& exit,
+                                                      const LightGatherer<N>& /*light*/,
+                                                      PixelSamples& /*samples*/) const {
+  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
+                                         : exit_distribution(exit.boundary, exit.cos_o);
+  return leaving * exitance(exit.point);
+}
+
+template class HierarchyTransport<4>;
+template class HierarchyTransport<8>;
+template class HierarchyTransport<16>;
+
+}  // namespace lamina

@@ -1,0 +1,89 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lamina/core/progress.h"
+#include "lamina/render/gather_table.h"
+#include "lamina/render/irradiance_cloud.h"
+#include "lamina/render/irradiance_tree.h"
+#include "lamina/render/lazy_values.h"
+#include "lamina/render/point_grid.h"
+#include "lamina/render/profile_transport.h"
+
+namespace lamina {
+
+/// Subsurface transport by summing a profile over samples of the light on the surface.
+///
+/// First the surface is cut into patches, narrower than the profile, and the light that enters each
+/// is found. Then the light that leaves at a point is a sum over all patches within reach, those
+/// far away many at a time. The sum has no noise, and the samples serve any camera. It is as smooth
+/// as the profile is wide, so it is taken at the patches that are seen, once, and between them
+/// interpolated.
+///
+/// The profiles are those of ProfileTransport, with the same assumptions: what it draws at random
+/// is summed here. Where a colour is inverted the profile between two points is that of their mean
+/// absorption (in its logarithm), so that transport is reciprocal; ProfileTransport takes that of
+/// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
+/// colour is kept.
+///
+/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample.
+template <int N>
+class HierarchyTransport final : public SubsurfaceTransport<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param material  index of a translucent material; the scene must outlive the transport
+  HierarchyTransport(const RenderScene& scene, const BandConversion<N>& conversion,
+                     std::uint32_t material, const ProfileMaker& make_profile,
+                     bool is_printed_exit);
+
+  /// Samples the light on the surface.
+  ///
+  /// @param pixel_size  what a pixel sees at least [mm]: samples need not be closer
+  /// @return            nothing if progress asked to stop
+  [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
+                                                            float pixel_size, std::uint64_t seed,
+                                                            const Progress& progress) const;
+
+  /// Makes the samples ready to be summed. Comes before leaving_radiance.
+  void use(const IrradianceCloud& cloud);
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
+    return profiles_.local_reflectance(point);
+  }
+
+  [[nodiscard]] std::uint32_t material() const { return material_; }
+
+  /// Flux per area that leaves at a point.
+  [[nodiscard]] Bands exitance(const SurfacePoint& point) const;
+
+ private:
+  using Local = typename ProfileTransport<N>::Local;
+  [[nodiscard]] float automatic_spacing(float pixel_size) const;
+  /// By a sum over all samples within reach.
+  [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
+                                      const Local& local) const;
+  /// The same at a sample, over what the surface's colour there makes of it.
+  [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
+  [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  const SubsurfaceSurface& surface_;
+  std::uint32_t material_;
+  bool is_printed_exit_;
+  ProfileTransport<N> profiles_;
+  IrradianceTree<N> tree_;
+  std::vector<GatherTable<N>> by_thickness_, by_absorption_;
+  float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
+  std::vector<CloudPoint> points_;
+  PointGrid grid_;
+  mutable LazyValues<BandValues<N>> exitance_;  ///< [point]
+};
+
+}  // namespace lamina

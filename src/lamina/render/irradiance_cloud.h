@@ -1,0 +1,32 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lamina/core/vec.h"
+
+namespace lamina {
+
+/// A sample of the light that enters a translucent surface, standing for a patch of it.
+struct CloudPoint {
+  Vec3f position;  ///< mean of the patch [mm]
+  Vec3f normal;    ///< unit length
+  Vec2f uv;
+  float area = 0.0f;       ///< of the patch [mm²]
+  Vec3f albedo{1, 1, 1};   ///< mean of the material's colour over the patch, linear Rec.709
+  float thickness = 0.0f;  ///< of the object below the patch [mm]; infinite where it is thick
+};
+
+/// The light on all of the surface of one material: what does not depend on the camera.
+struct IrradianceCloud {
+  std::uint32_t material = 0;
+  std::size_t bands = 0;
+  float spacing = 0.0f;  ///< square root of the mean area of a patch [mm]
+  std::vector<CloudPoint> points;
+  /// [point][band], flux per area that has passed the boundary, mean over the patch
+  std::vector<float> irradiance;
+};
+
+}  // namespace lamina

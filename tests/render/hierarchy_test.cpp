@@ -1,0 +1,252 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "lamina/core/random.h"
+#include "lamina/render/gather_table.h"
+#include "lamina/render/irradiance_tree.h"
+#include "lamina/render/profile_transport.h"
+#include "lamina/render/surface_cells.h"
+#include "small_scenes.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+Material half_space(std::vector<double> sigma_a, double sigma_s, double ior) {
+  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
+  material.layers = {{.name = "layer",
+                      .sigma_a = std::move(sigma_a),
+                      .sigma_s = {sigma_s, sigma_s, sigma_s},
+                      .g = {0, 0, 0},
+                      .ior = {ior, ior, ior},
+                      .thickness = std::numeric_limits<double>::infinity()}};
+  return material;
+}
+
+/// A mesh of the material in even light.
+Scene scene_of(Mesh mesh, Material material) {
+  Scene scene;
+  scene.camera = camera_above(0.5);
+  scene.film = {.width = 4, .height = 4};
+  scene.render = {.method = RenderSettings::Method::hierarchy, .samples_per_pixel = 4};
+  scene.render.max_bounces = 0;
+  scene.materials = {
+      {.name = "translucent",
+       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
+  scene.meshes = {std::move(mesh)};
+  scene.lights = {EnvironmentLight{}};
+  return scene;
+}
+
+TEST(SurfaceCells, ShareOutTheWholeSurface) {
+  const std::vector<Mesh> meshes = {make_sphere(5.0f, 24)};
+  const SurfaceCells cells = make_surface_cells(meshes, 0, 0.4f, 7);
+  const double area = surface_area(meshes, 0);
+  EXPECT_NEAR(area, 4.0 * std::numbers::pi * 25.0, 0.01 * area);  // facets lie within the sphere
+  EXPECT_NEAR(cells.area, area, 1e-4 * area);
+  // The spacing is the square root of a cell's mean area.
+  EXPECT_NEAR(static_cast<double>(cells.cells.size()), area / 0.16, 0.05 * area / 0.16);
+  double of_elements = 0.0, largest = 0.0;
+  for (const SurfaceCell& cell : cells.cells) {
+    for (const SurfaceElement& e : cells.elements_of(cell))
+      of_elements += static_cast<double>(e.area);
+    largest = std::max(largest, static_cast<double>(cell.area));
+    EXPECT_NEAR(length(cell.position), 5.0f, 0.05f);
+    EXPECT_GT(dot(cell.normal, normalize(cell.position)), 0.98f);
+  }
+  EXPECT_NEAR(of_elements, area, 1e-4 * area);
+  EXPECT_LT(largest, 2.5 * 0.16);  // blue noise: no cell is much larger than the others
+}
+
+TEST(SurfaceCells, DoNotReachAroundAnEdge) {
+  // A plate thinner than the spacing: front and back keep cells of their own.
+  Mesh plate = make_square(10.0f);
+  for (std::size_t i = 0; i < 4; ++i) {
+    plate.positions.push_back(plate.positions[i] - Vec3f{0, 0, 0.01f});
+    plate.normals.push_back({0, 0, -1});
+    plate.uvs.push_back(plate.uvs[i]);
+  }
+  plate.triangles.push_back({4, 6, 5});
+  plate.triangles.push_back({4, 7, 6});
+  plate.material.assign(4, 0);
+  const SurfaceCells cells = make_surface_cells({plate}, 0, 0.5f, 1);
+  double front = 0.0;
+  for (const SurfaceCell& cell : cells.cells) {
+    EXPECT_NEAR(std::abs(cell.normal.z), 1.0f, 1e-5f);
+    if (cell.normal.z > 0.0f) front += static_cast<double>(cell.area);
+  }
+  EXPECT_NEAR(front, 100.0, 1e-2);
+}
+
+std::vector<IrradianceSample<4>> random_samples(int count) {
+  Random random(3);
+  std::vector<IrradianceSample<4>> samples;
+  for (int i = 0; i < count; ++i) {
+    const float z = 2.0f * random.uniform_float() - 1.0f, phi = 2.0f * pi * random.uniform_float();
+    const float s = std::sqrt(1.0f - z * z);
+    const Vec3f n{s * std::cos(phi), s * std::sin(phi), z};
+    IrradianceSample<4> sample{.position = 10.0f * n, .normal = n, .area = 0.05f};
+    for (int b = 0; b < 4; ++b) sample.irradiance[b] = std::max(n.z, 0.0f) + 0.1f;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+// The profile of a point source near the surface; power alone at d = 0.
+float point_source(float d2) { return std::exp(-0.5f * std::sqrt(d2)) / (d2 + 0.2f); }
+
+float gathered(const IrradianceTree<4>& tree, const Vec3f& point, float error) {
+  float total = 0.0f;
+  tree.gather(point, 1e3f, error, 0.4f,
+              [&](const auto& node, const BandValues<4>&, const Vec3f&, float d2) {
+                total += point_source(d2) * node.power[0];
+              });
+  return total;
+}
+
+TEST(IrradianceTree, SumsNodesAsItWouldTheirSamples) {
+  const auto samples = random_samples(20'000);
+  const IrradianceTree<4> tree(samples);
+  for (const Vec3f& point : {Vec3f{0, 0, 10}, Vec3f{7, 0, 7.1f}, Vec3f{0, -10, 0}}) {
+    double exact = 0.0;
+    for (const auto& s : samples) {
+      const Vec3f offset = s.position - point;
+      exact += static_cast<double>(s.area * s.irradiance[0] * point_source(dot(offset, offset)));
+    }
+    EXPECT_NEAR(gathered(tree, point, 1e-6f), exact, 1e-4 * exact);  // every sample by itself
+    EXPECT_NEAR(gathered(tree, point, 0.06f), exact, 5e-3 * exact);
+  }
+}
+
+TEST(IrradianceTree, ReachesNoFurtherThanAsked) {
+  const IrradianceTree<4> tree(random_samples(5'000));
+  tree.gather({0, 0, 10}, 3.0f, 1e-6f, 0.1f,
+              [&](const auto&, const BandValues<4>&, const Vec3f&, float d2) {
+                EXPECT_LE(d2, 9.0f * 1.0001f);
+              });
+}
+
+TEST(IrradianceTree, TakesSamplesAtOnePlaceAndNone) {
+  std::vector<IrradianceSample<4>> samples(9, random_samples(1)[0]);
+  const IrradianceTree<4> tree(samples);
+  const float one = samples[0].area * samples[0].irradiance[0] * point_source(0.0f);
+  EXPECT_NEAR(gathered(tree, samples[0].position, 1e-6f), 9.0f * one, 1e-4f * one);
+  EXPECT_EQ(gathered(IrradianceTree<4>(std::span<const IrradianceSample<4>>{}), {}, 0.1f), 0.0f);
+}
+
+TEST(RadialTable, IsALineInTheSquareOfTheRadius) {
+  RadialTable<4> table(1e-4f, 100.0f);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = BandValues<4>::filled(3.0f * table.node_r2(i) + 1.0f);
+  for (const float r2 : {2e-4f, 0.03f, 1.0f, 77.0f})
+    EXPECT_NEAR(table.at(r2)[0], 3.0f * r2 + 1.0f, 1e-5f * (3.0f * r2 + 1.0f)) << r2;
+  EXPECT_EQ(table.at(0.0f)[0], table[0][0]);
+}
+
+// Spreading a profile keeps what it reflects, and changes nothing far from its middle. A profile
+// much narrower than the blur turns into the Gaussian itself.
+TEST(GatherTable, SpreadsAProfileByAGaussian) {
+  const Profile wide = diffusion_profile(half_space({0.01, 0.3, 3.0}, 10.0, 1.4));
+  const SpreadTable<4> from(wide, make_radius_grid({wide}), BandValues<4>::filled(1.0f));
+  const auto total = [](const RadialTable<4>& table, int b) {
+    double sum = std::numbers::pi * static_cast<double>(table.node_r2(0) * table[0][b]);
+    for (std::size_t i = 0; i + 1 < table.size(); ++i)
+      sum += 0.5 * std::numbers::pi *
+             static_cast<double>((table.node_r2(i + 1) - table.node_r2(i)) *
+                                 (table[i][b] + table[i + 1][b]));
+    return sum;
+  };
+  for (const float blur : {0.02f, 0.3f}) {
+    const auto tables = make_gather_tables<4>(std::span(&from, 1), blur);
+    for (int b = 0; b < 3; ++b) {
+      const double all = static_cast<double>(from.total_reflectance()[b]);
+      EXPECT_NEAR(total(tables[0].reflectance, b), all, 5e-3 * all) << blur << ' ' << b;
+    }
+    const float far = 0.5f * from.reach();
+    EXPECT_NEAR(tables[0].reflectance.at(far * far)[0], from.reflectance_profile(far)[0],
+                0.02f * from.reflectance_profile(far)[0]);
+  }
+  const Profile narrow = diffusion_profile(half_space({300, 300, 300}, 3000.0, 1.4));
+  const SpreadTable<4> point(narrow, make_radius_grid({narrow}), BandValues<4>::filled(1.0f));
+  const auto spread = make_gather_tables<4>(std::span(&point, 1), 0.1f);
+  for (const float r : {0.01f, 0.1f, 0.2f}) {
+    const float gaussian = std::exp(-0.5f * r * r / 0.01f) / (2.0f * pi * 0.01f);
+    const float all = point.total_reflectance()[0];
+    EXPECT_NEAR(spread[0].reflectance.at(r * r)[0], all * gaussian, 0.01f * all * gaussian) << r;
+  }
+}
+
+TEST(Hierarchy, WhiteMatchedPatchReturnsAllLight) {
+  Scene scene = scene_of(make_square(40.0f), half_space({0, 0, 0}, 50.0, 1.0));
+  scene.render.hierarchy = {.spacing = 0.25f, .irradiance_samples = 8};
+  const Image image = render(scene).image;
+  // 1.67 mean free paths over 20 mm are lost at the patch's border, 2e-3.
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean_of(image, c), 1.0, 4e-3) << c;
+}
+
+/// Largest difference of two pictures' smooth parts, over the mean of the second.
+double difference(const Image& a, const Image& b, std::size_t c) {
+  double worst = 0.0;
+  const int block = 4;
+  for (int y = 0; y < a.height; y += block)
+    for (int x = 0; x < a.width; x += block) {
+      double d = 0.0;
+      for (int j = 0; j < block; ++j)
+        for (int i = 0; i < block; ++i)
+          d += static_cast<double>(a.at(x + i, y + j)[c]) -
+               static_cast<double>(b.at(x + i, y + j)[c]);
+      worst = std::max(worst, std::abs(d) / (block * block));
+    }
+  return worst / mean_of(b, c);
+}
+
+// Two ways to the same integral: what ProfileTransport draws at random is summed here. Lit from the
+// side, so that light is seen beyond the terminator and through the thin end of an egg.
+TEST(Hierarchy, GivesThePictureOfTheProfileMethod) {
+  Mesh egg = make_sphere(3.0f, 32);
+  for (Vec3f& p : egg.positions) p.z *= 0.4f;
+  for (Vec3f& n : egg.normals) n = normalize(Vec3f{n.x, n.y, n.z / 0.4f});
+  Scene scene = scene_of(std::move(egg), half_space({0.02, 0.1, 0.5}, 4.0, 1.3));
+  scene.camera = camera_above(5.0);
+  scene.film = {.width = 24, .height = 24};
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{1, 0.3, 0.2}), .irradiance = {3, 3, 3}}};
+  scene.render.samples_per_pixel = 16;
+  const Image summed = render(scene).image;
+  scene.render.method = RenderSettings::Method::profile;
+  scene.render.samples_per_pixel = 512;
+  const Image drawn = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(mean_of(summed, c), mean_of(drawn, c), 0.01 * mean_of(drawn, c)) << c;
+    EXPECT_LT(difference(summed, drawn, c), 0.05) << c;
+  }
+}
+
+TEST(Hierarchy, InvertedColorIsTheReflectanceThatComesOut) {
+  Scene scene = scene_of(make_square(30.0f), half_space({0.05, 0.3, 2.0}, 10.0, 1.0));
+  scene.render.hierarchy = {.spacing = 0.2f, .irradiance_samples = 8};
+  auto& surface = std::get<SubsurfaceSurface>(scene.materials[0].surface);
+  surface.color_use = SubsurfaceSurface::ColorUse::invert;
+  surface.color.value = {0.7f, 0.4f, 0.1f};
+  const Image image = render(scene).image;
+  const double expected[3] = {0.7, 0.4, 0.1};
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(mean_of(image, c), expected[c], 0.015 * expected[c]) << c;
+}
+
+TEST(Hierarchy, HasNoNoiseUnderTheSurface) {
+  Scene scene = scene_of(make_sphere(4.0f, 64), half_space({0.05, 0.3, 2.0}, 5.0, 1.0));
+  scene.render.hierarchy.spacing = 0.2f;
+  scene.camera = camera_above(4.0);
+  scene.film = {.width = 48, .height = 48};
+  scene.lights = {RectangleLight{
+      .center = {8, 0, 8}, .edge_u = {0, 4, 0}, .edge_v = {3, 0, -3}, .radiance = {10, 10, 10}}};
+  EXPECT_LT(render(scene).statistics.relative_noise, 0.01);
+}
+
+}  // namespace
+}  // namespace lamina
