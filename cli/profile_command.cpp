@@ -33,6 +33,7 @@ struct ProfileOptions {
   std::string material, method, plot;
   bool compare = false;
   std::string domain = "radius";
+  std::string incidence = "normal", from = "above";
   double accuracy = 0.005;
   bool no_cache = false;
   RadialGrid grid;
@@ -61,10 +62,16 @@ ordered_json table_json(std::span<const double> table, std::size_t columns) {
   return rows;
 }
 
+ExactProfileOptions exact_options(const ProfileOptions& options) {
+  return {.accuracy = options.accuracy,
+          .illumination =
+              options.incidence == "diffuse" ? Illumination::diffuse : Illumination::normal_beam,
+          .is_from_below = options.from == "below"};
+}
+
 ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
-  auto [result, was_cached] =
-      cached_exact_profile(options.no_cache ? std::nullopt : user_cache(), stacks, options.grid,
-                           {.accuracy = options.accuracy});
+  auto [result, was_cached] = cached_exact_profile(options.no_cache ? std::nullopt : user_cache(),
+                                                   stacks, options.grid, exact_options(options));
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band)
     if (result.estimated_error[band] > options.accuracy)
@@ -285,7 +292,7 @@ void run_frequency(const ProfileOptions& options, const Material& material,
   std::vector<double> k{0.0};
   for (const double r : radii(options.grid)) k.push_back(1.0 / r);
   std::sort(k.begin(), k.end());
-  const auto response = spatial_frequency_response(stacks, k, {.accuracy = options.accuracy});
+  const auto response = spatial_frequency_response(stacks, k, exact_options(options));
   std::string text = fmt::format("{:>10}", "k [1/mm]");
   for (const char* side : {"R", "T"})
     for (std::size_t band = 0; band < stacks.size(); ++band)
@@ -303,6 +310,8 @@ void run_frequency(const ProfileOptions& options, const Material& material,
   json["method"] = "exact";
   json["material"] = material.name;
   json["bands"] = bands_json(material.bands);
+  json["incidence"] = options.incidence;
+  json["from"] = options.from;
   json["per"] = "arriving_flux";
   json["k_per_mm"] = k;
   json["reflectance"] = table_json(response.reflectance, stacks.size());
@@ -310,9 +319,21 @@ void run_frequency(const ProfileOptions& options, const Material& material,
   write_json(json, options.common);
 }
 
+/// The other methods know the normal beam from above only, and so nothing to compare with.
+void require_exact_for_illumination(const ProfileOptions& options) {
+  const bool is_usual = options.incidence == "normal" && options.from == "above";
+  if (is_usual) return;
+  if (options.method != "exact")
+    throw InvalidInput("--incidence, --from: --method must be exact, but is " + options.method);
+  if (options.compare || !options.plot.empty())
+    throw InvalidInput("--compare, --plot: --incidence must be normal and --from above, but are " +
+                       options.incidence + " and " + options.from);
+}
+
 void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material);
   const std::vector<LayerStack> stacks = layer_stacks(material);
+  require_exact_for_illumination(options);
   if (options.domain == "frequency") return run_frequency(options, material, stacks);
   for (const ProfileMethod& method : profile_methods()) {
     if (method.name != options.method) continue;
@@ -323,6 +344,8 @@ void run_profile(const ProfileOptions& options) {
     json["method"] = method.name;
     json["material"] = material.name;
     json["bands"] = bands_json(material.bands);
+    json["incidence"] = options.incidence;
+    json["from"] = options.from;
     json.update(profile_json(result.profile));
     if (result.standard_error) {
       ordered_json error = profile_json(*result.standard_error);
@@ -366,6 +389,16 @@ void add_profile_command(CLI::App& app) {
   command->add_flag("--compare", options->compare,
                     "show an approximation beside it: the multipole beside exact, the single-layer "
                     "dipole beside the others");
+  command
+      ->add_option("--incidence", options->incidence,
+                   "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere")
+      ->check(CLI::IsMember({"normal", "diffuse"}))
+      ->capture_default_str();
+  command
+      ->add_option("--from", options->from,
+                   "of exact: the side that is lit, and that R(r) then leaves on")
+      ->check(CLI::IsMember({"above", "below"}))
+      ->capture_default_str();
   command->add_option("--accuracy", options->accuracy, "of exact: relative")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();

@@ -56,6 +56,20 @@ assert [x.pop("from_cache") for x in (first, again, anew)] == [False, True, Fals
 del first["comparison"]
 assert first == again == anew
 PY
+"$lamina" profile leaf --incidence diffuse --from below --accuracy 0.1 --radii 20 --json "$folder/below.json" > /dev/null ||
+  fail "exact profile of diffuse light from below"
+python3 - "$folder/below.json" <<'PY'
+import json, sys
+leaf = json.load(open(sys.argv[1]))
+assert leaf["incidence"] == "diffuse" and leaf["from"] == "below"
+assert len(leaf["transmittance_profile"]) == 20 and min(leaf["total_transmittance"]) > 0
+PY
+for wrong in "--incidence diffuse --method multipole" "--from below --compare" "--incidence askew"; do
+  "$lamina" profile leaf $wrong > /dev/null 2> "$folder/wrong" && fail "profile $wrong"
+  [ $? -eq 2 ] && [ "$(wc -l < "$folder/wrong")" -eq 1 ] || fail "one line and status 2 for profile $wrong"
+done
+"$lamina" profile donner_jensen_skin --from below > /dev/null 2> "$folder/wrong" && fail "half-space from below"
+grep -q "infinite" "$folder/wrong" || fail "why a half-space cannot be lit from below"
 "$lamina" slab donner_jensen_skin --compare=20000 --json "$folder/compare.json" > /dev/null || fail "slab --compare"
 python3 - "$folder/compare.json" <<'PY'
 import json, sys

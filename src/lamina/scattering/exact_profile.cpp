@@ -10,9 +10,12 @@
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/exact_profile_diffuse.h"
+#include "lamina/scattering/exact_profile_diffuse_curves.h"
 #include "lamina/scattering/exact_profile_frequency.h"
 #include "lamina/scattering/exact_profile_single.h"
 #include "lamina/scattering/exact_profile_spectrum.h"
+#include "lamina/scattering/exact_profile_unscattered.h"
 
 namespace lamina {
 namespace {
@@ -29,9 +32,13 @@ constexpr double error_per_step = 0.4;
 /// Rings of equal width in log r that hold less than this of the fullest ring's flux do not count.
 constexpr double least_ring = 1e-4;
 
-struct Curves {
-  std::vector<double> reflectance, transmittance;  ///< [i] [1/mm²]
-};
+using Curves = detail::ProfileCurves;
+
+detail::FrequencyResponse response(const detail::FrequencySolver& solver, double k,
+                                   Illumination illumination) {
+  return illumination == Illumination::diffuse ? detail::diffuse_response(solver, k)
+                                               : detail::response(solver, k);
+}
 
 /// Nodes of a band's first segment, and what more of them would change.
 struct NodeChoice {
@@ -40,13 +47,14 @@ struct NodeChoice {
 };
 
 /// Directions that a band needs: more of them change nothing at low and middling frequencies.
-NodeChoice enough_nodes(const LayerStack& stack, double accuracy) {
+NodeChoice enough_nodes(const LayerStack& stack, const ExactProfileOptions& options) {
+  const double accuracy = 0.5 * options.accuracy;
   const auto sample = [&](int nodes) {
     const auto solver = detail::make_frequency_solver(stack, nodes, 1);
     const double highest = detail::make_frequency_grid(solver.stack, 1).highest;
     std::vector<double> values;
     for (const double share : {0.0, 0.02, 0.2}) {
-      const auto all = detail::response(solver, share * highest);
+      const auto all = response(solver, share * highest, options.illumination);
       values.push_back(all.reflectance);
       if (!solver.stack.is_semi_infinite && share < 0.1) values.push_back(all.transmittance);
     }
@@ -65,26 +73,65 @@ NodeChoice enough_nodes(const LayerStack& stack, double accuracy) {
   return {.nodes = most_nodes, .error = worst};
 }
 
+/// A normal beam's light scattered once.
+Curves lowest_orders_of_beam(const LayerStack& stack, const detail::GridStack& on_grid,
+                             const HankelPlan& plan) {
+  Curves curves;
+  for (const double radius : plan.r) {
+    const auto once = detail::single_scattering_profile(stack, on_grid, radius);
+    curves.reflectance.push_back(once.reflectance);
+    curves.transmittance.push_back(once.transmittance);
+  }
+  return curves;
+}
+
+/// A band to be solved.
+struct Band {
+  const LayerStack* stack = nullptr;
+  int nodes = fewest_nodes;
+  Curves lowest_orders;  ///< what is not solved over frequency with all others
+};
+
+Band make_band(const LayerStack& stack, int nodes, const HankelPlan& plan,
+               Illumination illumination) {
+  const auto on_grid = detail::make_frequency_solver(stack, nodes, 1).stack;
+  return {&stack, nodes,
+          illumination == Illumination::diffuse
+              ? detail::diffuse_lowest_orders(stack, on_grid, plan)
+              : lowest_orders_of_beam(stack, on_grid, plan)};
+}
+
 /// Profiles of some bands, each with its own number of nodes.
-std::vector<Curves> solve(const std::vector<const LayerStack*>& stacks,
-                          const std::vector<int>& nodes, const HankelPlan& plan, int modes,
-                          int frequency_count) {
-  const std::size_t bands = stacks.size();
+std::vector<Curves> solve(std::span<const Band* const> bands_to_solve, const HankelPlan& plan,
+                          int modes, int frequency_count, Illumination illumination) {
+  const std::size_t bands = bands_to_solve.size();
   const auto frequencies = static_cast<std::size_t>(frequency_count);
+  const bool is_diffuse = illumination == Illumination::diffuse;
   std::vector<detail::FrequencySolver> solvers(bands);
   std::vector<detail::FrequencyGrid> grids(bands);
+  std::vector<std::vector<detail::UnscatteredPath>> paths(bands);
   for (std::size_t b = 0; b < bands; ++b) {
-    solvers[b] = detail::make_frequency_solver(*stacks[b], nodes[b], modes);
+    const Band& band = *bands_to_solve[b];
+    solvers[b] = detail::make_frequency_solver(*band.stack, band.nodes, modes);
     grids[b] = detail::make_frequency_grid(solvers[b].stack, frequency_count);
+    if (is_diffuse) paths[b] = detail::unscattered_paths(solvers[b].stack);
   }
   std::vector<std::vector<double>> reflected(bands, std::vector<double>(frequencies));
   std::vector<std::vector<double>> transmitted = reflected;
   parallel_for(bands * frequencies, [&](std::size_t task) {
     const std::size_t b = task / frequencies, i = task % frequencies;
-    const auto all = detail::response(solvers[b], grids[b].k[i]);
-    const auto once = detail::single_scattering_response(solvers[b], grids[b].k[i]);
-    reflected[b][i] = all.reflectance - once.reflectance;
-    transmitted[b][i] = all.transmittance - once.transmittance;
+    const double k = grids[b].k[i];
+    const auto all = response(solvers[b], k, illumination);
+    auto taken = is_diffuse ? detail::diffuse_single_on_grid(solvers[b], k)
+                            : detail::single_scattering_response(solvers[b], k);
+    if (is_diffuse) {
+      const auto unscattered =
+          detail::unscattered_response(solvers[b].stack, paths[b], modes + 1, k);
+      taken.reflectance += unscattered.reflectance;
+      taken.transmittance += unscattered.transmittance;
+    }
+    reflected[b][i] = all.reflectance - taken.reflectance;
+    transmitted[b][i] = all.transmittance - taken.transmittance;
   });
 
   std::vector<double> spectra(plan.k.size() * 2 * bands);
@@ -94,18 +141,18 @@ std::vector<Curves> solve(const std::vector<const LayerStack*>& stacks,
     for (std::size_t i = 0; i < plan.k.size(); ++i) {
       spectra[(i * bands + b) * 2] = detail::evaluate(r, plan.k[i]);
       spectra[(i * bands + b) * 2 + 1] =
-          is_semi_infinite(*stacks[b]) ? 0.0 : detail::evaluate(t, plan.k[i]);
+          is_semi_infinite(*bands_to_solve[b]->stack) ? 0.0 : detail::evaluate(t, plan.k[i]);
     }
   }
   const std::vector<double> multiple = inverse_hankel(plan, spectra, 2 * bands);
-  const std::size_t radii = plan.r.size();
-  std::vector<Curves> curves(bands, {std::vector<double>(radii), std::vector<double>(radii)});
-  parallel_for(bands * radii, [&](std::size_t task) {
-    const std::size_t b = task / radii, i = task % radii;
-    const auto once = detail::single_scattering_profile(*stacks[b], solvers[b].stack, plan.r[i]);
-    curves[b].reflectance[i] = multiple[(i * bands + b) * 2] + once.reflectance;
-    curves[b].transmittance[i] = multiple[(i * bands + b) * 2 + 1] + once.transmittance;
-  });
+  std::vector<Curves> curves;
+  for (std::size_t b = 0; b < bands; ++b) {
+    Curves& all = curves.emplace_back(bands_to_solve[b]->lowest_orders);
+    for (std::size_t i = 0; i < plan.r.size(); ++i) {
+      all.reflectance[i] += multiple[(i * bands + b) * 2];
+      all.transmittance[i] += multiple[(i * bands + b) * 2 + 1];
+    }
+  }
   return curves;
 }
 
@@ -132,7 +179,19 @@ void check(std::span<const LayerStack> stacks, const ExactProfileOptions& option
     const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
                                       [](const Layer& l) { return l.medium.sigma_s > 0.0; });
     if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");
+    if (!options.is_from_below) continue;
+    if (is_semi_infinite(stacks[b]))
+      throw InvalidInput(band + ": light from below needs a finite last layer, but it is infinite");
+    if (stacks[b].ground().reflectance > 0.0)
+      throw InvalidInput(band + ": light from below needs a black ground, but its reflectance is " +
+                         std::to_string(stacks[b].ground().reflectance));
   }
+}
+
+std::vector<LayerStack> seen_from_below(std::span<const LayerStack> stacks) {
+  std::vector<LayerStack> flipped_stacks;
+  for (const LayerStack& stack : stacks) flipped_stacks.push_back(flipped(stack));
+  return flipped_stacks;
 }
 
 }  // namespace
@@ -140,6 +199,11 @@ void check(std::span<const LayerStack> stacks, const ExactProfileOptions& option
 ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
                            const ExactProfileOptions& options) {
   check(stacks, options);
+  if (options.is_from_below) {
+    ExactProfileOptions from_above = options;
+    from_above.is_from_below = false;
+    return exact_profile(seen_from_below(stacks), radii, from_above);
+  }
   const HankelPlan plan = make_hankel_plan(radii);
   const std::size_t bands = stacks.size(), count = plan.r.size();
   ExactProfile result;
@@ -152,27 +216,27 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
   result.relative_error.assign(count * bands, 0.0);
   result.estimated_error.assign(bands, 0.0);
   result.modes.assign(bands, 0);
-  for (const auto& totals : adding_doubling(stacks, {}, {.accuracy = 1e-6})) {
+  const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
+  for (const auto& totals : adding_doubling(stacks, incidence, {.accuracy = 1e-6})) {
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(totals.totals.transmittance);
   }
 
   std::vector<std::size_t> unfinished(bands);  // bands still to be refined
   std::iota(unfinished.begin(), unfinished.end(), std::size_t{0});
-  std::vector<NodeChoice> choices(bands);
-  parallel_for(
-      bands, [&](std::size_t b) { choices[b] = enough_nodes(stacks[b], 0.5 * options.accuracy); });
-  for (const NodeChoice& choice : choices) result.nodes.push_back(choice.nodes);
   const int frequencies = options.accuracy >= 0.004 ? 24 : 36;
+  std::vector<NodeChoice> choices(bands);
+  std::vector<Band> problems(bands);
+  parallel_for(bands, [&](std::size_t b) {
+    choices[b] = enough_nodes(stacks[b], options);
+    problems[b] = make_band(stacks[b], choices[b].nodes, plan, options.illumination);
+  });
+  for (const NodeChoice& choice : choices) result.nodes.push_back(choice.nodes);
   std::vector<Curves> coarser;  // of the unfinished bands
   for (int modes = fewest_modes; modes <= most_modes && !unfinished.empty(); modes += 2) {
-    std::vector<const LayerStack*> some;
-    std::vector<int> nodes;
-    for (const std::size_t b : unfinished) {
-      some.push_back(&stacks[b]);
-      nodes.push_back(result.nodes[b]);
-    }
-    std::vector<Curves> finer = solve(some, nodes, plan, modes, frequencies);
+    std::vector<const Band*> some;
+    for (const std::size_t b : unfinished) some.push_back(&problems[b]);
+    std::vector<Curves> finer = solve(some, plan, modes, frequencies, options.illumination);
     if (coarser.empty()) {
       coarser = std::move(finer);
       continue;
@@ -217,6 +281,11 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
                                                     std::span<const double> k,
                                                     const ExactProfileOptions& options) {
   check(stacks, options);
+  if (options.is_from_below) {
+    ExactProfileOptions from_above = options;
+    from_above.is_from_below = false;
+    return spatial_frequency_response(seen_from_below(stacks), k, from_above);
+  }
   for (const double frequency : k)
     if (!(std::isfinite(frequency) && frequency >= 0.0))
       throw InvalidInput("spatial frequency: must be finite and >= 0 [1/mm], but is " +
@@ -226,11 +295,12 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
                                   .reflectance = std::vector<double>(k.size() * bands),
                                   .transmittance = std::vector<double>(k.size() * bands)};
   for (std::size_t b = 0; b < bands; ++b) {
-    const int nodes = enough_nodes(stacks[b], 0.5 * options.accuracy).nodes;
+    const int nodes = enough_nodes(stacks[b], options).nodes;
     const auto fine = detail::make_frequency_solver(stacks[b], nodes, 7);
     const auto coarse = detail::make_frequency_solver(stacks[b], nodes, 5);
     parallel_for(k.size(), [&](std::size_t i) {
-      const auto last = detail::response(fine, k[i]), before = detail::response(coarse, k[i]);
+      const auto last = response(fine, k[i], options.illumination);
+      const auto before = response(coarse, k[i], options.illumination);
       result.reflectance[i * bands + b] =
           last.reflectance + step_to_come * (last.reflectance - before.reflectance);
       result.transmittance[i * bands + b] =

@@ -10,11 +10,19 @@
 
 namespace lamina {
 
+/// How light arrives at the point r = 0.
+enum class Illumination {
+  normal_beam,  ///< along the normal
+  diffuse       ///< equal radiance from the whole hemisphere
+};
+
 struct ExactProfileOptions {
   double accuracy =
       0.005;  ///< asked of the profile, relative, in [1e-4, 0.1], where there is light: see below
   double r_lowest = 0.01;  ///< the accuracy is asked from this radius on [mm]
   double r_highest = 6.0;  ///< and up to this one [mm]
+  Illumination illumination = Illumination::normal_beam;
+  bool is_from_below = false;  ///< lit on the lower side, which reflectance then means, too
 };
 
 /// A profile by radiative transfer, with an estimate of its error.
@@ -26,16 +34,21 @@ struct ExactProfile {
   bool is_accurate = false;             ///< every estimate is within the accuracy asked
 };
 
-/// R(r) and T(r) of a layered material under a normally incident pencil beam by the equation of
-/// radiative transfer, one spatial frequency at a time; no diffusion, no noise.
+/// R(r) and T(r) of a layered material around a point of light by the equation of radiative
+/// transfer, one spatial frequency at a time; no diffusion, no noise.
 ///
 /// Light scattered once is taken out at every frequency and put in exactly over radius. The
 /// directions and azimuthal modes grow until two solutions agree to the accuracy asked, wherever a
 /// ring of the profile holds more than 1e-4 of the flux in the fullest ring of equal relative
-/// width. Light that leaves unscattered is in the totals and not in the profile.
+/// width. Light of a beam that leaves unscattered is in the totals and not in the profile. Diffuse
+/// light spreads without being scattered: it is in both, and only what the lit surface mirrors is
+/// left out of R(r).
+///
+/// Diffuse light with all that leaves collected is what a renderer with a Fresnel factor at the
+/// entry and one at the exit needs: see docs/exact_profiles.md.
 ///
 /// @param stacks  [band], at least one; every band must scatter.
-/// @throws InvalidInput naming a rough boundary, or a wrong grid.
+/// @throws InvalidInput naming a rough boundary, a wrong grid, or a stack without a lower side.
 ///
 /// Source: docs/exact_profiles.md.
 [[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,

@@ -176,29 +176,68 @@ FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int mo
   return solver;
 }
 
-FrequencyResponse response(const FrequencySolver& solver, double k) {
-  std::vector<Crossing> crossings;
-  Matrix reflection = ground_reflection(solver);
+namespace {
+
+/// The whole stack at one spatial frequency.
+struct StackAtFrequency {
+  std::vector<Crossing> crossings;  ///< bottom first
+  Matrix reflection;                ///< of the whole, for light from above
+};
+
+StackAtFrequency stack_at_frequency(const FrequencySolver& solver, double k) {
+  StackAtFrequency stack{{}, ground_reflection(solver)};
   const auto take = [&](Covered covered) {
-    crossings.push_back(std::move(covered.crossing));
-    reflection = std::move(covered.reflection);
+    stack.crossings.push_back(std::move(covered.crossing));
+    stack.reflection = std::move(covered.reflection);
   };
   for (std::size_t index = solver.stack.layers.size(); index-- > 0;) {
-    take(cover_by_interface(solver, index + 1, std::move(reflection)));
-    take(cover_by_layer(layer_operators(solver, index, k), std::move(reflection)));
+    take(cover_by_interface(solver, index + 1, std::move(stack.reflection)));
+    take(cover_by_layer(layer_operators(solver, index, k), std::move(stack.reflection)));
   }
-  take(cover_by_interface(solver, 0, std::move(reflection)));
+  take(cover_by_interface(solver, 0, std::move(stack.reflection)));
+  return stack;
+}
 
-  const std::size_t beam = solver.stack.grid.extra[0];
-  std::vector<double> state(reflection.rows, 0.0);
-  state[beam] = 1.0 / std::sqrt(extra_node_etendue);
+/// What leaves the stack in mode 0, the beam apart, for a state that arrives from above.
+FrequencyResponse leaving_flux(const FrequencySolver& solver, const StackAtFrequency& at,
+                               std::vector<double> state) {
   FrequencyResponse result;
-  result.reflectance = scattered_flux(solver, product(reflection, state), solver.stack.ior.front());
+  result.reflectance =
+      scattered_flux(solver, product(at.reflection, state), solver.stack.ior.front());
   if (solver.stack.is_semi_infinite) return result;
-  for (std::size_t c = crossings.size(); c-- > 0;) state = product(crossings[c].pass, state);
+  for (std::size_t c = at.crossings.size(); c-- > 0;) state = product(at.crossings[c].pass, state);
   result.transmittance = (1.0 - solver.stack.ground_reflectance) *
                          scattered_flux(solver, state, solver.stack.ior.back());
   return result;
+}
+
+}  // namespace
+
+FrequencyResponse response(const FrequencySolver& solver, double k) {
+  const StackAtFrequency at = stack_at_frequency(solver, k);
+  std::vector<double> state(at.reflection.rows, 0.0);
+  state[solver.stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
+  return leaving_flux(solver, at, std::move(state));
+}
+
+FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {
+  const GridStack& stack = solver.stack;
+  const std::size_t outside = active_count(stack.grid, stack.ior[0]);
+  const std::size_t inside = active_count(stack.grid, stack.ior[1]);
+  const StackAtFrequency at = stack_at_frequency(solver, k);
+  std::vector<double> state(at.reflection.rows, 0.0);
+  double arriving = 0.0, mirrored = 0.0;
+  for (std::size_t i = 0; i < outside; ++i) {  // mode 0 comes first
+    if (i == stack.grid.extra[0]) continue;
+    const double etendue = stack.grid.etendue[i];
+    state[i] = std::sqrt(etendue);
+    arriving += etendue;
+    mirrored +=
+        etendue * (i < inside ? node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0);
+  }
+  const FrequencyResponse leaving = leaving_flux(solver, at, std::move(state));
+  return {.reflectance = (leaving.reflectance - mirrored) / arriving,
+          .transmittance = leaving.transmittance / arriving};
 }
 
 namespace {

@@ -28,6 +28,11 @@ struct FrequencyResponse {
 /// All orders of scattering. At k = 0 the diffuse totals on the same grid.
 [[nodiscard]] FrequencyResponse response(const FrequencySolver& solver, double k);
 
+/// The same for diffuse light that falls on the top as a wave, equal radiance from all of the
+/// hemisphere: fractions of its flux. With the light that finds its way unscattered; only what the
+/// top surface mirrors is left out.
+[[nodiscard]] FrequencyResponse diffuse_response(const FrequencySolver& solver, double k);
+
 /// Light scattered once that then leaves without a further reflection, with the same azimuths as
 /// the modes can tell apart: what is taken out of `response` to be put in exactly over radius.
 [[nodiscard]] FrequencyResponse single_scattering_response(const FrequencySolver& solver, double k);

@@ -10,10 +10,9 @@
 namespace lamina::detail {
 namespace {
 
-constexpr double highest_per_sigma_t = 4.0;  ///< beyond, the azimuthal modes do not suffice
-constexpr double tail_start = 0.35;          ///< share of the highest frequency from which to fit
-constexpr double handover = 0.6;             ///< where both forms count alike
-constexpr double bend = 0.25;                ///< k0 over the highest frequency
+constexpr double tail_start = 0.35;  ///< share of the highest frequency from which to fit
+constexpr double handover = 0.6;     ///< where both forms count alike
+constexpr double bend = 0.25;        ///< k0 over the highest frequency
 
 double inner(const Spectrum& spectrum, double k) {
   const FrequencyGrid& grid = spectrum.grid;
@@ -59,7 +58,7 @@ std::array<double, 3> least_squares(const std::vector<std::array<double, 3>>& ro
 
 }  // namespace
 
-FrequencyGrid make_frequency_grid(const GridStack& stack, int count) {
+FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double highest_per_sigma_t) {
   double slowest = std::numeric_limits<double>::infinity(), densest = 0.0;
   for (const GridLayer& layer : stack.layers) {
     const double mean_cosine = layer.moments.size() > 1 ? layer.moments[1] : 0.0;

@@ -15,7 +15,11 @@ struct FrequencyGrid {
   double highest = 1.0;   ///< [1/mm]
   std::vector<double> k;  ///< [1/mm], descending, all > 0
 };
-[[nodiscard]] FrequencyGrid make_frequency_grid(const GridStack& stack, int count);
+
+/// @param highest_per_sigma_t  of the densest layer; all orders need no more than 4, where the
+///                             azimuthal modes begin to lack.
+[[nodiscard]] FrequencyGrid make_frequency_grid(const GridStack& stack, int count,
+                                                double highest_per_sigma_t = 4.0);
 
 /// A function of k through its values on such a grid: an even Chebyshev series for (1 + (k/k0)^2)
 /// F, handed over smoothly to (a + b ln k + c / k) / k^2, which is how light scattered twice falls.

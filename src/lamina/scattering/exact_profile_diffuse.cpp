@@ -1,0 +1,280 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/exact_profile_diffuse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "lamina/core/quadrature.h"
+#include "lamina/scattering/straight_ray.h"
+
+namespace lamina::detail {
+namespace {
+
+constexpr double deepest = 20.0;      ///< optical depth where no light is left
+constexpr double first_panel = 0.02;  ///< optical depth of the first panel of depths
+constexpr double least_mode = 1e-5;   ///< modes of a phase function below this do not count
+constexpr double finest_phase = 2.0;  ///< times the nodes: waves of larger phase cancel out
+constexpr double least_light = 1e-14;
+
+/// Bessel functions J_0 .. J_n at x >= 0, by Miller's backward recurrence. [AbramowitzStegun1964]
+/// 9.12, Example 1.
+void bessel(double x, int n, double* out) {
+  std::fill(out, out + n + 1, 0.0);
+  out[0] = 1.0;
+  if (x < 1e-9) return;
+  const double largest = std::max(x, static_cast<double>(n));
+  const int start = 2 * static_cast<int>(0.5 * (largest + 12.0 * std::cbrt(largest)) + 8.0);
+  double above = 0.0, here = 1e-280, sum = 0.0;
+  for (int m = start; m > 0; --m) {  // here is J_m
+    if (m <= n) out[m] = here;
+    if (m % 2 == 0) sum += 2.0 * here;
+    const double below = 2.0 * m / x * here - above;
+    above = here;
+    here = below;
+    if (std::abs(here) < 1e200) continue;
+    here *= 1e-250;
+    above *= 1e-250;
+    sum *= 1e-250;
+    for (int q = m; q <= n; ++q) out[q] *= 1e-250;
+  }
+  out[0] = here;
+  sum += here;
+  for (int m = 0; m <= n; ++m) out[m] /= sum;
+}
+
+/// Depths of a layer in panels that grow away from its faces.
+Quadrature depths(double thickness, double sigma_t, double first) {
+  const bool has_bottom = std::isfinite(thickness);
+  const double half = has_bottom ? 0.5 * thickness : deepest / sigma_t;
+  std::vector<double> edges{half};
+  while (edges.back() > first && edges.size() < 40) edges.push_back(0.5 * edges.back());
+  edges.push_back(0.0);
+  std::ranges::reverse(edges);
+  if (has_bottom)
+    for (std::size_t i = edges.size() - 1; i-- > 0;) edges.push_back(thickness - edges[i]);
+  Quadrature all;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    // Within a deep layer away from both faces nothing is left to scatter.
+    const double from_face = has_bottom ? std::min(edges[i], thickness - edges[i + 1]) : edges[i];
+    if (from_face * sigma_t > deepest) continue;
+    const Quadrature panel = gauss_legendre(8, edges[i], edges[i + 1]);
+    all.nodes.insert(all.nodes.end(), panel.nodes.begin(), panel.nodes.end());
+    all.weights.insert(all.weights.end(), panel.weights.begin(), panel.weights.end());
+  }
+  return all;
+}
+
+/// What lies between a layer and one side of the stack.
+struct Way {
+  std::size_t first, last;  ///< interfaces, and layers but for the last
+  double widest;            ///< p up to which light gets through
+};
+Way make_way(const GridStack& stack, std::size_t layer, bool is_top) {
+  Way way{is_top ? 0 : layer + 1, is_top ? layer : stack.layers.size(), stack.ior[layer + 1]};
+  for (std::size_t q = way.first; q <= way.last; ++q)
+    way.widest = std::min({way.widest, stack.ior[q], stack.ior[q + 1]});
+  return way;
+}
+
+DiffuseSingle::Rays make_rays(const GridStack& stack, std::size_t layer, bool is_top,
+                              const std::vector<double>& depth,
+                              const std::vector<double>& extinction) {
+  const auto [first, last, widest] = make_way(stack, layer, is_top);
+  DiffuseSingle::Rays rays;
+  rays.nodes = active_count(stack.grid, widest);  // the beam has no weight
+  for (const double z : depth)
+    for (std::size_t i = 0; i < rays.nodes; ++i) {
+      double light = stack.grid.etendue[i] / stack.layers[layer].cos[i], aside = 0.0;
+      const auto go = [&](std::size_t l, double d) {
+        const double cos = stack.layers[l].cos[i];
+        light *= std::exp(-extinction[l] * d / cos);
+        aside += d * stack.grid.p[i] / (stack.layers[l].ior * cos);
+      };
+      for (std::size_t q = first; q <= last; ++q)
+        light *= 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
+      for (std::size_t l = first; l < last; ++l) go(l, stack.layers[l].thickness);
+      go(layer, is_top ? z : stack.layers[layer].thickness - z);
+      rays.light.push_back(light);
+      rays.aside.push_back(aside);
+    }
+  return rays;
+}
+
+/// The rays of one depth as a wave, [mode][node]; 0 in light of a phase that cancels out.
+void waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double k,
+           std::vector<double>& out, std::vector<double>& one) {
+  const std::size_t n = rays.nodes;
+  out.assign(static_cast<std::size_t>(modes + 1) * n, 0.0);
+  const double cut = finest_phase * static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    double light = rays.light[depth * n + i];
+    const double x = k * rays.aside[depth * n + i];
+    if (light < least_light) continue;
+    if (x > 2.0 * cut) continue;
+    light *= std::exp(-std::pow(x / cut, 8.0));
+    bessel(x, modes, one.data());
+    for (int m = 0; m <= modes; ++m)
+      out[static_cast<std::size_t>(m) * n + i] = light * one[static_cast<std::size_t>(m)];
+  }
+}
+
+}  // namespace
+
+DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
+                                  const std::vector<double>& extinction) {
+  const GridStack& stack = solver.stack;
+  DiffuseSingle single{.modes = solver.modes};
+  double densest = 0.0;
+  for (const GridLayer& layer : stack.layers) densest = std::max(densest, layer.sigma_t);
+  for (std::size_t l = 0; l < stack.layers.size(); ++l) {
+    const GridLayer& layer = stack.layers[l];
+    if (layer.sigma_s == 0.0) continue;
+    const Quadrature z = depths(layer.thickness, layer.sigma_t, first_panel / densest);
+    auto& made = single.layers.emplace_back();
+    made.strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * stack.ior[0] * stack.ior[0]);
+    made.depth_weight = z.weights;
+    made.from_top = make_rays(stack, l, true, z.nodes, extinction);
+    if (has_open_bottom(stack)) made.from_bottom = make_rays(stack, l, false, z.nodes, extinction);
+    made.phase = &solver.phase[l];
+  }
+  return single;
+}
+
+FrequencyResponse single_response(const DiffuseSingle& single, double k) {
+  FrequencyResponse result;
+  std::vector<double> top, bottom, one(static_cast<std::size_t>(single.modes) + 1);
+  for (const DiffuseSingle::Layer& layer : single.layers) {
+    // Modes that count: the kernels only fall with m.
+    const auto largest = [&](const Matrix& kernel) {
+      double most = 0.0;
+      for (const double value : kernel.values) most = std::max(most, std::abs(value));
+      return most;
+    };
+    int modes = single.modes;
+    const double least = least_mode * largest((*layer.phase)[0].forward);
+    while (modes > 0 && largest((*layer.phase)[static_cast<std::size_t>(modes)].forward) < least)
+      --modes;
+    const auto meet = [&](const std::vector<double>& a, std::size_t a_nodes,
+                          const std::vector<double>& b, std::size_t b_nodes, bool turns) {
+      double sum = 0.0;
+      for (int m = 0; m <= modes; ++m) {
+        const auto at = static_cast<std::size_t>(m);
+        const PhaseMode& phase = (*layer.phase)[at];
+        const Matrix& kernel = turns ? phase.backward : phase.forward;
+        double of_mode = 0.0;
+        for (std::size_t j = 0; j < b_nodes; ++j) {
+          const double* column = &kernel.values[j * kernel.rows];
+          double row = 0.0;
+          for (std::size_t i = 0; i < a_nodes; ++i) row += column[i] * a[at * a_nodes + i];
+          of_mode += row * b[at * b_nodes + j];
+        }
+        sum += (m == 0 ? 1.0 : m % 2 == 0 ? 2.0 : -2.0) * of_mode;
+      }
+      return sum;
+    };
+    for (std::size_t z = 0; z < layer.depth_weight.size(); ++z) {
+      const double weight = layer.strength * layer.depth_weight[z];
+      waves(layer.from_top, z, modes, k, top, one);
+      result.reflectance +=
+          weight * meet(top, layer.from_top.nodes, top, layer.from_top.nodes, true);
+      if (layer.from_bottom.nodes == 0) continue;
+      waves(layer.from_bottom, z, modes, k, bottom, one);
+      result.transmittance +=
+          weight * meet(top, layer.from_top.nodes, bottom, layer.from_bottom.nodes, false);
+    }
+  }
+  return result;
+}
+
+FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k) {
+  using Complex = std::complex<double>;
+  using std::numbers::pi;
+  const GridStack& stack = solver.stack;
+  const auto azimuths = static_cast<std::size_t>(solver.modes) + 1;
+  const double arriving = stack.ior[0] * stack.ior[0];
+  std::vector<double> wave(azimuths);
+  for (std::size_t q = 0; q < azimuths; ++q)
+    wave[q] = k * std::cos((static_cast<double>(q) + 0.5) * pi / static_cast<double>(azimuths));
+  FrequencyResponse result;
+
+  /// Directions in a layer and their light at the face nearer to one side, [node][azimuth].
+  struct Face {
+    std::vector<std::size_t> nodes;
+    std::vector<Complex> light, rate, passed;  ///< passed: what is left at the other face
+  };
+  const auto rate_in = [&](const GridLayer& layer, std::size_t i, double w) {
+    return Complex(node_extinction(layer, i) / layer.cos[i],
+                   w * stack.grid.p[i] / (layer.ior * layer.cos[i]));
+  };
+  const auto make_face = [&](std::size_t l, bool is_above) {
+    const Way way = make_way(stack, l, is_above);
+    Face face;
+    for (std::size_t i = 0; i < active_count(stack.grid, way.widest); ++i)
+      if (i != stack.grid.extra[0]) face.nodes.push_back(i);
+    for (const std::size_t i : face.nodes) {
+      double through = stack.grid.etendue[i] / stack.layers[l].cos[i];
+      for (std::size_t q = way.first; q <= way.last; ++q)
+        through *= 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
+      for (const double w : wave) {
+        Complex light = through;
+        for (std::size_t o = way.first; o < way.last; ++o)
+          light *= std::exp(-rate_in(stack.layers[o], i, w) * stack.layers[o].thickness);
+        face.light.push_back(light);
+        face.rate.push_back(rate_in(stack.layers[l], i, w));
+        face.passed.push_back(std::isfinite(stack.layers[l].thickness)
+                                  ? std::exp(-face.rate.back() * stack.layers[l].thickness)
+                                  : 0.0);
+      }
+    }
+    return face;
+  };
+  // Between azimuths, the even part of the phase function's series.
+  std::vector<double> series(azimuths * azimuths * azimuths);
+  for (std::size_t a = 0; a < azimuths; ++a)
+    for (std::size_t b = 0; b < azimuths; ++b)
+      for (std::size_t m = 0; m < azimuths; ++m) {
+        const double unit = static_cast<double>(m) * pi / static_cast<double>(azimuths);
+        series[(a * azimuths + b) * azimuths + m] =
+            (m == 0 ? 1.0 : 2.0) * std::cos((static_cast<double>(a) + 0.5) * unit) *
+            std::cos((static_cast<double>(b) + 0.5) * unit);
+      }
+  for (std::size_t l = 0; l < stack.layers.size(); ++l) {
+    const GridLayer& layer = stack.layers[l];
+    if (layer.sigma_s == 0.0) continue;
+    const double d = layer.thickness;
+    const auto scattered = [&](const Face& from, const Face& to, bool turns) {
+      Complex sum = 0.0;
+      for (std::size_t n = 0; n < from.nodes.size(); ++n)
+        for (std::size_t o = 0; o < to.nodes.size(); ++o)
+          for (std::size_t a = 0; a < azimuths; ++a)
+            for (std::size_t b = 0; b < azimuths; ++b) {
+              double density = 0.0;
+              for (std::size_t m = 0; m < azimuths; ++m) {
+                const PhaseMode& phase = solver.phase[l][m];
+                density += series[(a * azimuths + b) * azimuths + m] *
+                           (turns ? phase.backward : phase.forward)(from.nodes[n], to.nodes[o]);
+              }
+              const std::size_t in = n * azimuths + a, out = o * azimuths + b;
+              const Complex both = from.rate[in] + to.rate[out];
+              const Complex apart = from.rate[in] - to.rate[out];
+              const Complex over_depth = turns ? (1.0 - from.passed[in] * to.passed[out]) / both
+                                         : std::abs(apart) * d < 1e-6
+                                             ? d * from.passed[in]
+                                             : (to.passed[out] - from.passed[in]) / apart;
+              sum += from.light[in] * to.light[out] * density * over_depth;
+            }
+      return sum.real();
+    };
+    const double strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * arriving) /
+                            static_cast<double>(azimuths * azimuths);
+    const Face above = make_face(l, true);
+    result.reflectance += strength * scattered(above, above, true);
+    if (has_open_bottom(stack))
+      result.transmittance += strength * scattered(above, make_face(l, false), false);
+  }
+  return result;
+}
+
+}  // namespace lamina::detail
