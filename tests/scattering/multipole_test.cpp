@@ -210,6 +210,44 @@ TEST(Multipole, GivesTheTransmittanceOfParchment) {
   EXPECT_NEAR(transmitted, 0.033, 5e-4);
 }
 
+// The source at each depth is a point source there; its light, hyperbolic sines as they stand.
+TEST(Multipole, SpreadSourceIsTheMeanOfPointSources) {
+  for (const double sigma_a : {1e-4, 0.1, 3.0})
+    for (const double thickness : {0.02, 0.25, 0.9})
+      for (const double k : {0.0, 0.5, 4.0, 30.0}) {
+        const Multipole m = slab_of(sigma_a, 4.0, thickness, 1.4, 1.01);
+        const double s = std::sqrt(k * k + m.sigma_tr * m.sigma_tr);
+        const double all = std::sinh(s * (thickness + m.z_b_top + m.z_b_bottom));
+        const auto density = [&](double z) {
+          return std::exp(-z / m.source_depth) / m.source_depth;
+        };
+        const double up = integrate(
+            [&](double z) { return density(z) * std::sinh(s * (thickness - z + m.z_b_bottom)); },
+            0.0, thickness);
+        const double down = integrate(
+            [&](double z) { return density(z) * std::sinh(s * (z + m.z_b_top)); }, 0.0, thickness);
+        const LayerResponse r = spread_source_response(m, k);
+        EXPECT_NEAR(r.reflection_above, m.albedo_prime * std::cosh(s * m.z_b_top) * up / all,
+                    1e-10);
+        EXPECT_NEAR(r.transmission_down,
+                    m.albedo_prime * std::cosh(s * m.z_b_bottom) * down / all +
+                        std::exp(-thickness / m.source_depth),
+                    1e-10);
+      }
+}
+
+TEST(Multipole, SpreadSourceHasNoJumpWhereTheLayerGetsThin) {
+  const double thinner = 0.2 - 1e-9, thicker = 0.2 + 1e-9;  // l = 0.2
+  const auto at = [](double thickness) {
+    return spread_source_response(slab_of(0.1, 4.9, thickness, 1.4, 1.0), 1.0);
+  };
+  EXPECT_NEAR(at(thinner).reflection_above, at(thicker).reflection_above, 1e-7);
+  EXPECT_NEAR(at(thinner).transmission_down, at(thicker).transmission_down, 1e-7);
+  const Multipole thin = slab_of(0.1, 4.9, thinner, 1.4, 1.0);
+  EXPECT_EQ(response(thin, 2.0).reflection_above,
+            spread_source_response(thin, 2.0).reflection_above);
+}
+
 RC_GTEST_PROP(MultipoleLaw, LayersNeverCreateLight, ()) {
   const auto log_uniform = [](int from, int to) {  // 10^from to 10^to
     return std::pow(10.0, *rc::gen::inRange(100 * from, 100 * to + 1) / 100.0);

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/multipole.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -35,11 +36,11 @@ OneWay point_source(const Multipole& layer, double s, double z_near, double z_fa
               decaying_sinh_ratio(s, l + z_near, L)};
 }
 
-/// The point source averaged over its depth z with the density sigma exp(-sigma z), sigma d < 1.
+/// The point source averaged over its depth z with the density sigma exp(-sigma z).
 OneWay extended_source(const Multipole& layer, double s, double z_near, double z_far) {
   const double sigma = 1.0 / layer.source_depth, d = layer.thickness, L = d + z_near + z_far;
   double up = 0.0, down = 0.0;
-  if (s * d < 4.0) {  // here the closed form below cancels, and few nodes are enough
+  if (s * d < 0.1) {  // here the closed form below cancels, and few nodes are enough
     static const Quadrature rule = gauss_legendre(20, 0.0, 1.0);
     for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
       const double z = d * rule.nodes[i];
@@ -50,12 +51,24 @@ OneWay extended_source(const Multipole& layer, double s, double z_near, double z
   } else {
     const double all = -std::expm1(-2.0 * s * L);
     const double direct = -std::expm1(-(sigma + s) * d) / (sigma + s);
-    const double across = (std::exp(-sigma * d) - std::exp(-s * d)) / (s - sigma);
+    const double apart = std::abs(s - sigma) * d;  // 0 where source and light fade alike
+    const double across =
+        std::exp(-std::min(s, sigma) * d) * d * (apart > 0.0 ? -std::expm1(-apart) / apart : 1.0);
     up = sigma / all * (direct - std::exp(-s * (d + 2.0 * z_far)) * across);
     down = sigma / all * (across - std::exp(-s * (d + 2.0 * z_near)) * direct);
   }
   return {layer.albedo_prime * decaying_cosh(s, z_near) * up,
           layer.albedo_prime * decaying_cosh(s, z_far) * down + std::exp(-sigma * d)};
+}
+
+LayerResponse finite_response(const Multipole& layer, double s,
+                              OneWay (*one_way)(const Multipole&, double, double, double)) {
+  const OneWay above = one_way(layer, s, layer.z_b_top, layer.z_b_bottom);
+  const OneWay below = one_way(layer, s, layer.z_b_bottom, layer.z_b_top);
+  return {.reflection_above = above.reflection,
+          .transmission_down = above.transmission,
+          .reflection_below = below.reflection,
+          .transmission_up = below.transmission};
 }
 
 }  // namespace
@@ -79,13 +92,13 @@ LayerResponse response(const Multipole& layer, double k) {
             .transmission_down = 0.0,
             .reflection_below = 0.0,
             .transmission_up = 0.0};
-  const auto one_way = is_thinner_than_source_depth(layer) ? extended_source : point_source;
-  const OneWay above = one_way(layer, s, layer.z_b_top, layer.z_b_bottom);
-  const OneWay below = one_way(layer, s, layer.z_b_bottom, layer.z_b_top);
-  return {.reflection_above = above.reflection,
-          .transmission_down = above.transmission,
-          .reflection_below = below.reflection,
-          .transmission_up = below.transmission};
+  return finite_response(layer, s,
+                         is_thinner_than_source_depth(layer) ? extended_source : point_source);
+}
+
+LayerResponse spread_source_response(const Multipole& layer, double k) {
+  if (layer.thickness == std::numeric_limits<double>::infinity()) return response(layer, k);
+  return finite_response(layer, std::hypot(k, layer.sigma_tr), extended_source);
 }
 
 double unscattered_transmittance(const Multipole& layer) {

@@ -1,0 +1,39 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+// The loops over texels of gaussian_blurs.cpp, compiled for each instruction set and chosen at run
+// time. Results differ between processors by rounding only.
+
+namespace lamina::detail {
+
+/// Floats that a row must have to either side of it where a kernel says "framed".
+inline constexpr std::size_t frame = 16;
+
+/// sum[x] = taps[0] centre[x] + sum over n of taps[n] (before_n[x] + after_n[x]), where rows are
+/// before_r .. centre .. after_r.
+void combine_rows(std::span<const float* const> rows, std::span<const float> taps, float* sum,
+                  std::size_t size);
+
+/// The same along a framed row, which reaches taps.size() - 1 <= frame to either side.
+void convolve_row(const float* row, std::span<const float> taps, float* result, std::size_t size);
+
+/// sum[x] += row[x] * polynomial(coordinate[x]).
+void add_times_polynomial(const float* row, const float* coordinate,
+                          std::span<const float> coefficients, float* sum, std::size_t size);
+
+/// Every second place of a framed row of 2 * size, weighted 1 3 3 1 over 8 around it.
+void halve_row(const float* row, float* result, std::size_t size);
+
+/// sum[x] = a row_a[x] + b row_b[x] + (framed `coarse` of half the size, brought to this size).
+void add_doubled_row(const float* coarse, const float* row_a, float a, const float* row_b, float b,
+                     float* sum, std::size_t size);
+
+/// sum[x] += sum over p of coordinate[x]^p (framed coarse[p] of half the size, brought to this
+/// size)[x].
+void add_doubled_polynomial(std::span<const float* const> coarse, const float* coordinate,
+                            float* sum, std::size_t size);
+
+}  // namespace lamina::detail

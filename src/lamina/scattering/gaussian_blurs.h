@@ -1,0 +1,79 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace lamina {
+
+/// Numbers on a grid of texels, row by row.
+struct Plane {
+  int width = 0, height = 0;
+  std::vector<float> values;  ///< [y][x]
+};
+
+[[nodiscard]] inline Plane make_plane(int width, int height, float value = 0.0f) {
+  return {width, height,
+          std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                             value)};
+}
+
+/// Blurs of a plane by Gaussians of doubling width, whose cost per texel does not grow with the
+/// width: wide ones run on grids that are coarser by powers of two. Outside, the plane goes on as
+/// its mirror image.
+///
+/// On each grid the plane is blurred from one width to the next by exp(t (cosh d - 1)), the
+/// discrete Gaussian: positive, with taps e^-t I_n(t) and exactly the variance t. Steps to coarser
+/// grids and back weight by 1 3 3 1; one is the other's transpose, so that every blur is symmetric:
+/// its adjoint is itself.
+///
+/// Source: [Lindeberg1990] for the discrete Gaussian.
+struct BlurLadder {
+  int width, height;  ///< multiples of 2^levels
+  int levels;         ///< coarser grids
+  /// [rung] in texel²: 0 and doubling, six on the finest grid, two on each coarser one; and
+  /// infinity, the mean of the plane.
+  std::vector<double> variances;
+};
+
+inline constexpr std::size_t finest_rungs = 6;
+
+/// The smallest ladder over at least so many texels that holds a variance [texel²], as far as the
+/// plane is not smaller than the Gaussian.
+[[nodiscard]] BlurLadder make_blur_ladder(int width, int height, double largest_variance);
+
+/// A matrix, [variance][rung]: each Gaussian as the sum of rungs that comes next to it, for
+/// frequencies that the grid has. Largest error of a sharp edge's blur: .003 of its height, near a
+/// variance of 8 texel²; what is narrower than a texel is that of a Gaussian on the grid.
+///
+/// @param variances  [texel²], >= 0.
+[[nodiscard]] std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
+                                                     std::span<const double> variances);
+
+/// An operator with a profile of its own at each texel where light comes out: the weights of the
+/// rungs are polynomials in a coordinate in [-1, 1] that each texel has.
+struct MappedOperator {
+  std::size_t powers = 0;
+  std::vector<float> weights;  ///< [power][rung]
+  std::vector<float> totals;   ///< [power]: sums over the rungs
+};
+
+/// What several operators make of a plane: operator o gives at texel x
+///
+///     sum over rungs and powers of weights_o[power][rung] coordinate(x)^power (blur_rung
+///     input)(x).
+///
+/// @param coordinate  of the ladder's size, as the input.
+/// @return            [operator].
+[[nodiscard]] std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input,
+                                       const Plane& coordinate,
+                                       std::span<const MappedOperator* const> operators);
+
+/// A plane in the corner of a ladder's, the rest its mirror image.
+[[nodiscard]] Plane mirrored(const BlurLadder& ladder, const Plane& plane);
+
+/// The corner of a plane.
+[[nodiscard]] Plane cropped(const Plane& plane, int width, int height);
+
+}  // namespace lamina

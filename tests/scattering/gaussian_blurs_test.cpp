@@ -1,0 +1,158 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/gaussian_blurs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace lamina {
+namespace {
+
+/// The operator that is one rung, or a sum of rungs.
+MappedOperator constant_operator(std::vector<float> weights) {
+  const float total = std::accumulate(weights.begin(), weights.end(), 0.0f);
+  return {.powers = 1, .weights = std::move(weights), .totals = {total}};
+}
+
+Plane apply_rungs(const BlurLadder& ladder, const Plane& input, std::vector<float> weights) {
+  const MappedOperator blur = constant_operator(std::move(weights));
+  const MappedOperator* operators[] = {&blur};
+  return apply(ladder, input, make_plane(ladder.width, ladder.height), operators)[0];
+}
+
+Plane one_rung(const BlurLadder& ladder, const Plane& input, std::size_t rung) {
+  std::vector<float> weights(ladder.variances.size(), 0.0f);
+  weights[rung] = 1.0f;
+  return apply_rungs(ladder, input, weights);
+}
+
+std::vector<float> rungs_of(const BlurLadder& ladder, double variance) {
+  const double variances[] = {variance};
+  const std::vector<double> rungs = rungs_of_gaussians(ladder, variances);
+  return {rungs.begin(), rungs.end()};
+}
+
+Plane noise(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  Plane plane = make_plane(width, height);
+  for (float& value : plane.values) value = std::uniform_real_distribution<float>()(random);
+  return plane;
+}
+
+TEST(GaussianBlurs, KeepTheLight) {
+  const BlurLadder ladder = make_blur_ladder(64, 96, 500.0);
+  const Plane light = noise(64, 96, 1);
+  const double all = std::accumulate(light.values.begin(), light.values.end(), 0.0);
+  for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung) {
+    const Plane seen = one_rung(ladder, light, rung);
+    EXPECT_NEAR(std::accumulate(seen.values.begin(), seen.values.end(), 0.0), all, 1e-5 * all);
+  }
+}
+
+TEST(GaussianBlurs, WidenASpotByTheirVariance) {
+  const BlurLadder ladder = make_blur_ladder(256, 256, 200.0);
+  Plane spot = make_plane(256, 256);
+  spot.values[128 * 256 + 125] = 1.0f;
+  for (std::size_t rung = 0; ladder.variances[rung] < 200.0; ++rung) {
+    const Plane seen = one_rung(ladder, spot, rung);
+    double sum = 0.0, square_x = 0.0, square_y = 0.0;
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x) {
+        const double value = seen.values[static_cast<std::size_t>(y * 256 + x)];
+        sum += value;
+        square_x += value * (x - 125) * (x - 125);
+        square_y += value * (y - 128) * (y - 128);
+      }
+    // A spot sits askew on coarser grids, by up to half a texel of theirs.
+    const double tolerance = 2e-3 + 0.02 * ladder.variances[rung];
+    EXPECT_NEAR(sum, 1.0, 1e-5);
+    EXPECT_NEAR(square_x, ladder.variances[rung], tolerance);
+    EXPECT_NEAR(square_y, ladder.variances[rung], tolerance);
+  }
+}
+
+TEST(GaussianBlurs, AreTheirOwnAdjoints) {
+  const BlurLadder ladder = make_blur_ladder(48, 80, 300.0);
+  const Plane a = noise(48, 80, 1), b = noise(48, 80, 2);
+  std::vector<float> weights;
+  for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung)
+    weights.push_back(1.0f / static_cast<float>(1 + rung));
+  const auto dot = [](const Plane& p, const Plane& q) {
+    return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
+  };
+  const double forward = dot(b, apply_rungs(ladder, a, weights));
+  const double backward = dot(a, apply_rungs(ladder, b, weights));
+  EXPECT_NEAR(forward, backward, 1e-6 * forward);
+}
+
+// The blur of a sharp edge is an error function of the distance to it.
+TEST(GaussianBlurs, SumsOfRungsBlurEdgesLikeGaussians) {
+  constexpr int size = 256;
+  const BlurLadder ladder = make_blur_ladder(size, size, 1000.0);
+  Plane edge = make_plane(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 101; x < size; ++x) edge.values[static_cast<std::size_t>(y * size + x)] = 1.0f;
+  for (const double variance : {6.0, 10.0, 25.0, 70.0, 300.0, 900.0}) {
+    const Plane seen = apply_rungs(ladder, edge, rungs_of(ladder, variance));
+    for (int x = 20; x < 180; ++x) {
+      // A texel's light is its mean: the edge stands between two of them.
+      const double wanted = 0.5 * std::erfc((100.5 - x) / std::sqrt(2.0 * variance));
+      ASSERT_NEAR(seen.values[static_cast<std::size_t>(70 * size + x)], wanted, 5e-3)
+          << "variance " << variance << ", texel " << x;
+    }
+  }
+}
+
+TEST(GaussianBlurs, NarrowOnesFadeTheFinestStripes) {
+  const BlurLadder ladder = make_blur_ladder(64, 64, 100.0);
+  Plane checks = make_plane(64, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      checks.values[static_cast<std::size_t>(y * 64 + x)] = x % 2 == 0 ? 1.0f : 0.0f;
+  // By exp(-v 1 - cos pi) on the grid, and a little more: see rungs_of_gaussians.
+  for (const double variance : {0.05, 0.3, 0.6, 1.5}) {
+    const Plane seen = apply_rungs(ladder, checks, rungs_of(ladder, variance));
+    EXPECT_NEAR(seen.values[32 * 64 + 32] - seen.values[32 * 64 + 33], std::exp(-2.5 * variance),
+                2e-3);
+  }
+}
+
+TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
+  const BlurLadder ladder = make_blur_ladder(32, 32, 50.0);
+  const Plane light = noise(32, 32, 3);
+  Plane coordinate = noise(32, 32, 4);
+  const std::size_t rungs = ladder.variances.size();
+  MappedOperator both{.powers = 3, .weights = std::vector<float>(3 * rungs), .totals = {}};
+  std::mt19937 random(5);
+  for (float& w : both.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
+  const MappedOperator* operators[] = {&both};
+  const Plane seen = apply(ladder, light, coordinate, operators)[0];
+  std::vector<Plane> powers;
+  for (std::size_t p = 0; p < 3; ++p)
+    powers.push_back(
+        apply_rungs(ladder, light,
+                    {both.weights.begin() + static_cast<std::ptrdiff_t>(p * rungs),
+                     both.weights.begin() + static_cast<std::ptrdiff_t>((p + 1) * rungs)}));
+  for (std::size_t i = 0; i < seen.values.size(); ++i) {
+    const float x = coordinate.values[i];
+    ASSERT_NEAR(seen.values[i],
+                powers[0].values[i] + x * (powers[1].values[i] + x * powers[2].values[i]), 2e-5);
+  }
+}
+
+TEST(GaussianBlurs, PlanesOfAnySizeAreMirroredIntoTheGrid) {
+  const BlurLadder ladder = make_blur_ladder(37, 21, 100.0);
+  EXPECT_EQ(ladder.width % (1 << ladder.levels), 0);
+  EXPECT_GE(ladder.width, 37);
+  const Plane plane = noise(37, 21, 6);
+  const Plane wide = mirrored(ladder, plane);
+  EXPECT_EQ(cropped(wide, 37, 21).values, plane.values);
+  for (int x = 37; x < ladder.width; ++x)
+    EXPECT_EQ(wide.values[static_cast<std::size_t>(x)],
+              plane.values[static_cast<std::size_t>(73 - x)]);
+}
+
+}  // namespace
+}  // namespace lamina
