@@ -30,6 +30,10 @@ done
 expect 0 'only.png' "$scene" "${small[@]}" -o only.png
 [ -s only.png ] && [ ! -e only.exr ] || fail "not the one file asked for"
 
+for name in leaves bust rough_plate; do
+  expect 0 "$name.png" "$scenes/$name.json" "${small[@]}" -o "$name.png"
+done
+
 # The same picture for any number of threads, another for another seed.
 expect 0 '' "$scene" "${small[@]}" -o one.exr --threads 1
 expect 0 '' "$scene" "${small[@]}" -o two.exr --threads 2

@@ -97,6 +97,21 @@ TEST(Shapes, BumpySphereHasItsMeanRadiusAndExactNormals) {
 
 // The normals of the formula against the mean of the faces around, which is right to first order in
 // the size of the faces where the grid bends, at the edges of the cube that it comes from.
+TEST(Shapes, BustIsClosedAndOfItsHeightAtAnyTessellation) {
+  for (const int tessellation : {16, 37, 96}) {
+    const PreparedMesh prepared = prepare(make_bust(10, tessellation));
+    EXPECT_TRUE(prepared.mesh.is_closed) << tessellation;
+    EXPECT_TRUE(prepared.warnings.empty()) << prepared.warnings.front();
+    float low = 100.0F, high = -100.0F;
+    for (const Vec3f& p : prepared.mesh.positions) {
+      low = std::min(low, p.y);
+      high = std::max(high, p.y);
+    }
+    EXPECT_NEAR(high - low, 10.0F, tessellation < 90 ? 0.5F : 0.05F);
+    EXPECT_NEAR(high + low, 0.0F, 0.5F);
+  }
+}
+
 TEST(Shapes, NormalsOfTheBumpySphereAreThoseOfItsSurface) {
   const auto largest_angle = [](int tessellation) {
     PolygonMesh shape = make_bumpy_sphere(10, tessellation);

@@ -104,7 +104,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(glass.distribution, MicrofacetDistribution::ggx);
   EXPECT_EQ(glass.scattering, FacetScattering::multiple);
 
-  ASSERT_EQ(scene.meshes.size(), 7U);
+  ASSERT_EQ(scene.meshes.size(), 8U);
   const Mesh& triangle =
       scene.meshes[0];  // the part "left" alone, subdivided into 3 quadrilaterals
   EXPECT_EQ(triangle.triangles.size(), 6U);

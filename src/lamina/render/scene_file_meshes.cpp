@@ -75,12 +75,13 @@ int tessellation(const JsonObject& object, int otherwise) {
 }
 
 PolygonMesh decode_shape(const JsonInput& value) {
-  enum class Shape { rectangle, disk, sphere, box, bumpy_sphere };
+  enum class Shape { rectangle, disk, sphere, box, bumpy_sphere, bust };
   const auto shape = value.peek("shape")->choice<Shape>({{"rectangle", Shape::rectangle},
                                                          {"disk", Shape::disk},
                                                          {"sphere", Shape::sphere},
                                                          {"box", Shape::box},
-                                                         {"bumpy_sphere", Shape::bumpy_sphere}});
+                                                         {"bumpy_sphere", Shape::bumpy_sphere},
+                                                         {"bust", Shape::bust}});
   if (shape == Shape::rectangle) {
     const JsonObject object = value.object({"shape", "material", "subdivision", "normals",
                                             "transform", "width", "height", "tessellation"});
@@ -96,6 +97,11 @@ PolygonMesh decode_shape(const JsonInput& value) {
       size = {s[0], s[1], s[2]};
     }
     return make_box(size, tessellation(object, 1));
+  }
+  if (shape == Shape::bust) {
+    const JsonObject object = value.object(
+        {"shape", "material", "subdivision", "normals", "transform", "height", "tessellation"});
+    return make_bust(positive(object, "height", 1.0), tessellation(object, 128));
   }
   const JsonObject object = value.object(
       {"shape", "material", "subdivision", "normals", "transform", "radius", "tessellation"});

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+# The pictures of Xu & Sun 2008: Figures 10 and 11, a rough face with a far and a near light inside;
+# Figures 12 and 13, a sculpture with a light behind it.
+#
+#   xu_sun_2008_pictures.sh LAMINA OUT_FOLDER [OPTIONS OF lamina render...]
+set -euo pipefail
+lamina=$(realpath "$1") out=$(mkdir -p "$2" && realpath "$2")
+shift 2
+cd "$(dirname "$0")"
+source ./sheet.sh
+
+# variant SCENE NAME SED: renders a scene with some of its values replaced.
+variant() {
+  local scene=../scenes/$1.json name=$2 edit=$3
+  shift 3
+  sed "$edit" "$scene" >"$out/$name.json"
+  "$lamina" render "$out/$name.json" -o "$out/$name.png" "$@" >/dev/null
+  rm "$out/$name.json"
+}
+
+near='s|"directional".*"irradiance": 1 |"point", "position": [0, 0, -0.8], "intensity": 0.64 |'
+for light in far near; do
+  pictures=()
+  for ior in 1.4 0.7142857; do
+    for s in 6 3 1; do
+      edit="s/\"ior\": 1.4/\"ior\": $ior/; s/\"smoothness\": 3/\"smoothness\": $s/"
+      [ $light = far ] || edit+="; $near"
+      variant rough_plate "$light-$ior-$s" "$edit" "$@"
+      n=1.4
+      [ $ior != 1.4 ] || n=1/1.4
+      pictures+=("$out/$light-$ior-$s.png" "n = $n, s = $s")
+    done
+  done
+  sheet "$out/$([ $light = far ] && echo figure_10 || echo figure_11).png" 3 256 256 "${pictures[@]}"
+done
+
+pictures=()
+for s in 2 3 4 5; do
+  variant bust "bust-$s" "s/\"smoothness\": 3/\"smoothness\": $s/" "$@"
+  pictures+=("$out/bust-$s.png" "s = $s")
+done
+sheet "$out/figure_12.png" 4 240 320 "${pictures[@]}"
