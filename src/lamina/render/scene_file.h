@@ -40,6 +40,9 @@ class Images {
   /// The index of an image, which is loaded if it is new. All its numbers are finite.
   [[nodiscard]] std::size_t load(const JsonInput& file, ColorEncoding encoding);
 
+  /// The same of its alpha channel, or of the whole image if it has none.
+  [[nodiscard]] std::size_t load_coverage(const JsonInput& file, ColorEncoding encoding);
+
   /// The index of an image that is made, not loaded.
   [[nodiscard]] std::size_t add(Image image);
 
@@ -49,6 +52,7 @@ class Images {
  private:
   std::vector<Image> images_;
   std::map<std::pair<std::filesystem::path, ColorEncoding>, std::size_t> index_of_;
+  std::map<std::size_t, std::size_t> coverage_of_;  ///< by index of the whole image
 };
 
 /// A material and whether an image varies it, which takes texture coordinates.

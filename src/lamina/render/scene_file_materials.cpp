@@ -10,7 +10,7 @@ namespace lamina::scene_file {
 namespace {
 
 /// What the numbers of an image are for.
-enum class Use { color, scalar };
+enum class Use { color, scalar, coverage };
 
 constexpr double largest_factor = 1e6;  // of a map; beyond, taken for a mistake
 
@@ -126,7 +126,8 @@ class MaterialDecoder {
 
   void decode_opacity(const JsonObject& object) {
     if (const auto opacity = object.optional("opacity"))
-      result_.material.opacity = decode_scalar_parameter(*opacity, between(0.0, 1.0));
+      result_.material.opacity =
+          decode_scalar_parameter(*opacity, between(0.0, 1.0), Use::coverage);
   }
 
   void decode_dielectric(const JsonInput& value) {
@@ -207,7 +208,8 @@ class MaterialDecoder {
     return parameter;
   }
 
-  ScalarParameter decode_scalar_parameter(const JsonInput& value, const NumberRange& range) {
+  ScalarParameter decode_scalar_parameter(const JsonInput& value, const NumberRange& range,
+                                          Use use = Use::scalar) {
     ScalarParameter parameter;
     if (!value.is_object()) {
       parameter.value = static_cast<float>(value.number(range));
@@ -217,7 +219,7 @@ class MaterialDecoder {
         value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset"});
     if (const auto factor = object.optional("value"))
       parameter.value = static_cast<float>(factor->number(range));
-    parameter.map = decode_map(object, Use::scalar);
+    parameter.map = decode_map(object, use);
     return parameter;
   }
 
@@ -228,7 +230,7 @@ class MaterialDecoder {
                                     : "must have \"map\" or \"noise\", but has neither");
     TextureMap map;
     if (has_image) {
-      map.source = decode_image_map(object, decode_encoding(object, use));
+      map.source = decode_image_map(object, decode_encoding(object, use), use);
     } else {
       for (const std::string_view key : {"encoding", "repeat"})
         if (const auto given = object.optional(key)) given->fail("is for a \"map\" only");
@@ -244,13 +246,14 @@ class MaterialDecoder {
 
   /// Colours must say how they are encoded; other quantities are linear unless they say otherwise.
   static ColorEncoding decode_encoding(const JsonObject& object, Use use) {
-    if (use == Use::scalar && !object.has("encoding")) return ColorEncoding::linear;
+    if (use != Use::color && !object.has("encoding")) return ColorEncoding::linear;
     return object.required("encoding")
         .choice<ColorEncoding>({{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
   }
 
-  ImageMap decode_image_map(const JsonObject& object, ColorEncoding encoding) {
-    ImageMap map{.image = image(object.required("map"), encoding)};
+  ImageMap decode_image_map(const JsonObject& object, ColorEncoding encoding,
+                            Use use = Use::color) {
+    ImageMap map{.image = image(object.required("map"), encoding, use)};
     if (const auto repeat = object.optional("repeat")) {
       const auto times = repeat->number_or_numbers(2, between(-1e4, 1e4));
       map.repeat = {static_cast<float>(times[0]), static_cast<float>(times[1])};
@@ -258,9 +261,10 @@ class MaterialDecoder {
     return map;
   }
 
-  std::size_t image(const JsonInput& file, ColorEncoding encoding) {
+  std::size_t image(const JsonInput& file, ColorEncoding encoding, Use use = Use::color) {
     if (result_.mapped.empty()) result_.mapped = file.path();
-    return images_.load(file, encoding);
+    return use == Use::coverage ? images_.load_coverage(file, encoding)
+                                : images_.load(file, encoding);
   }
 
   Images& images_;
