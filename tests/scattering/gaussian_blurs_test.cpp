@@ -142,6 +142,31 @@ TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
   }
 }
 
+// Light from a to b is as much as from b to a, and uniform places see no difference.
+TEST(GaussianBlurs, ProfilesOfBothEndsExchangeAlike) {
+  const BlurLadder ladder = make_blur_ladder(48, 32, 100.0);
+  const Plane a = noise(48, 32, 7), b = noise(48, 32, 8), coordinate = noise(48, 32, 9);
+  const std::size_t rungs = ladder.variances.size();
+  MappedOperator all{.powers = 4, .weights = std::vector<float>(4 * rungs), .totals = {}};
+  std::mt19937 random(10);
+  for (float& w : all.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
+  const MappedOperator* operators[] = {&all};
+  const auto dot = [](const Plane& p, const Plane& q) {
+    return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
+  };
+  const Plane of_a = apply_reciprocally(ladder, a, coordinate, operators)[0];
+  const Plane of_b = apply_reciprocally(ladder, b, coordinate, operators)[0];
+  EXPECT_NEAR(dot(b, of_a), dot(a, of_b), 1e-5 * std::abs(dot(b, of_a)));
+  const double one_way = dot(b, apply(ladder, a, coordinate, operators)[0]);
+  const double other_way = dot(a, apply(ladder, b, coordinate, operators)[0]);
+  EXPECT_GT(std::abs(one_way - other_way), 1e-4 * std::abs(one_way));
+  const Plane uniform = make_plane(48, 32, 0.3f);
+  const Plane exit = apply(ladder, a, uniform, operators)[0];
+  const Plane both = apply_reciprocally(ladder, a, uniform, operators)[0];
+  for (std::size_t i = 0; i < exit.values.size(); ++i)
+    ASSERT_NEAR(exit.values[i], both.values[i], 1e-4);
+}
+
 TEST(GaussianBlurs, PlanesOfAnySizeAreMirroredIntoTheGrid) {
   const BlurLadder ladder = make_blur_ladder(37, 21, 100.0);
   EXPECT_EQ(ladder.width % (1 << ladder.levels), 0);

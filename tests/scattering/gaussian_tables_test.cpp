@@ -8,8 +8,11 @@
 #include <limits>
 #include <numeric>
 
+#include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/diffuse_boundary.h"
+#include "lamina/scattering/exact_profile.h"
+#include "lamina/scattering/layer_response.h"
 #include "lamina/scattering/mapped_operator.h"
 #include "lamina/scattering/multipole.h"
 
@@ -107,6 +110,39 @@ TEST(GaussianTables, ExactTotalsAreThoseOfAddingDoubling) {
     EXPECT_NEAR(total(t.reflection_below), below.diffuse_reflectance + below.specular_reflectance,
                 1e-4);
     EXPECT_NEAR(total(t.transmission_up), below.transmittance, 1e-4);
+  }
+}
+
+// Radiative transfer of the whole stack, solved anew, at absorptions and frequencies in between.
+TEST(GaussianTables, ExactProfilesAreThoseOfTheWholeStack) {
+  const MappedStack stack = skin(4.7, 0.75);
+  const double dermis = 0.1;
+  GaussianTableGrid grid;
+  grid.rows = 128;
+  const StackTables tables = make_stack_tables(stack, OperatorTotals::exact_profile,
+                                               std::vector<double>{0.7, dermis}, grid);
+  for (const double sigma_a : {0.3, 2.2}) {
+    const auto solid = [](const MappedLayer& layer, double absorption) {
+      return Layer{.medium = {absorption, layer.sigma_s, layer.g, layer.ior},
+                   .thickness = layer.thickness};
+    };
+    const std::vector<LayerStack> stacks = {
+        LayerStack({solid(stack.layers[0], sigma_a), solid(stack.layers[1], dermis)}, 1.0, 1.38)};
+    const std::vector<double> k = {0.0, 0.3, 1.3, 5.0, 13.0};
+    const auto exact = spatial_frequency_response(stacks, k, {.accuracy = 0.02}).reflectance;
+    for (std::size_t j = 0; j < k.size(); ++j) {
+      const auto at = [&](const GaussianTable& table, double absorption) {
+        return transform(tables, weights_at(tables, table, absorption), k[j]);
+      };
+      const LayerTables& top = tables.layers[0];
+      const LayerResponse upper{
+          at(top.reflection_above, sigma_a), at(top.transmission_down, sigma_a),
+          at(top.reflection_below, sigma_a), at(top.transmission_up, sigma_a)};
+      const LayerResponse lower{at(tables.layers[1].reflection_above, dermis), 0.0, 0.0, 0.0};
+      const double entered = 1.0 - fresnel(1.0, 1.4);
+      EXPECT_NEAR(entered * stacked(upper, lower).reflection_above, exact[j], 0.015 * exact[0])
+          << "k " << k[j] << ", sigma_a " << sigma_a;
+    }
   }
 }
 

@@ -277,7 +277,49 @@ std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input, const Pla
   return results;
 }
 
-Plane mirrored(const BlurLadder& ladder, const Plane& plane) {
+std::vector<Plane> apply_reciprocally(const BlurLadder& ladder, const Plane& input,
+                                      const Plane& coordinate,
+                                      std::span<const MappedOperator* const> operators) {
+  const std::size_t rungs = ladder.variances.size();
+  std::size_t most_powers = 1;
+  for (const MappedOperator* each : operators) most_powers = std::max(most_powers, each->powers);
+  std::vector<Plane> sums;
+  Plane light = input;  // times coordinate^q where it enters
+  for (std::size_t q = 0; q < most_powers; ++q) {
+    // What is left of each power's binomial for where light comes out.
+    std::vector<MappedOperator> rest(operators.size());
+    std::vector<const MappedOperator*> used;
+    std::vector<std::size_t> index;
+    for (std::size_t o = 0; o < operators.size(); ++o) {
+      const MappedOperator& whole = *operators[o];
+      if (whole.powers <= q) continue;
+      rest[o].powers = whole.powers - q;
+      double choose = 1.0;  // of p = q + m powers those q that belong to where light enters
+      for (std::size_t m = 0; m < rest[o].powers; ++m) {
+        const double p = static_cast<double>(q + m);
+        if (m > 0) choose *= p / static_cast<double>(m);
+        const auto share = static_cast<float>(choose * std::exp2(-p));
+        for (std::size_t j = 0; j < rungs; ++j)
+          rest[o].weights.push_back(share * whole.weights[(q + m) * rungs + j]);
+      }
+      used.push_back(&rest[o]);
+      index.push_back(o);
+    }
+    std::vector<Plane> parts = apply(ladder, light, coordinate, used);
+    if (q == 0) {
+      sums = std::move(parts);
+    } else {
+      for (std::size_t u = 0; u < used.size(); ++u)
+        for (std::size_t i = 0; i < light.values.size(); ++i)
+          sums[index[u]].values[i] += parts[u].values[i];
+    }
+    for (std::size_t i = 0; i < light.values.size(); ++i) light.values[i] *= coordinate.values[i];
+  }
+  return sums;
+}
+
+Plane mirrored(const BlurLadder& ladder, Plane plane) {
+  if (plane.width == ladder.width && plane.height == ladder.height) return plane;
   Plane result = make_plane(ladder.width, ladder.height);
   for (int y = 0; y < ladder.height; ++y) {
     const float* from = row_of(plane, reflected(y, plane.height));
@@ -286,7 +328,8 @@ Plane mirrored(const BlurLadder& ladder, const Plane& plane) {
   return result;
 }
 
-Plane cropped(const Plane& plane, int width, int height) {
+Plane cropped(Plane plane, int width, int height) {
+  if (plane.width == width && plane.height == height) return plane;
   Plane result = make_plane(width, height);
   for (int y = 0; y < height; ++y) std::copy_n(row_of(plane, y), width, row_of(result, y));
   return result;

@@ -70,10 +70,17 @@ struct MappedOperator {
                                        const Plane& coordinate,
                                        std::span<const MappedOperator* const> operators);
 
+/// The same with the profile at the mean of the coordinates of the two points that exchange light,
+/// so that they exchange as much in either direction: what the binomial theorem makes of
+/// ((coordinate(x) + coordinate(x')) / 2)^power. Costs as many sets of blurs as there are powers.
+[[nodiscard]] std::vector<Plane> apply_reciprocally(
+    const BlurLadder& ladder, const Plane& input, const Plane& coordinate,
+    std::span<const MappedOperator* const> operators);
+
 /// A plane in the corner of a ladder's, the rest its mirror image.
-[[nodiscard]] Plane mirrored(const BlurLadder& ladder, const Plane& plane);
+[[nodiscard]] Plane mirrored(const BlurLadder& ladder, Plane plane);
 
 /// The corner of a plane.
-[[nodiscard]] Plane cropped(const Plane& plane, int width, int height);
+[[nodiscard]] Plane cropped(Plane plane, int width, int height);
 
 }  // namespace lamina

@@ -28,7 +28,10 @@ struct MappedStack {
 /// What the totals of the operators are scaled to.
 enum class OperatorTotals {
   diffusion,  ///< those of the closed form itself
-  exact       ///< adding-doubling
+  exact,      ///< adding-doubling
+  /// The same, and the first layer's R+ is such that the whole stack has the exact profile, for
+  /// every absorption of the first layer and the reference absorption of those below
+  exact_profile
 };
 
 /// Gaussians whose variances double, and absorptions at equal ratios.

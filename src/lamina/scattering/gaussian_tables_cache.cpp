@@ -17,7 +17,7 @@ std::string key_of(const MappedStack& stack, OperatorTotals totals,
       << ' ' << static_cast<int>(totals) << ' ' << stack.ior_above << ' ' << stack.ior_below;
   for (const auto& [sigma_s, g, ior, thickness] : stack.layers)
     key << " layer " << sigma_s << ' ' << g << ' ' << ior << ' ' << thickness;
-  if (totals == OperatorTotals::exact)
+  if (totals != OperatorTotals::diffusion)
     for (const double sigma_a : reference_sigma_a) key << " reference " << sigma_a;
   const auto& [lowest, highest, rows, first_variance, gaussians, ridge] = grid;
   key << " grid " << lowest << ' ' << highest << ' ' << rows << ' ' << first_variance << ' '

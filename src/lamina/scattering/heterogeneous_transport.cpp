@@ -6,25 +6,39 @@
 #include <cmath>
 #include <numeric>
 
+#include "lamina/scattering/gaussian_blur_kernels.h"
+
 namespace lamina {
 namespace {
 
 enum Which { reflection_above, transmission_down, reflection_below, transmission_up };
 
-Plane apply_one(const HeterogeneousLayers& model, std::size_t layer, Which which,
-                const Plane& light) {
-  const TransportLayer& at = model.layers[layer];
-  const MappedOperator* operators[] = {&at.operators[which]};
-  return std::move(apply(model.ladder, light, at.coordinate, operators)[0]);
-}
+/// Light on a layer, and what some of its operators make of it.
+class Operators {
+ public:
+  Operators(const HeterogeneousLayers& model, ProfileAt profile)
+      : model_(model), apply_(profile == ProfileAt::exit ? apply : apply_reciprocally) {}
 
-std::array<Plane, 2> apply_both(const HeterogeneousLayers& model, std::size_t layer, Which first,
-                                Which second, const Plane& light) {
-  const TransportLayer& at = model.layers[layer];
-  const MappedOperator* operators[] = {&at.operators[first], &at.operators[second]};
-  std::vector<Plane> results = apply(model.ladder, light, at.coordinate, operators);
-  return {std::move(results[0]), std::move(results[1])};
-}
+  [[nodiscard]] Plane one(std::size_t layer, Which which, const Plane& light) const {
+    const TransportLayer& at = model_.layers[layer];
+    const std::array<const MappedOperator*, 1> operators = {&at.operators[which]};
+    return std::move(apply_(model_.ladder, light, at.coordinate, operators)[0]);
+  }
+
+  [[nodiscard]] std::array<Plane, 2> both(std::size_t layer, Which first, Which second,
+                                          const Plane& light) const {
+    const TransportLayer& at = model_.layers[layer];
+    const std::array<const MappedOperator*, 2> operators = {&at.operators[first],
+                                                            &at.operators[second]};
+    std::vector<Plane> results = apply_(model_.ladder, light, at.coordinate, operators);
+    return {std::move(results[0]), std::move(results[1])};
+  }
+
+ private:
+  const HeterogeneousLayers& model_;
+  std::vector<Plane> (*apply_)(const BlurLadder&, const Plane&, const Plane&,
+                               std::span<const MappedOperator* const>);
+};
 
 void add(Plane& sum, const Plane& more) {
   if (sum.values.empty()) {
@@ -42,12 +56,24 @@ double total(const Plane& plane) {
   return std::accumulate(plane.values.begin(), plane.values.end(), 0.0);
 }
 
-double total_at(const TransportLayer& layer, Which which, std::size_t texel) {
-  const std::vector<float>& totals = layer.operators[which].totals;
-  double value = 0.0;
-  for (std::size_t p = totals.size(); p-- > 0;)
-    value = value * layer.coordinate.values[texel] + totals[p];
-  return value;
+/// Totals of all operators along a row of texels, [layer][which][x]; empty where there is none.
+using RowTotals = std::vector<std::array<std::vector<float>, 4>>;
+
+RowTotals row_totals(const HeterogeneousLayers& model, int y) {
+  const auto width = static_cast<std::size_t>(model.ladder.width);
+  const std::vector<float> ones(width, 1.0f);
+  RowTotals totals(model.layers.size());
+  for (std::size_t i = 0; i < totals.size(); ++i)
+    for (std::size_t which = 0; which < 4; ++which) {
+      const MappedOperator& from = model.layers[i].operators[which];
+      if (from.powers == 0) continue;
+      totals[i][which].assign(width, 0.0f);
+      detail::add_times_polynomial(
+          ones.data(),
+          model.layers[i].coordinate.values.data() + static_cast<std::size_t>(y) * width,
+          from.totals, totals[i][which].data(), width);
+    }
+  return totals;
 }
 
 /// What one sweep down and up makes, at a texel as if all were like it, of light that goes up at
@@ -56,23 +82,23 @@ using Local = std::array<std::array<double, 3>, 3>;
 
 constexpr std::size_t most_junctions = 3;
 
-Local local_sweep(const HeterogeneousLayers& model, std::size_t texel) {
-  const std::size_t n = model.junctions.size();
+Local local_sweep(const RowTotals& totals, const std::vector<const float*>& junctions,
+                  std::size_t x) {
+  const std::size_t n = junctions.size();
   Local sweep{};
   for (std::size_t from = 0; from < n; ++from) {
     std::array<double, most_junctions> up{}, down{}, next{};
     up[from] = 1.0;
     for (std::size_t j = 0; j < n; ++j) {
-      const TransportLayer& layer = model.layers[j];
-      down[j] = total_at(layer, reflection_below, texel) * up[j];
-      if (j > 0) down[j] += total_at(layer, transmission_down, texel) * down[j - 1];
-      down[j] *= model.junctions[j].values[texel];
+      down[j] = static_cast<double>(totals[j][reflection_below][x]) * up[j];
+      if (j > 0) down[j] += static_cast<double>(totals[j][transmission_down][x]) * down[j - 1];
+      down[j] *= static_cast<double>(junctions[j][x]);
     }
     for (std::size_t j = n; j-- > 0;) {
-      const TransportLayer& layer = model.layers[j + 1];
-      next[j] = total_at(layer, reflection_above, texel) * down[j];
-      if (j + 1 < n) next[j] += total_at(layer, transmission_up, texel) * next[j + 1];
-      next[j] *= model.junctions[j].values[texel];
+      next[j] = static_cast<double>(totals[j + 1][reflection_above][x]) * down[j];
+      if (j + 1 < n)
+        next[j] += static_cast<double>(totals[j + 1][transmission_up][x]) * next[j + 1];
+      next[j] *= static_cast<double>(junctions[j][x]);
     }
     for (std::size_t to = 0; to < n; ++to) sweep[to][from] = next[to];
   }
@@ -102,18 +128,33 @@ std::array<double, most_junctions> sum_of_sweeps(Local sweep, std::size_t n,
 /// has arrived on the last layer, unless that is empty, what they would bring there.
 void close(const HeterogeneousLayers& model, std::vector<Plane>& up, Plane& arriving) {
   const std::size_t n = up.size();
-  for (std::size_t texel = 0; texel < up[0].values.size(); ++texel) {
-    std::array<double, most_junctions> light{};
-    for (std::size_t j = 0; j < n; ++j) light[j] = up[j].values[texel];
-    light = sum_of_sweeps(local_sweep(model, texel), n, light);
-    double down = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      up[j].values[texel] = static_cast<float>(light[j]);
-      down = total_at(model.layers[j], reflection_below, texel) * light[j] +
-             (j > 0 ? total_at(model.layers[j], transmission_down, texel) * down : 0.0);
-      down *= model.junctions[j].values[texel];
+  const auto width = static_cast<std::size_t>(model.ladder.width);
+  for (int y = 0; y < model.ladder.height; ++y) {
+    const RowTotals totals = row_totals(model, y);
+    const std::size_t row = static_cast<std::size_t>(y) * width;
+    std::vector<const float*> junctions;
+    for (const Plane& junction : model.junctions) junctions.push_back(&junction.values[row]);
+    if (n == 1 && arriving.values.empty()) {  // skin: the sum of a geometric series
+      const float* back = totals[0][reflection_below].data();
+      const float* deep = totals[1][reflection_above].data();
+      float* light = &up[0].values[row];
+      for (std::size_t x = 0; x < width; ++x)
+        light[x] /= 1.0f - junctions[0][x] * junctions[0][x] * back[x] * deep[x];
+      continue;
     }
-    if (!arriving.values.empty()) arriving.values[texel] += static_cast<float>(down);
+    for (std::size_t x = 0; x < width; ++x) {
+      std::array<double, most_junctions> light{};
+      for (std::size_t j = 0; j < n; ++j) light[j] = static_cast<double>(up[j].values[row + x]);
+      light = sum_of_sweeps(local_sweep(totals, junctions, x), n, light);
+      double down = 0.0;
+      for (std::size_t j = 0; j < n; ++j) {
+        up[j].values[row + x] = static_cast<float>(light[j]);
+        down = static_cast<double>(totals[j][reflection_below][x]) * light[j] +
+               (j > 0 ? static_cast<double>(totals[j][transmission_down][x]) * down : 0.0);
+        down *= static_cast<double>(junctions[j][x]);
+      }
+      if (!arriving.values.empty()) arriving.values[row + x] += static_cast<float>(down);
+    }
   }
 }
 
@@ -161,18 +202,20 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
                           const TransportOptions& options) {
   assert(irradiance.width == model.width && irradiance.height == model.height);
   constexpr int most_terms = 100;
+  const Operators operators(model, options.profile);
   const std::size_t n = model.junctions.size();
   const bool has_bottom = model.layers.back().operators[transmission_down].powers > 0;
   const Plane light = mirrored(model.ladder, irradiance);
   TransportResult result;
   Plane reflected, transmitted = make_plane(model.ladder.width, model.ladder.height);
   if (n == 0) {
-    reflected = apply_one(model, 0, reflection_above, light);
-    if (has_bottom) transmitted = apply_one(model, 0, transmission_down, light);
+    reflected = operators.one(0, reflection_above, light);
+    if (has_bottom) transmitted = operators.one(0, transmission_down, light);
   } else {
-    std::vector<Plane> up(n), all_up(n), down(n);
+    std::vector<Plane> up(n), down(n);
+    Plane all_up;
     {
-      auto [r, t] = apply_both(model, 0, reflection_above, transmission_down, light);
+      auto [r, t] = operators.both(0, reflection_above, transmission_down, light);
       reflected = std::move(r);
       down[0] = std::move(t);
     }
@@ -182,9 +225,9 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
       // Down: what came up before turns round, what goes down passes on.
       std::vector<Plane> back(n), on(n);
       for (std::size_t j = 0; j < n; ++j) {
-        if (result.terms > 0) down[j] = apply_one(model, j, reflection_below, up[j]);
+        if (result.terms > 0) down[j] = operators.one(j, reflection_below, up[j]);
         if (j > 0) {
-          auto [r, t] = apply_both(model, j, reflection_above, transmission_down, down[j - 1]);
+          auto [r, t] = operators.both(j, reflection_above, transmission_down, down[j - 1]);
           back[j - 1] = std::move(r);
           add(down[j], t);
         }
@@ -192,10 +235,10 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
       }
       if (has_bottom) add(arriving, down[n - 1]);
       // Up again.
-      back[n - 1] = apply_one(model, n, reflection_above, down[n - 1]);
+      back[n - 1] = operators.one(n, reflection_above, down[n - 1]);
       for (std::size_t j = n; j-- > 0;) {
         up[j] = std::move(back[j]);
-        if (j + 1 < n) add(up[j], apply_one(model, j + 1, transmission_up, up[j + 1]));
+        if (j + 1 < n) add(up[j], operators.one(j + 1, transmission_up, up[j + 1]));
         multiply(up[j], model.junctions[j]);
       }
       ++result.terms;
@@ -206,13 +249,13 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
                     ? result.terms >= options.terms
                     : result.last_term < 1.0 - options.kept || result.terms >= most_terms;
       if (is_last && options.closes_locally) close(model, up, arriving);
-      add(all_up[0], up[0]);
+      add(all_up, up[0]);
     }
-    add(reflected, apply_one(model, 0, transmission_up, all_up[0]));
-    if (has_bottom) transmitted = apply_one(model, n, transmission_down, arriving);
+    add(reflected, operators.one(0, transmission_up, all_up));
+    if (has_bottom) transmitted = operators.one(n, transmission_down, arriving);
   }
-  result.reflected = cropped(reflected, model.width, model.height);
-  result.transmitted = cropped(transmitted, model.width, model.height);
+  result.reflected = cropped(std::move(reflected), model.width, model.height);
+  result.transmitted = cropped(std::move(transmitted), model.width, model.height);
   return result;
 }
 

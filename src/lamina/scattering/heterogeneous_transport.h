@@ -37,7 +37,14 @@ struct HeterogeneousLayers {
                                                             double mm_per_texel,
                                                             double tolerance = 5e-5);
 
+/// Whose absorption a profile is that of.
+enum class ProfileAt {
+  exit,  ///< the point where light comes out [Donner2008] eq. 5
+  both   ///< the mean, of square roots, of where it enters and comes out: several times slower
+};
+
 struct TransportOptions {
+  ProfileAt profile = ProfileAt::exit;
   int terms = 2;  ///< times that light goes down and comes back; 0: as many as `kept` asks for
   bool closes_locally = true;  ///< the terms left out as if the texel's surroundings were like it
   double kept = 0.999;         ///< part of the light that comes back which no terms may miss

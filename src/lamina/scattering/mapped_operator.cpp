@@ -80,25 +80,25 @@ AbsorptionRange absorption_range(const Plane& sigma_a, const GaussianTableGrid& 
 
 Plane absorption_coordinate(const Plane& sigma_a, const AbsorptionRange& range) {
   Plane result = make_plane(sigma_a.width, sigma_a.height);
-  const auto low = static_cast<float>(std::log(range.lowest));
-  const auto width = static_cast<float>(std::log(range.highest / range.lowest));
-  if (width < 1e-6f) return result;
+  const auto low = static_cast<float>(std::sqrt(range.lowest));
+  const auto width = static_cast<float>(std::sqrt(range.highest)) - low;
+  if (width < 1e-6f * low) return result;
   for (std::size_t i = 0; i < result.values.size(); ++i)
     result.values[i] =
-        std::clamp(2.0f * (std::log(sigma_a.values[i]) - low) / width - 1.0f, -1.0f, 1.0f);
+        std::clamp(2.0f * (std::sqrt(sigma_a.values[i]) - low) / width - 1.0f, -1.0f, 1.0f);
   return result;
 }
 
 MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTable& table,
                                     const AbsorptionRange& range, std::span<const double> rungs,
                                     double tolerance) {
-  const double middle = std::sqrt(range.lowest * range.highest);
-  const double half_width = 0.5 * std::log(range.highest / range.lowest);
+  const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
   Rows at_points;
   double largest_total = 0.0;
   for (std::size_t i = 0; i < most_powers; ++i) {
     const double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / most_powers);
-    at_points.push_back(weights_at(tables, table, middle * std::exp(half_width * x)));
+    const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
+    at_points.push_back(weights_at(tables, table, root * root));
     largest_total = std::max(largest_total, largest_transform(at_points.back(), tables.variances));
   }
   Rows series = chebyshev_series(at_points);

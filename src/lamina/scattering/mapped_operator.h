@@ -16,7 +16,8 @@ struct AbsorptionRange {
 /// The range of a map, widened to hold no less than the table's rows do and no more.
 [[nodiscard]] AbsorptionRange absorption_range(const Plane& sigma_a, const GaussianTableGrid& grid);
 
-/// Place of each absorption in the range: the logarithm, -1 at the lowest and 1 at the highest.
+/// Place of each absorption in the range: its square root, -1 at the lowest and 1 at the highest.
+/// (Diffusion depends on the root of absorption: so polynomials of low degree do.)
 [[nodiscard]] Plane absorption_coordinate(const Plane& sigma_a, const AbsorptionRange& range);
 
 /// A table's operator over a range of absorptions, its weights as polynomials of the coordinate: of
