@@ -10,8 +10,10 @@ namespace lamina::cli {
 // Each adds one subcommand: its options, its help with an example, and what it does when chosen.
 // One file each: parse, call the library, print.
 void add_bsdf_command(CLI::App& app);
+void add_maps_command(CLI::App& app);
 void add_materials_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
+void add_patch_command(CLI::App& app);
 void add_photons_command(CLI::App& app);
 void add_profile_command(CLI::App& app);
 void add_render_command(CLI::App& app);

@@ -18,8 +18,10 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
   add_bsdf_command(app);
+  add_maps_command(app);
   add_materials_command(app);
   add_merge_command(app);
+  add_patch_command(app);
   add_photons_command(app);
   add_profile_command(app);
   add_render_command(app);

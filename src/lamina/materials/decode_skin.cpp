@@ -3,29 +3,27 @@
 #include "lamina/materials/skin.h"
 
 namespace lamina::material_file {
-namespace {
-
-/// The name of the set of constants, and the parameters that start from it.
-std::pair<std::string, SkinParameters> decode_constants(const JsonObject& skin) {
-  const auto given = skin.optional("constants");
-  if (!given) return {"calibrated", with_constants({}, SkinConstants::calibrated)};
-  const auto constants =
-      given->choice<SkinConstants>({{"paper", SkinConstants::paper},
-                                    {"calibrated", SkinConstants::calibrated},
-                                    {"calibrated_diffusion", SkinConstants::calibrated_diffusion}});
-  return {given->string(), with_constants({}, constants)};
+JsonObject skin_object(const JsonInput& recipe) {
+  return recipe.object({"melanin", "melanin_blend", "hemoglobin_epidermis", "hemoglobin_dermis",
+                        "carotene", "saturation_epidermis", "saturation_dermis", "baseline_scale",
+                        "scattering_scale", "scattering_power", "epidermis_thickness",
+                        "junction_absorption", "dermis_thickness", "oiliness", "constants"});
 }
 
-}  // namespace
+std::pair<std::string, SkinConstants> decode_constants(const JsonObject& skin) {
+  const auto given = skin.optional("constants");
+  if (!given) return {"calibrated", SkinConstants::calibrated};
+  return {given->string(), given->choice<SkinConstants>(
+                               {{"paper", SkinConstants::paper},
+                                {"calibrated", SkinConstants::calibrated},
+                                {"calibrated_diffusion", SkinConstants::calibrated_diffusion}})};
+}
 
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material) {
-  const JsonObject object =
-      recipe.object({"melanin", "melanin_blend", "hemoglobin_epidermis", "hemoglobin_dermis",
-                     "carotene", "saturation_epidermis", "saturation_dermis", "baseline_scale",
-                     "scattering_scale", "scattering_power", "epidermis_thickness",
-                     "junction_absorption", "dermis_thickness", "oiliness", "constants"});
+  const JsonObject object = skin_object(recipe);
   require_wavelengths(recipe, context, 350.0, 1000.0);
-  auto [constants, skin] = decode_constants(object);
+  const auto [constants, set] = decode_constants(object);
+  SkinParameters skin = with_constants({}, set);
   for (const SkinParameterRange& range : skin_parameter_ranges())
     if (const auto value = object.optional(range.name))
       skin.*range.value = range.is_length ? recipe_length(*value, range.low, range.high, context)

@@ -4,10 +4,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lamina/core/json_input.h"
 #include "lamina/materials/material.h"
+#include "lamina/materials/skin.h"
 
 // What the decoders of a material file share: one for `layers`, one per recipe.
 
@@ -42,6 +44,10 @@ inline constexpr double largest_number = 1e9;
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material);
 void decode_leaf(const JsonInput& recipe, const Context& context, Material& material);
 void decode_paint(const JsonInput& recipe, const Context& context, Material& material);
+
+/// The keys of a recipe of skin, and the set of constants that it names.
+[[nodiscard]] JsonObject skin_object(const JsonInput& recipe);
+[[nodiscard]] std::pair<std::string, SkinConstants> decode_constants(const JsonObject& skin);
 
 /// A number of a recipe. Where a map stands for it, the message says that maps are not for here.
 [[nodiscard]] double recipe_number(const JsonInput& value, const NumberRange& range);

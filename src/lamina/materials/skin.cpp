@@ -22,9 +22,8 @@ double absorption(double extinction, double grams_per_litre, double grams_per_mo
   return std::numbers::ln10 * extinction * grams_per_litre / grams_per_mole / mm_per_cm;
 }
 
-double blood_absorption(double saturation, double wavelength) {
-  return saturation * oxyhemoglobin_absorption(wavelength) +
-         (1.0 - saturation) * deoxyhemoglobin_absorption(wavelength);
+double blood_absorption(double saturation, const SkinSpectrum& spectrum) {
+  return saturation * spectrum.oxyhemoglobin + (1.0 - saturation) * spectrum.deoxyhemoglobin;
 }
 
 constexpr SkinParameterRange ranges[] = {
@@ -103,19 +102,35 @@ SkinParameters with_constants(SkinParameters parameters, SkinConstants constants
   return parameters;
 }
 
-double epidermis_absorption(const SkinParameters& skin, double wavelength) {
-  const double melanin = skin.melanin_blend * eumelanin_absorption(wavelength) +
-                         (1.0 - skin.melanin_blend) * pheomelanin_absorption(wavelength);
+SkinSpectrum skin_spectrum(double wavelength) {
+  return {.eumelanin = eumelanin_absorption(wavelength),
+          .pheomelanin = pheomelanin_absorption(wavelength),
+          .oxyhemoglobin = oxyhemoglobin_absorption(wavelength),
+          .deoxyhemoglobin = deoxyhemoglobin_absorption(wavelength),
+          .carotene = carotene_absorption(wavelength),
+          .baseline = baseline_absorption(wavelength)};
+}
+
+double epidermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum) {
+  const double melanin =
+      skin.melanin_blend * spectrum.eumelanin + (1.0 - skin.melanin_blend) * spectrum.pheomelanin;
   const double rest = 1.0 - skin.melanin - skin.hemoglobin_epidermis - skin.carotene;
   return skin.melanin * melanin +
-         skin.hemoglobin_epidermis * blood_absorption(skin.saturation_epidermis, wavelength) +
-         skin.carotene * carotene_absorption(wavelength) +
-         rest * skin.baseline_scale * baseline_absorption(wavelength);
+         skin.hemoglobin_epidermis * blood_absorption(skin.saturation_epidermis, spectrum) +
+         skin.carotene * spectrum.carotene + rest * skin.baseline_scale * spectrum.baseline;
+}
+
+double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum) {
+  return skin.hemoglobin_dermis * blood_absorption(skin.saturation_dermis, spectrum) +
+         (1.0 - skin.hemoglobin_dermis) * skin.baseline_scale * spectrum.baseline;
+}
+
+double epidermis_absorption(const SkinParameters& skin, double wavelength) {
+  return epidermis_absorption(skin, skin_spectrum(wavelength));
 }
 
 double dermis_absorption(const SkinParameters& skin, double wavelength) {
-  return skin.hemoglobin_dermis * blood_absorption(skin.saturation_dermis, wavelength) +
-         (1.0 - skin.hemoglobin_dermis) * skin.baseline_scale * baseline_absorption(wavelength);
+  return dermis_absorption(skin, skin_spectrum(wavelength));
 }
 
 double epidermis_scattering(const SkinParameters& skin, double wavelength) {

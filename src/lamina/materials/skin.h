@@ -74,6 +74,14 @@ enum class SkinConstants {
 /// The parameters with their constants replaced by those of a set.
 [[nodiscard]] SkinParameters with_constants(SkinParameters parameters, SkinConstants constants);
 
+/// Absorption of all that skin is made of at one wavelength [1/mm], for use at many places.
+struct SkinSpectrum {
+  double eumelanin, pheomelanin, oxyhemoglobin, deoxyhemoglobin, carotene, baseline;
+};
+[[nodiscard]] SkinSpectrum skin_spectrum(double wavelength);
+[[nodiscard]] double epidermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
+[[nodiscard]] double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
+
 /// Absorption of the epidermis and of the dermis [1/mm]. Source: [Donner2008] eqs. 10, 11.
 [[nodiscard]] double epidermis_absorption(const SkinParameters& skin, double wavelength);
 [[nodiscard]] double dermis_absorption(const SkinParameters& skin, double wavelength);

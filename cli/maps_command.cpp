@@ -1,0 +1,108 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
+#include "lamina/materials/skin_features.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MapsOptions {
+  CommonOptions common;
+  std::string recipe, output;
+  CLI::Option* seed = nullptr;
+};
+
+std::string_view name_of(SkinConstants constants) {
+  switch (constants) {
+    case SkinConstants::paper:
+      return "paper";
+    case SkinConstants::calibrated_diffusion:
+      return "calibrated_diffusion";
+    case SkinConstants::calibrated:
+      break;
+  }
+  return "calibrated";
+}
+
+/// A patch file that uses the maps.
+nlohmann::ordered_json patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
+  nlohmann::ordered_json skin;
+  skin["constants"] = name_of(recipe.base.constants);
+  for (const SkinParameterRange& range : skin_parameter_ranges()) {
+    const std::string name(range.name);
+    const double value = recipe.base.skin.*range.value;
+    if (std::ranges::any_of(maps, [&](const SkinMap& map) { return map.name == name; }))
+      skin[name] = {{"map", name + ".exr"}};
+    else if (std::isfinite(value))
+      skin[name] = value;
+  }
+  return {{"lamina", "patch"},
+          {"version", 1},
+          {"mm_per_pixel", recipe.mm_per_texel},
+          {"width", recipe.width},
+          {"height", recipe.height},
+          {"skin", skin}};
+}
+
+void run_maps(const MapsOptions& options) {
+  SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
+  if (options.seed->count() > 0) recipe.seed = options.common.seed;
+  const std::vector<SkinMap> maps = make_skin_maps(recipe);
+  const fs::path folder =
+      options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  nlohmann::ordered_json json = make_result("maps");
+  json["maps"] = nlohmann::ordered_json::array();
+  std::string text;
+  for (const SkinMap& map : maps) {
+    const fs::path file = folder / (std::string(map.name) + ".exr");
+    save_exr(map.values, file, ExrPrecision::single_float);
+    const auto [low, high] = std::ranges::minmax(map.values.pixels);
+    text += fmt::format("{}: {:.4g} to {:.4g}\n", file.string(), low, high);
+    json["maps"].push_back(
+        {{"file", file.string()}, {"parameter", map.name}, {"lowest", low}, {"highest", high}});
+  }
+  const fs::path patch = folder / "patch.json";
+  write_file(patch.string(), patch_json(recipe, maps).dump(1) + "\n");
+  text += patch.string() + "\n";
+  json["patch"] = patch.string();
+  print(options.common, text);
+  write_json(json, options.common);
+}
+
+}  // namespace
+
+void add_maps_command(CLI::App& app) {
+  auto options = std::make_shared<MapsOptions>();
+  CLI::App* command = app.add_subcommand(
+      "maps", "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos.");
+  command->add_option("recipe", options->recipe, "maps file")->type_name("MAPS")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "folder for an EXR per parameter, and patch.json that uses them")
+      ->type_name("FOLDER");
+  add_common_options(*command, options->common);
+  options->seed = command->get_option("--seed");
+  command->footer(
+      "docs/heterogeneous_skin.md has the file format.\n"
+      "Example: lamina maps examples/skin/freckles.json -o freckles && lamina patch "
+      "freckles/patch.json");
+  command->callback([options] { run_maps(*options); });
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,124 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/disk_cache.h"
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/image/image_file.h"
+#include "lamina/image/tone.h"
+#include "lamina/render/skin_patch.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PatchOptions {
+  CommonOptions common;
+  std::string patch, output;
+  double exposure = 0.0;
+  bool uses_no_cache = false;
+};
+
+/// Linear sRGB, the mean of all texels.
+std::array<double, 3> mean_color(const Image& image) {
+  const Image rgb = rgb_image(image);
+  std::array<double, 3> sum{};
+  for (std::size_t i = 0; i < rgb.pixels.size(); ++i)
+    sum[i % 3] += static_cast<double>(rgb.pixels[i]);
+  for (double& channel : sum) channel *= 3.0 / static_cast<double>(rgb.pixels.size());
+  return sum;
+}
+
+void run_patch(const PatchOptions& options) {
+  const SkinPatch patch = load_skin_patch(options.patch);
+  for (const std::string& warning : patch.warnings)
+    fmt::print(stderr, "lamina: warning: {}\n", warning);
+  const fs::path name =
+      options.output.empty() ? fs::path(options.patch).stem() : fs::path(options.output);
+  if (const fs::path folder = name.has_parent_path() ? name.parent_path() : ".";
+      !fs::is_directory(folder))
+    throw FileError(folder.string() + ": there is no such folder to write to");
+
+  const auto start = std::chrono::steady_clock::now();
+  const SkinPatchResult result =
+      render_skin_patch(patch, options.uses_no_cache ? std::nullopt : user_cache(),
+                        make_progress("light through skin"));
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (was_interrupted()) return;
+  save_exr(result.image, name.string() + ".exr", ExrPrecision::single_float);
+  save_png(view_image(result.image, View::standard, options.exposure), name.string() + ".png");
+
+  const double texel_bands =
+      static_cast<double>(patch.width) * patch.height * static_cast<double>(patch.bands.size());
+  std::string text =
+      fmt::format("{0}.exr, {0}.png\n{1:>8}  {2:>16}  {3:>9}  {4:>5}  {5:>9}\n", name.string(),
+                  "band", "mean reflectance", "fit error", "terms", "last term");
+  nlohmann::ordered_json json = make_result("patch");
+  json["name"] = patch.name;
+  json["width"] = patch.width;
+  json["height"] = patch.height;
+  for (std::size_t b = 0; b < result.bands.size(); ++b) {
+    const SkinPatchBand& band = result.bands[b];
+    text += fmt::format("{:>5} nm  {:16.5f}  {:9.1e}  {:5}  {:7.2f} %\n", band_name(patch.bands, b),
+                        band.mean_reflectance, band.fit_error, band.terms, 100.0 * band.last_term);
+    json["bands"].push_back(patch.bands.wavelengths()[b]);
+    json["mean_reflectance"].push_back(band.mean_reflectance);
+    json["fit_error"].push_back(band.fit_error);
+    json["terms"].push_back(band.terms);
+    json["last_term"].push_back(band.last_term);
+  }
+  text += fmt::format(
+      "{:.2f} s; tables {:.2f} s, transport {:.2f} s ({:.0f} ns per texel and band), "
+      "summed over threads\n",
+      seconds, result.table_seconds, result.transport_seconds,
+      1e9 * result.transport_seconds / texel_bands);
+  print(options.common, text);
+  json["mean_rgb"] = mean_color(result.image);
+  json["wall_seconds"] = seconds;
+  json["table_seconds"] = result.table_seconds;
+  json["transport_seconds"] = result.transport_seconds;
+  json["warnings"] = patch.warnings;
+  write_json(json, options.common);
+}
+
+}  // namespace
+
+void add_patch_command(CLI::App& app) {
+  auto options = std::make_shared<PatchOptions>();
+  CLI::App* command = app.add_subcommand(
+      "patch", "A flat piece of skin whose pigments are maps, under a pattern of light.");
+  command->add_option("patch", options->patch, "patch file")->type_name("PATCH")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "where to write NAME.exr, a channel per band and R, G, B, and NAME.png")
+      ->type_name("NAME");
+  command->add_option("--exposure", options->exposure, "stops, for the PNG only")
+      ->type_name("EV")
+      ->check(CLI::Range(-50.0, 50.0));
+  command->add_flag("--no-cache", options->uses_no_cache,
+                    "make the tables anew and do not keep them");
+  add_common_options(*command, options->common);
+  command->footer(
+      "Mirror reflection is left out. docs/heterogeneous_skin.md has the file format.\n"
+      "Example: a patch with freckles and a vein, from maps made on the spot\n"
+      "  lamina maps examples/skin/freckles.json -o freckles && lamina patch "
+      "freckles/patch.json");
+  command->callback([options] {
+    set_thread_count(options->common.threads);
+    run_patch(*options);
+  });
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,155 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/core/error.h"
+#include "lamina/core/json_input.h"
+#include "lamina/image/image_file.h"
+#include "lamina/materials/skin_features.h"
+
+namespace lamina {
+namespace {
+
+constexpr double longest = 1e4;  // [mm]
+
+/// Sets a number of a feature where the object has its key.
+void set(const JsonObject& object, std::string_view key, const NumberRange& range, double& value) {
+  if (const auto given = object.optional(key)) value = given->number(range);
+}
+
+/// A pair of numbers, the lower one first; one number stands for both.
+void set(const JsonObject& object, std::string_view key, const NumberRange& range, Span2& span) {
+  const auto given = object.optional(key);
+  if (!given) return;
+  const std::vector<double> ends = given->number_or_numbers(2, range);
+  if (ends[0] > ends[1]) given->refuse("must have the lower number first");
+  span = {ends[0], ends[1]};
+}
+
+void set_place(const JsonObject& object, Span2& place) {
+  const std::vector<double> at = object.required("at").numbers(2, between(-longest, longest, "mm"));
+  place = {at[0], at[1]};
+}
+
+SkinFeature decode_spots(const JsonInput& value, MelaninSpots spots) {
+  const JsonObject object =
+      value.object({"density", "diameter", "melanin", "melanin_blend", "rim"});
+  set(object, "density", between(0.0, 1000.0, "1/cm2"), spots.density);
+  set(object, "diameter", between(0.05, 100.0, "mm"), spots.diameter);
+  set(object, "melanin", between(0.0, 0.5), spots.melanin);
+  set(object, "melanin_blend", between(0.0, 1.0), spots.melanin_blend);
+  set(object, "rim", between(1e-3, 10.0, "mm"), spots.rim);
+  return spots;
+}
+
+SkinFeature decode_veins(const JsonInput& value) {
+  const JsonObject object =
+      value.object({"count", "diameter", "depth", "hemoglobin", "saturation"});
+  Veins veins;
+  if (const auto count = object.optional("count"))
+    veins.count = static_cast<int>(count->integer(0, 1000));
+  set(object, "diameter", between(0.05, 20.0, "mm"), veins.diameter);
+  set(object, "depth", between(0.0, 10.0, "mm"), veins.depth);
+  set(object, "hemoglobin", between(0.0, 1.0), veins.hemoglobin);
+  set(object, "saturation", between(0.0, 1.0), veins.saturation);
+  return veins;
+}
+
+SkinFeature decode_blotches(const JsonInput& value) {
+  const JsonObject object = value.object({"size", "coverage", "hemoglobin_dermis", "melanin"});
+  Blotches blotches;
+  set(object, "size", between(0.1, longest, "mm"), blotches.size);
+  set(object, "coverage", between(0.0, 1.0), blotches.coverage);
+  set(object, "hemoglobin_dermis", between(-0.1, 0.1), blotches.hemoglobin_dermis);
+  set(object, "melanin", between(-0.5, 0.5), blotches.melanin);
+  return blotches;
+}
+
+/// The ink of an image: dark where it is dark, none where it is transparent.
+Image ink_of(const Image& image) {
+  const Image rgb = rgb_image(image);
+  const auto alpha = channel_index(image, "A");
+  Image ink = make_image(image.width, image.height, {"Y"});
+  for (std::size_t i = 0; i < ink.pixels.size(); ++i) {
+    const float* color = rgb.pixels.data() + 3 * i;
+    const float luminance = 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
+    const float covered = alpha ? image.pixels[i * image.channel_count() + *alpha] : 1.0f;
+    ink.pixels[i] = covered * (1.0f - std::min(1.0f, std::max(0.0f, luminance)));
+  }
+  return ink;
+}
+
+SkinFeature decode_tattoo(const JsonInput& value) {
+  const JsonObject object = value.object({"image", "at", "width", "absorbance"});
+  Tattoo tattoo;
+  const JsonInput file = object.required("image");
+  try {
+    const Image image = load_image(file.file_path());
+    require_finite(image, file.file_path());
+    tattoo.image = ink_of(image);
+  } catch (const Error& error) {
+    file.fail(error.what());
+  }
+  set_place(object, tattoo.at);
+  set(object, "width", between(0.1, longest, "mm"), tattoo.width);
+  set(object, "absorbance", between(0.0, 10.0), tattoo.absorbance);
+  return tattoo;
+}
+
+SkinFeature decode_pressed(const JsonInput& value) {
+  const JsonObject object = value.object({"at", "diameter", "share"});
+  PressedDisc disc;
+  set_place(object, disc.at);
+  set(object, "diameter", between(0.1, longest, "mm"), disc.diameter);
+  set(object, "share", between(0.0, 1.0), disc.share);
+  return disc;
+}
+
+SkinFeature decode_unevenness(const JsonInput& value) {
+  const JsonObject object =
+      value.object({"melanin", "melanin_size", "hemoglobin", "hemoglobin_size"});
+  Unevenness uneven;
+  set(object, "melanin", between(0.0, 2.0), uneven.melanin);
+  set(object, "melanin_size", between(0.05, longest, "mm"), uneven.melanin_size);
+  set(object, "hemoglobin", between(0.0, 2.0), uneven.hemoglobin);
+  set(object, "hemoglobin_size", between(0.05, longest, "mm"), uneven.hemoglobin_size);
+  return uneven;
+}
+
+SkinFeature decode_feature(const JsonInput& value) {
+  constexpr MelaninSpots mole{.density = 0.5,
+                              .diameter = {1.5, 3.5},
+                              .melanin = {0.08, 0.2},
+                              .melanin_blend = 0.8,
+                              .rim = 0.25};
+  const JsonObject object =
+      value.object({"freckles", "moles", "veins", "blotches", "tattoo", "pressed", "unevenness"});
+  if (value.entries().size() != 1) value.fail("must have exactly one key, the kind of the feature");
+  if (const auto it = object.optional("freckles")) return decode_spots(*it, {});
+  if (const auto it = object.optional("moles")) return decode_spots(*it, mole);
+  if (const auto it = object.optional("veins")) return decode_veins(*it);
+  if (const auto it = object.optional("blotches")) return decode_blotches(*it);
+  if (const auto it = object.optional("tattoo")) return decode_tattoo(*it);
+  if (const auto it = object.optional("pressed")) return decode_pressed(*it);
+  return decode_unevenness(object.required("unevenness"));
+}
+
+}  // namespace
+
+SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file) {
+  const JsonDocument document = load_json(file);
+  const JsonObject object = document.root().file_object(
+      "maps", 1, {"width", "height", "mm_per_pixel", "seed", "skin", "features"});
+  SkinMapRecipe recipe;
+  recipe.width = static_cast<int>(object.required("width").integer(1, 16384));
+  recipe.height = static_cast<int>(object.required("height").integer(1, 16384));
+  recipe.mm_per_texel = object.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
+  if (const auto seed = object.optional("seed"))
+    recipe.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
+  const JsonInput skin = object.required("skin");
+  recipe.base = decode_skin_maps(skin);
+  if (!recipe.base.maps.empty())
+    skin.fail("must have numbers only: the features make maps of them");
+  for (const JsonInput& feature : object.required("features").array())
+    recipe.features.push_back(decode_feature(feature));
+  return recipe;
+}
+
+}  // namespace lamina

@@ -1,0 +1,97 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/materials/skin_maps.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
+#include "lamina/materials/material_file.h"
+
+namespace lamina {
+namespace {
+
+/// One channel of an image file, scaled.
+Image decode_values(const JsonInput& value) {
+  const JsonObject object = value.object({"map", "scale", "offset", "channel", "encoding"});
+  ColorEncoding encoding = ColorEncoding::linear;
+  if (const auto given = object.optional("encoding"))
+    encoding = given->choice<ColorEncoding>(
+        {{"linear", ColorEncoding::linear}, {"srgb", ColorEncoding::srgb}});
+  const JsonInput file = object.required("map");
+  Image image;
+  try {
+    image = load_image(file.file_path(), encoding);
+    require_finite(image, file.file_path());
+  } catch (const FileError& error) {
+    file.fail(error.what());
+  }
+  std::size_t channel = 0;
+  if (const auto name = object.optional("channel")) {
+    const auto found = channel_index(image, name->string());
+    if (!found) name->fail("the image has no channel \"" + name->string() + "\"");
+    channel = *found;
+  }
+  constexpr double most = 1e6;
+  const auto factor = [&](std::string_view key, double otherwise) {
+    const auto given = object.optional(key);
+    return given ? given->number(between(-most, most)) : otherwise;
+  };
+  const double scale = factor("scale", 1.0), offset = factor("offset", 0.0);
+  Image values = make_image(image.width, image.height, {"Y"});
+  for (std::size_t i = 0; i < values.pixels.size(); ++i)
+    values.pixels[i] = static_cast<float>(
+        offset + scale * static_cast<double>(image.pixels[i * image.channel_count() + channel]));
+  return values;
+}
+
+/// Brings what lies outside the range to its ends; says how much that was.
+void clamp(const SkinParameterRange& range, Image& values, std::vector<std::string>& warnings) {
+  const auto low = static_cast<float>(range.low), high = static_cast<float>(range.high);
+  std::size_t count = 0;
+  for (float& value : values.pixels) {
+    if (low <= value && value <= high) continue;
+    value = std::clamp(value, low, high);
+    ++count;
+  }
+  if (count == 0) return;
+  std::ostringstream text;
+  text << "skin." << range.name << ": " << count << " of " << values.pixels.size()
+       << " texels lie outside [" << range.low << ", " << range.high << "] and were clamped";
+  warnings.push_back(text.str());
+}
+
+}  // namespace
+
+bool may_be_map(std::string_view parameter) {
+  constexpr std::array<std::string_view, 5> same_everywhere = {
+      "scattering_scale", "scattering_power", "epidermis_thickness", "dermis_thickness",
+      "oiliness"};
+  return std::ranges::find(same_everywhere, parameter) == same_everywhere.end();
+}
+
+SkinMaps decode_skin_maps(const JsonInput& recipe) {
+  const JsonObject object = material_file::skin_object(recipe);
+  SkinMaps result;
+  result.constants = material_file::decode_constants(object).second;
+  result.skin = with_constants({}, result.constants);
+  for (const SkinParameterRange& range : skin_parameter_ranges()) {
+    const auto value = object.optional(range.name);
+    if (!value) continue;
+    if (!value->is_object()) {
+      result.skin.*range.value = value->number(between(range.low, range.high));
+    } else if (!may_be_map(range.name)) {
+      value->fail("must be a number: it is the same everywhere in a patch");
+    } else {
+      SkinMap map{range.name, range.value, decode_values(*value)};
+      clamp(range, map.values, result.warnings);
+      result.maps.push_back(std::move(map));
+    }
+  }
+  if (const auto oiliness = object.optional("oiliness"))
+    result.oiliness = oiliness->number(between(0.0, 1.0));
+  return result;
+}
+
+}  // namespace lamina

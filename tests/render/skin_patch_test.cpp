@@ -1,0 +1,179 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/skin_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+
+#include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
+#include "lamina/materials/skin_features.h"
+#include "lamina/scattering/adding_doubling.h"
+
+namespace lamina {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PatchFiles : public ::testing::Test {
+ protected:
+  PatchFiles() { fs::create_directories(folder_); }
+  ~PatchFiles() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] SkinPatch load(const std::string& rest) const {
+    const fs::path file = folder_ / "patch.json";
+    std::ofstream(file) << R"({"lamina": "patch", "version": 1, )" << rest << "}";
+    return load_skin_patch(file);
+  }
+  [[nodiscard]] std::string message_of(const std::string& rest) const {
+    try {
+      (void)load(rest);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / "lamina_skin_patch_test";
+};
+
+SkinPatch uniform_patch(int size) {
+  SkinPatch patch;
+  patch.width = patch.height = size;
+  patch.bands = BandSet({470.0, 645.0});
+  patch.skin.skin.junction_absorption = 0.0;
+  patch.light = make_image(size, size, {"Y"});
+  std::ranges::fill(patch.light.pixels, 1.0f);
+  return patch;
+}
+
+// Adding-doubling of the whole stack is what `lamina slab` prints.
+TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoes) {
+  SkinPatch patch = uniform_patch(16);
+  for (const double melanin : {0.01, 0.04}) {
+    patch.skin.skin.melanin = melanin;
+    for (const double sheet : {0.0, 0.0175}) {
+      patch.skin.skin.junction_absorption = sheet;
+      const SkinPatchResult result = render_skin_patch(patch);
+      for (std::size_t b = 0; b < 2; ++b) {
+        const double slab =
+            adding_doubling(skin_layer_stack(patch.skin.skin, patch.bands.wavelengths()[b]))
+                .totals.diffuse_reflectance;
+        // The sheet is a layer of half the absorbance there, met at every angle.
+        EXPECT_NEAR(result.bands[b].mean_reflectance, slab, sheet == 0.0 ? 2e-4 : 0.01 * slab);
+      }
+    }
+  }
+}
+
+TEST(SkinPatch, LightSpreadsIntoTheDark) {
+  SkinPatch patch = uniform_patch(64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 32; ++x) patch.light.at(x, y)[0] = 0.0f;
+  const Image image = render_skin_patch(patch).image;
+  const std::size_t blue = *channel_index(image, "470nm"), red = *channel_index(image, "645nm");
+  for (int x = 20; x < 60; ++x) EXPECT_GT(image.at(x, 30)[red], image.at(x - 1, 30)[red]);
+  // Red light goes further.
+  EXPECT_GT(image.at(27, 30)[red] / image.at(60, 30)[red],
+            2.0f * image.at(27, 30)[blue] / image.at(60, 30)[blue]);
+}
+
+TEST(SkinPatch, FoldsOfSkinLetRedLightThrough) {
+  SkinPatch patch = uniform_patch(16);
+  patch.skin.skin.dermis_thickness = 1.0;
+  const SkinPatchResult result = render_skin_patch(patch);
+  const float* pixel = result.image.at(8, 8);
+  const auto at = [&](const char* name) { return pixel[*channel_index(result.image, name)]; };
+  EXPECT_GT(at("transmitted.645nm"), 2.0f * at("transmitted.470nm"));
+  const double slab =
+      adding_doubling(skin_layer_stack(patch.skin.skin, 645.0)).totals.transmittance;
+  EXPECT_NEAR(at("transmitted.645nm"), slab, 0.1 * slab);  // light between layers is not even
+}
+
+TEST_F(PatchFiles, TakeTheirSizeFromTheFirstMapAndResampleTheOthers) {
+  save_exr(make_image(20, 10, {"Y"}), folder_ / "a.exr");
+  save_exr(make_image(8, 8, {"Y"}), folder_ / "b.exr");
+  const SkinPatch patch = load(R"("mm_per_pixel": 0.1,
+    "skin": {"melanin": {"map": "a.exr"}, "carotene": {"map": "b.exr", "offset": 0.001}})");
+  EXPECT_EQ(patch.width, 20);
+  EXPECT_EQ(patch.height, 10);
+  ASSERT_EQ(patch.warnings.size(), 1u);
+  EXPECT_EQ(patch.warnings[0], "skin.carotene: 8 x 8 texels, resampled to 20 x 10");
+  for (const float value : render_skin_patch(patch).image.pixels)
+    EXPECT_TRUE(std::isfinite(value) && value >= -1e-3f);
+}
+
+TEST_F(PatchFiles, CutLightToWindowsAndStripes) {
+  const std::string patch = R"("mm_per_pixel": 0.1, "width": 80, "height": 40, "skin": {}, )";
+  const auto total = [&](const std::string& light) {
+    const Image image = load(patch + "\"light\": " + light).light;
+    return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0);
+  };
+  EXPECT_NEAR(total("{}"), 3200.0, 1e-3);
+  EXPECT_NEAR(total(R"({"irradiance": 2.5})"), 8000.0, 1e-2);
+  EXPECT_NEAR(total(R"({"window": [3.05, 2.0]})"), 30.5 * 20.0, 1e-2);
+  EXPECT_NEAR(total(R"({"stripes": {"period": 2.0, "width": 0.5}})"), 800.0, 1e-2);
+  EXPECT_NEAR(total(R"({"stripes": {"period": 1.0, "width": 0.3, "angle": 30}})"), 960.0, 15.0);
+}
+
+TEST_F(PatchFiles, AreRefusedInOneLineThatSaysWhere) {
+  const std::string size = R"("mm_per_pixel": 0.1, "width": 8, "height": 8, )";
+  EXPECT_NE(message_of(R"("skin": {})").find("mm_per_pixel"), std::string::npos);
+  EXPECT_NE(message_of(R"("mm_per_pixel": 0.1, "skin": {})").find("width"), std::string::npos);
+  EXPECT_NE(message_of(size + R"("skin": {}, "bands": "rgb")").find("bands"), std::string::npos);
+  EXPECT_NE(message_of(size + R"("skin": {}, "bands": [500, 400])").find("bands"),
+            std::string::npos);
+  EXPECT_NE(message_of(size + R"("skin": {}, "light": {"theta": 90})").find("theta"),
+            std::string::npos);
+  EXPECT_NE(message_of(size + R"("skin": {}, "transport": {"terms": 2, "kept": 0.9})").find("kept"),
+            std::string::npos);
+  EXPECT_NE(message_of(size + R"("skin": {}, "lihgt": {})").find("light"), std::string::npos);
+  for (const std::string& text : {message_of(R"("skin": 3)"), message_of(size + R"("skin": [])")})
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+}
+
+// The same files as the schemas are held against.
+TEST(SkinPatch, DecodesTheCorpusOfGoodAndBadFiles) {
+  const fs::path reference = fs::path(LAMINA_SOURCE_DIR) / "tests/reference";
+  const auto check = [&](const char* kind, const auto& load) {
+    for (const char* quality : {"_good", "_bad"})
+      for (const auto& entry : fs::directory_iterator(reference / (std::string(kind) + quality))) {
+        if (entry.path().extension() != ".json") continue;
+        std::string message;
+        try {
+          load(entry.path());
+        } catch (const Error& error) {
+          message = error.what();
+        }
+        EXPECT_EQ(message.empty(), quality == std::string("_good")) << entry.path() << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << entry.path();
+      }
+  };
+  check("patches", [](const fs::path& file) { (void)load_skin_patch(file); });
+  check("maps", [](const fs::path& file) { (void)make_skin_maps(load_skin_map_recipe(file)); });
+}
+
+// Eight bands instead of many: colours of skin, which is smooth but for the bands of blood.
+TEST(SkinPatch, EightBandsShowTheColorOfMany) {
+  for (const double melanin : {0.01, 0.05}) {
+    SkinPatch patch = uniform_patch(4);
+    patch.totals = OperatorTotals::diffusion;
+    patch.skin.skin = with_constants({.melanin = melanin}, SkinConstants::calibrated_diffusion);
+    patch.bands = default_spectral_bands();
+    const Image few = render_skin_patch(patch).image;
+    std::vector<double> wavelengths;
+    for (int nm = 380; nm <= 730; nm += 10) wavelengths.push_back(nm);
+    patch.bands = BandSet(wavelengths);
+    const Image many = render_skin_patch(patch).image;
+    for (const char* channel : {"R", "G", "B"})
+      EXPECT_NEAR(few.at(1, 1)[*channel_index(few, channel)],
+                  many.at(1, 1)[*channel_index(many, channel)], 0.01)
+          << channel;
+  }
+}
+
+}  // namespace
+}  // namespace lamina
