@@ -17,17 +17,13 @@ void add_bsdf_command(CLI::App& app) {
   command->add_option("--model", options->model, "in place of a material: rough_transmission")
       ->check(CLI::IsMember({"rough_transmission"}));
   command->add_option("--method", options->method,
-                      "of a material: adding_doubling (default), first_order (closed form) or "
-                      "layered_bsdf (first order, the rest without shape); of rough_transmission: "
-                      "analytic (default), monte_carlo or height_field");
+                      "of a material: adding_doubling (default), first_order (closed form), "
+                      "layered_bsdf (first order, the rest without shape) or monte_carlo; of "
+                      "rough_transmission: analytic (default), monte_carlo or height_field");
   command->add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
       ->capture_default_str();
-  command->add_option("--photons", options->photons, "rays of the random methods")
-      ->type_name("N")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
-      ->capture_default_str();
-  command->add_option("--plot", options->plot, "draw the lobes in the plane of incidence as SVG")
-      ->type_name("FILE");
+  add_output_file(*command, "--plot", options->plot,
+                  "draw the lobes in the plane of incidence as SVG");
   const std::string layered = "Layered materials";
   command
       ->add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
@@ -38,6 +34,19 @@ void add_bsdf_command(CLI::App& app) {
       ->group(layered)
       ->check(CLI::Range(0.5, 45.0))
       ->capture_default_str();
+  command->add_option("--cosines", options->cosines, "of monte_carlo: rows of equal solid angle")
+      ->group(layered)
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--azimuths", options->azimuths, "of monte_carlo: cells of a row, even")
+      ->group(layered)
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str();
+  command
+      ->add_flag("--orders", options->orders,
+                 "of monte_carlo: light by the number of times that it was scattered")
+      ->group(layered);
+  add_effort_options(*command, options->effort);
   const std::string rough = "Rough transmission";
   command->add_option("--eta", options->eta, "index beyond the surface over that before it")
       ->group(rough)
@@ -67,16 +76,47 @@ void add_bsdf_command(CLI::App& app) {
       "Its first order in closed form, drawn, and how far the approximations are off\n"
       "  lamina bsdf donner_jensen_skin --method first_order --plot skin.svg\n"
       "  lamina bsdf leaf --theta-i 45 --compare --plot leaf.svg\n"
+      "The same by photons, order by order\n"
+      "  lamina bsdf donner_jensen_skin --theta-i 45 --method monte_carlo --orders --photons 1e7 "
+      "--plot skin.svg\n"
       "A frosted plate by the model of Xu and Sun, and by rays through real surfaces\n"
       "  lamina bsdf --model rough_transmission --eta 1.4 --smoothness 3 --theta-i 30 --plot "
       "lobes.svg\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --compare --plot b.svg");
-  command->callback([options] {
+  command->callback([options, command] {
     set_thread_count(options->common.threads);
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
-    options->model.empty() ? run_material_bsdf(*options) : run_rough_transmission(*options);
+    const bool is_material = options->model.empty();
+    const std::vector<std::string> of_materials = {"--accuracy", "--step", "--cosines",
+                                                   "--azimuths", "--orders"};
+    const std::vector<std::string> of_the_model = {"--eta", "--smoothness", "--visibility",
+                                                   "--realizations"};
+    for (const std::string& name : is_material ? of_the_model : of_materials)
+      if (command->get_option(name)->count() > 0)
+        throw InvalidInput(name + (is_material ? ": is read with --model rough_transmission only"
+                                               : ": is read with a MATERIAL only"));
+    if (!is_material) {
+      if (!options->compare)
+        refuse_unused(*command, options->method.empty() ? "analytic" : options->method,
+                      {{"--photons", {"monte_carlo", "height_field"}},
+                       {"--visibility", {"monte_carlo"}},
+                       {"--realizations", {"height_field"}}});
+      return run_rough_transmission(*options);
+    }
+    if (options->compare && !options->method.empty())
+      throw InvalidInput("--method: must be left out with --compare, which runs all methods");
+    refuse_unused(*command, options->method.empty() ? "adding_doubling" : options->method,
+                  {{"--accuracy", {"adding_doubling"}},
+                   {"--step", {"adding_doubling", "first_order", "layered_bsdf"}},
+                   {"--cosines", {"monte_carlo"}},
+                   {"--azimuths", {"monte_carlo"}},
+                   {"--orders", {"monte_carlo"}},
+                   {"--photons", {"monte_carlo"}},
+                   {"--relative-error", {"monte_carlo"}},
+                   {"--time", {"monte_carlo"}}});
+    options->method == "monte_carlo" ? run_monte_carlo_bsdf(*options) : run_material_bsdf(*options);
   });
 }
 

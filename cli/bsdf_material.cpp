@@ -229,7 +229,8 @@ void run_material_bsdf(const BsdfOptions& options) {
   const std::string method = options.method.empty() ? "adding_doubling" : options.method;
   if (method != "adding_doubling" && method != "first_order" && method != "layered_bsdf")
     throw InvalidInput(
-        "--method of a material must be adding_doubling, first_order or layered_bsdf, but is " +
+        "--method of a material must be adding_doubling, first_order, layered_bsdf or monte_carlo, "
+        "but is " +
         options.method);
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(

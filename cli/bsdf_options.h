@@ -1,10 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
 
-#include "console.h"
+#include "monte_carlo_method.h"
 
 namespace lamina::cli {
 
@@ -15,13 +14,15 @@ struct BsdfOptions {
   std::string model;     ///< "rough_transmission" or ""
   std::string method;    ///< of the model; "" for its default
   double theta_i_deg = 30.0;
-  std::int64_t photons = 1'000'000;
-  std::string plot;      ///< SVG file or ""
-  bool compare = false;  ///< all methods side by side
+  MonteCarloEffort effort;  ///< of the random methods
+  std::string plot;         ///< SVG file or ""
+  bool compare = false;     ///< all methods side by side
 
   // layered materials
   double accuracy = 1e-3;
-  double step_deg = 5.0;  ///< between the angles to look from
+  double step_deg = 5.0;            ///< between the angles to look from
+  int cosines = 18, azimuths = 36;  ///< cells of monte_carlo: rows and columns
+  bool orders = false;              ///< of monte_carlo: tell scattering orders apart
 
   // rough_transmission
   double eta = 1.4;
@@ -32,6 +33,9 @@ struct BsdfOptions {
 
 /// A layered material. @throws InvalidInput, FileError, WriteError
 void run_material_bsdf(const BsdfOptions& options);
+
+/// The same by photons, in cells of equal solid angle. @throws InvalidInput, FileError, WriteError
+void run_monte_carlo_bsdf(const BsdfOptions& options);
 
 /// The rough surface of Xu and Sun. @throws InvalidInput, WriteError
 void run_rough_transmission(const BsdfOptions& options);

@@ -19,6 +19,13 @@ using nlohmann::ordered_json;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
+std::int64_t rays(const BsdfOptions& options) {
+  if (options.effort.relative_error > 0.0 || options.effort.seconds > 0.0)
+    throw InvalidInput(
+        "--relative-error and --time: are for materials; this model takes --photons");
+  return static_cast<std::int64_t>(monte_carlo_options(options.effort, options.common).photons);
+}
+
 RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& method,
                                const std::string& visibility) {
   const GaussianSurface surface{.smoothness = options.smoothness, .eta = options.eta};
@@ -30,13 +37,13 @@ RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& me
   if (method == "monte_carlo")
     return simulate_scattering(
         surface, theta_i,
-        {.rays = options.photons,
+        {.rays = rays(options),
          .seed = options.common.seed,
          .visibility = visibility == "smith" ? FacetVisibility::smith : FacetVisibility::xu_sun,
          .progress = make_progress("rays")});
   if (method == "height_field")
     return trace_height_fields(surface, theta_i,
-                               {.rays = options.photons,
+                               {.rays = rays(options),
                                 .realizations = options.realizations,
                                 .seed = options.common.seed,
                                 .progress = make_progress("surfaces")});

@@ -1,19 +1,22 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "console.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
 
 namespace lamina::cli {
@@ -59,12 +62,44 @@ class Bar {
 }  // namespace
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
-  command.add_option("--json", options.json, "write the result as JSON to FILE, or - for stdout")
-      ->type_name("FILE");
+  add_output_file(command, "--json", options.json,
+                  "write the result as JSON to FILE, or - for stdout");
   command.add_option("--threads", options.threads, "threads to use; 0 for all")
       ->type_name("N")
       ->check(CLI::Range(0, 4096));
   command.add_option("--seed", options.seed, "seed of everything random")->type_name("N");
+}
+
+void require_writable(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const auto fail = [&](const std::string& reason) {
+    throw WriteError(file + ": cannot be written: " + reason);
+  };
+  if (fs::is_directory(file, error)) fail("it is a folder");
+  const fs::path parent = fs::path(file).parent_path();
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
+  if (!fs::is_directory(folder, error)) fail("there is no folder " + folder.string());
+  const bool is_device = fs::exists(file, error) && !fs::is_regular_file(file, error);
+  if (access(is_device ? file.c_str() : folder.c_str(), W_OK) != 0) fail("no permission");
+}
+
+CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::string& file,
+                             const std::string& text) {
+  const auto check = [](const std::string& given) {
+    if (given != "-") require_writable(given);
+    return std::string();
+  };
+  return command.add_option(name, file, text)->type_name("FILE")->check(check, "");
+}
+
+void refuse_unused(const CLI::App& command, const std::string& method,
+                   const std::vector<MethodOption>& options) {
+  for (const auto& [name, methods] : options) {
+    if (command.get_option(name)->count() == 0 || std::ranges::count(methods, method) > 0) continue;
+    throw InvalidInput(fmt::format("{}: is read by --method {} only, but the method is {}", name,
+                                   fmt::join(methods, ", "), method));
+  }
 }
 
 nlohmann::ordered_json make_result(std::string_view command) {

@@ -5,24 +5,45 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "lamina/core/progress.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace lamina::cli {
 
 /// Options that every subcommand has.
 struct CommonOptions {
-  std::string json;        ///< file for the machine-readable result, "-" for standard output, or ""
-  int threads = 0;         ///< 0: all
+  std::string json;  ///< file for the machine-readable result, "-" for standard output, or ""
+  int threads = 0;   ///< 0: all
   std::uint64_t seed = 0;
 };
 
 /// Adds --json, --threads and --seed; `options` must outlive the parse.
 void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// An option for a file to be written, which is refused before the work if it cannot be. "-"
+/// passes: --json takes it for standard output.
+CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::string& file,
+                             const std::string& text);
+
+/// Before the work: whether a file can be written, as far as can be told. @throws WriteError
+void require_writable(const std::string& file);
+
+/// An option that only some methods read.
+struct MethodOption {
+  std::string name;
+  std::vector<std::string> methods;
+};
+
+/// @throws InvalidInput if an option was given that `method` does not read: nothing that a user
+/// asks for is passed over in silence.
+void refuse_unused(const CLI::App& command, const std::string& method,
+                   const std::vector<MethodOption>& options);
 
 /// A result object that starts with "lamina": VERSION and "command": name.
 [[nodiscard]] nlohmann::ordered_json make_result(std::string_view command);

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -53,6 +53,14 @@ void run_merge(const MergeOptions& options) {
     add_runs(sum, load_photon_runs(options.files[i]), options.files[i], done);
   const int shards = sum[0].shards;
   const bool is_whole = static_cast<int>(done.size()) == shards;
+  if (!is_whole) {
+    std::vector<std::string> missing;
+    for (int i = 0; i < shards && missing.size() < 20; ++i)
+      if (!done.contains(i)) missing.push_back(fmt::format("{}/{}", i, shards));
+    const std::size_t absent = static_cast<std::size_t>(shards) - done.size();
+    fmt::print(stderr, "warning: {} of {} shards are missing: {}{}\n", absent, shards,
+               fmt::join(missing, ", "), absent > missing.size() ? ", ..." : "");
+  }
   for (PhotonRun& run : sum) {
     if (is_whole) run.shard = 0, run.shards = 1;
     if (!is_whole) run.name += fmt::format(" ({} of {} shards)", done.size(), shards);
@@ -69,8 +77,7 @@ void add_merge_command(CLI::App& app) {
   command->add_option("files", options->files, "what `lamina photons --shard I/N --json` wrote")
       ->required()
       ->type_name("FILE");
-  command->add_option("--plot", options->plot, "plot of R(r), or of R(angle)")
-      ->type_name("FILE.svg");
+  add_output_file(*command, "--plot", options->plot, "plot of R(r), or of R(angle), as SVG");
   add_common_options(*command, options->common);
   command->footer(
       "Example: two machines share a run\n"

@@ -62,6 +62,7 @@ MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands, const Inc
     };
     result.totals.push_back(read(&Estimate::value));
     result.standard_error.push_back(read(&Estimate::standard_error));
+    result.unfinished.push_back(band.unfinished.value);
   }
   return result;
 }

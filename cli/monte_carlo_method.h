@@ -29,6 +29,7 @@ void add_effort_options(CLI::App& command, MonteCarloEffort& effort);
 /// Totals with their standard errors, [band].
 struct MonteCarloTotals {
   std::vector<SlabTotals> totals, standard_error;
+  std::vector<double> unfinished;  ///< light given up after very many events
 };
 
 [[nodiscard]] MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands,

@@ -1,7 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "commands.h"
 #include "console.h"
@@ -129,6 +131,44 @@ MonteCarloOptions read_options(const PhotonsOptions& options) {
   return o;
 }
 
+bool is_mcml(const PhotonsOptions& options) {
+  return std::filesystem::path(options.material).extension() == ".mci";
+}
+
+/// @throws InvalidInput if an option was given that nothing would read.
+void check_options(const CLI::App& command, const PhotonsOptions& options) {
+  const auto is_given = [&](const std::string& name) {
+    return command.get_option(name)->count() > 0;
+  };
+  const auto refuse = [&](const std::string& name, const std::string& reason) {
+    if (is_given(name)) throw InvalidInput(name + ": " + reason);
+  };
+  if (is_mcml(options))
+    for (const char* name : {"--tally", "--incidence", "--beam", "--detector", "--direction"})
+      refuse(name, "must be left out for a .mci file, which says what to count");
+  else
+    refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
+  const std::vector<MethodOption> needs = {{"--r-bins", {"r", "rz", "fluence"}},
+                                           {"--dr", {"r", "rz", "fluence"}},
+                                           {"--z-bins", {"rz", "fluence"}},
+                                           {"--dz", {"rz", "fluence"}},
+                                           {"--angle-bins", {"angle"}},
+                                           {"--log-bins", {"log_r"}},
+                                           {"--log-range", {"log_r"}},
+                                           {"--bsdf-cosines", {"bsdf"}},
+                                           {"--bsdf-azimuths", {"bsdf"}},
+                                           {"--path-bins", {"path"}},
+                                           {"--dl", {"path"}}};
+  for (const auto& [name, tallies] : needs)
+    if (std::ranges::find_first_of(tallies, options.tallies) == tallies.end())
+      refuse(name, fmt::format("needs --tally {}, which is not given", fmt::join(tallies, " or ")));
+  if (!is_mcml(options) && std::ranges::count(options.tallies, "r") == 0 &&
+      std::ranges::count(options.tallies, "angle") == 0)
+    refuse("--plot", "needs --tally r or angle, which is not given");
+  if (options.detectors.empty()) refuse("--detector-width", "needs --detector, which is not given");
+  if (options.beam == "pencil") refuse("--beam-radius", "needs --beam gaussian or flat");
+}
+
 /// The bands of a material, one after the other.
 PhotonRun trace_material(const PhotonsOptions& options) {
   const Material material = find_material(options.material);
@@ -149,13 +189,21 @@ PhotonRun trace_material(const PhotonsOptions& options) {
 
 /// The runs of an MCML file, each with its output file.
 std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
-  if (!options.tallies.empty() || options.incidence != "normal" || options.beam != "pencil")
-    throw InvalidInput(
-        "--tally, --incidence and --beam: must be left out for a .mci file, which says what to "
-        "count");
   std::vector<PhotonRun> runs;
   const std::filesystem::path folder = options.output;
-  for (const McmlRun& mcml : load_mcml(options.material)) {
+  const std::vector<McmlRun> asked_for = load_mcml(options.material);
+  const auto place = [&](const McmlRun& mcml) {
+    return fmt::format("{}:{}: ", options.material, mcml.line);
+  };
+  std::set<std::string> files;
+  for (const McmlRun& mcml : asked_for) {  // before the work
+    const std::string file = (folder / mcml.output_file).string();
+    require_writable(file);
+    if (!files.insert(file).second)
+      throw InvalidInput(place(mcml) + "each run must have its own output file, but " +
+                         mcml.output_file + " is that of an earlier one");
+  }
+  for (const McmlRun& mcml : asked_for) {
     if (was_interrupted()) break;
     MonteCarloOptions o = monte_carlo_options(mcml);
     const MonteCarloOptions asked = monte_carlo_options(options.effort, options.common);
@@ -172,7 +220,11 @@ std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
                   .counts = {},
                   .shard = o.shard.index,
                   .shards = o.shard.count};
-    run.counts.push_back(count_photons(layer_stack(mcml), o));
+    try {
+      run.counts.push_back(count_photons(layer_stack(mcml), o));
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(place(mcml) + error.what());
+    }
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     McmlRun counted = mcml;
     counted.photons = run.counts[0].photons;
@@ -186,9 +238,8 @@ std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
 
 void run_photons(const PhotonsOptions& options) {
   set_thread_count(options.common.threads);
-  const bool is_mcml = std::filesystem::path(options.material).extension() == ".mci";
   std::vector<PhotonRun> runs;
-  if (is_mcml)
+  if (is_mcml(options))
     runs = trace_mcml(options);
   else
     runs.push_back(trace_material(options));
@@ -267,8 +318,7 @@ void add_photons_command(CLI::App& app) {
       ->type_name("DIR")
       ->group(output)
       ->capture_default_str();
-  command->add_option("--plot", options->plot, "plot of R(r), or of R(angle)")
-      ->type_name("FILE.svg")
+  add_output_file(*command, "--plot", options->plot, "plot of R(r), or of R(angle), as SVG")
       ->group(output);
   command
       ->add_flag("--counts", options->with_counts,
@@ -280,7 +330,10 @@ void add_photons_command(CLI::App& app) {
       "  lamina photons donner_jensen_skin --photons 1e6 --tally r,angle --json skin.json\n"
       "  lamina photons tissue.mci -o results\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 0/2 --json half.json");
-  command->callback([options] { run_photons(*options); });
+  command->callback([options, command] {
+    check_options(*command, *options);
+    run_photons(*options);
+  });
 }
 
 }  // namespace lamina::cli

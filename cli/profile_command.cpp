@@ -409,10 +409,8 @@ void add_profile_command(CLI::App& app) {
                    "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
       ->check(CLI::IsMember({"radius", "frequency"}))
       ->capture_default_str();
-  command
-      ->add_option("--plot", options->plot,
-                   "write R(r) and T(r) with that approximation as SVG to FILE")
-      ->type_name("FILE");
+  add_output_file(*command, "--plot", options->plot,
+                  "write R(r) and T(r) with that approximation as SVG to FILE");
   command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")
       ->type_name("N")
       ->check(CLI::Range(2, 100000))
@@ -431,8 +429,16 @@ void add_profile_command(CLI::App& app) {
       "environment variable LAMINA_CACHE moves them to a folder, or is \"off\".\n\n"
       "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
-  command->callback([options] {
+  command->callback([options, command] {
     set_thread_count(options->common.threads);
+    refuse_unused(*command, options->method,
+                  {{"--accuracy", {"exact"}},
+                   {"--no-cache", {"exact"}},
+                   {"--photons", {"monte_carlo"}},
+                   {"--relative-error", {"monte_carlo"}},
+                   {"--time", {"monte_carlo"}}});
+    if (options->domain == "frequency" && (options->compare || !options->plot.empty()))
+      throw InvalidInput("--domain frequency: has neither --compare nor --plot, but one is given");
     run_profile(*options);
   });
 }

@@ -78,7 +78,15 @@ SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& 
 SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence& incidence,
                           const SlabOptions& options) {
   MonteCarloTotals result = monte_carlo_totals(stacks, incidence, options.effort, options.common);
-  return {.totals = std::move(result.totals), .standard_error = std::move(result.standard_error)};
+  SlabResult slab{.totals = std::move(result.totals),
+                  .standard_error = std::move(result.standard_error)};
+  slab.more["unfinished"] = result.unfinished;
+  const double most = std::ranges::max(result.unfinished);
+  if (most > 0.0)
+    slab.remarks.push_back(
+        fmt::format("{:.2g} of the light was given up unfinished, after {} events", most,
+                    MonteCarloOptions{}.max_events));
+  return slab;
 }
 
 /// Every method of `lamina slab`; the first is the default.
@@ -218,8 +226,16 @@ void add_slab_command(CLI::App& app) {
       "all other light that leaves at the top is diffuse.\n\n"
       "Example: where the light goes in skin, lit from all sides\n"
       "  lamina slab donner_jensen_skin --incidence diffuse");
-  command->callback([options] {
+  command->callback([options, command] {
     set_thread_count(options->common.threads);
+    const bool is_comparison = options->compared_photons > 0;
+    if (is_comparison && command->get_option("--method")->count() > 0)
+      throw InvalidInput("--method: must be left out with --compare, which runs all methods");
+    refuse_unused(*command, is_comparison ? "compare" : options->method,
+                  {{"--accuracy", {"adding_doubling"}},
+                   {"--photons", {"monte_carlo"}},
+                   {"--relative-error", {"monte_carlo"}},
+                   {"--time", {"monte_carlo"}}});
     run_slab(*options);
   });
 }

@@ -3,8 +3,11 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "lamina/core/error.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_diffusion.h"
 #include "lamina/scattering/photon_tracing.h"
@@ -21,7 +24,7 @@ struct Row {
   std::size_t band;
   double exact;
   Estimate photons;
-  double diffusion;
+  double diffusion;  ///< nan where it refuses the stack
   [[nodiscard]] double in_standard_errors() const {
     const double error = photons.standard_error;
     return error > 0.0 ? (photons.value - exact) / error : 0.0;
@@ -47,13 +50,25 @@ std::string to_text(const Material& material, const std::vector<Row>& rows) {
   std::string text = fmt::format("{:<28} {:>4}  {:>15}  {:>20} {:>6}  {:>9} {:>8}\n", "", "band",
                                  "adding_doubling", "monte_carlo", "sigmas", "diffusion", "off");
   for (const Row& row : rows) {
+    text += fmt::format("{:<28} {:>4}  {:>15.6f}  {:>9.6f} ± {:>8.6f} {:>+6.1f}", row.name,
+                        band_name(material.bands, row.band), row.exact, row.photons.value,
+                        row.photons.standard_error, row.in_standard_errors());
     const double off = row.exact > 1e-9 ? 100.0 * (row.diffusion / row.exact - 1.0) : 0.0;
-    text +=
-        fmt::format("{:<28} {:>4}  {:>15.6f}  {:>9.6f} ± {:>8.6f} {:>+6.1f}  {:>9.6f} {:>+7.1f}%\n",
-                    row.name, band_name(material.bands, row.band), row.exact, row.photons.value,
-                    row.photons.standard_error, row.in_standard_errors(), row.diffusion, off);
+    text += std::isnan(row.diffusion) ? fmt::format("  {:>9} {:>8}\n", "-", "-")
+                                      : fmt::format("  {:>9.6f} {:>+7.1f}%\n", row.diffusion, off);
   }
   return text;
+}
+
+/// Diffusion needs scattering in every layer; the other methods compare without it.
+SlabTotals diffusion_or_nan(const LayerStack& stack, const Incidence& incidence) {
+  try {
+    return diffusion_totals(stack, incidence);
+  } catch (const InvalidInput& error) {
+    fmt::print(stderr, "note: {}\n", error.what());
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, nan, nan, std::vector<double>(stack.layers().size(), nan)};
+  }
 }
 
 }  // namespace
@@ -68,7 +83,7 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
     effort.incidence = incidence;
     effort.progress = make_progress("photons of band " + band_name(material.bands, band));
     const MonteCarloResult traced = trace_photons(stacks[band], effort);
-    const SlabTotals diffusion = diffusion_totals(stacks[band], incidence);
+    const SlabTotals diffusion = diffusion_or_nan(stacks[band], incidence);
     for (Row& row : rows_of(material, band, exact[band].totals, traced, diffusion))
       rows.push_back(std::move(row));
   }

@@ -4,6 +4,7 @@
 usage: command_test.py LAMINA
 """
 import json
+import math
 import os
 import subprocess
 import sys
@@ -60,6 +61,19 @@ class WrongUse(unittest.TestCase):
         self.check(["render", "no_such_scene.json"], "no_such_scene.json")
         self.check(["materials", "jad"], "jade")
 
+    def test_refuses_options_that_nothing_would_read(self):
+        self.check(["slab", "jade", "--method", "diffusion", "--accuracy", "1e-3"], "--accuracy", "adding_doubling")
+        self.check(["slab", "jade", "--photons", "100"], "--photons", "monte_carlo")
+        self.check(["slab", "jade", "--compare", "--method", "diffusion"], "--method")
+        self.check(["profile", "jade", "--method", "dipole", "--no-cache"], "--no-cache", "exact")
+        self.check(["bsdf", "jade", "--method", "monte_carlo", "--step", "5"], "--step")
+        self.check(["bsdf", "jade", "--eta", "1.3"], "--eta", "rough_transmission")
+        self.check(["bsdf", "--model", "rough_transmission", "--orders"], "--orders", "MATERIAL")
+        self.check(["photons", "jade", "--dr", "0.1"], "--dr", "--tally r")
+        self.check(["photons", "jade", "--beam-radius", "1"], "--beam")
+        self.check(["photons", "jade", "--plot", "x.svg"], "--tally r or angle")
+        self.check(["photons", "jade", "--output", "."], ".mci")
+
     def test_names_file_line_and_field(self):
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
             file.write('{ "lamina": "material", "version": 1,\n "length_unit": "mm", "bands": "rgb",\n'
@@ -75,6 +89,12 @@ class FailedWork(unittest.TestCase):
         self.assertEqual(result.returncode, 1)
         self.assertEqual(result.stderr.count("\n"), 1)
 
+    def test_that_is_found_before_the_work(self):
+        for args in (["--json", "/no/such/folder/x.json"], ["--plot", "/"]):
+            result = run("profile", "jade", "--method", "monte_carlo", "--photons", "1e15", *args)
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stdout, "")
+            self.assertIn("cannot be written", result.stderr)
 
     @unittest.skipUnless(hasattr(os, "mkfifo"), "needs links")
     def test_a_link_stays_a_link(self):
@@ -105,6 +125,38 @@ class Json(unittest.TestCase):
                             ("specular_reflectance", "diffuse_reflectance", "transmittance"))
                 total += sum(layer[band] for layer in result["absorptance"])
                 self.assertAlmostEqual(total, 1.0, delta=1e-6)
+
+    def test_bsdf_by_photons_counts_all_scattered_light(self):
+        result = json_of("bsdf", "leaf", "--theta-i", "30", "--method", "monte_carlo", "--photons", "2e4",
+                         "--cosines", "6", "--azimuths", "8", "--orders")
+        rows, columns = len(result["theta_o_deg"]), len(result["phi_o_deg"])
+        self.assertEqual((rows, columns), (6, 4))
+        cell = 2 * math.pi / (rows * columns)
+        for side, total, straight in (("brdf", "diffuse_reflectance", "unscattered_reflectance"),
+                                      ("btdf", "transmittance", "unscattered_transmittance")):
+            self.assertEqual(len(result[side + "_by_order"]), 12)
+            for band in range(3):
+                flux = sum(result[side][i][j][band] * (1 - (i + .5) / rows) * cell
+                           for i in range(rows) for j in range(columns))
+                self.assertAlmostEqual(flux, result[total][band] - result[straight][band], places=9)
+                by_order = sum(plane[2][1][band] for plane in result[side + "_by_order"])
+                self.assertAlmostEqual(by_order, result[side][2][1][band], places=9)
+                self.assertGreater(result["standard_error"][side][2][1][band], 0)
+
+    def test_bsdf_by_photons_is_that_of_adding_doubling(self):
+        photons = json_of("bsdf", "leaf", "--theta-i", "60", "--method", "monte_carlo", "--photons", "2e5",
+                          "--cosines", "8", "--azimuths", "24")
+        exact = json_of("bsdf", "leaf", "--theta-i", "60", "--step", "5", "--accuracy", "1e-2")
+        # At cosine 7/8 in the middle of its row, 30 degrees; away from the light and towards it.
+        row = min(range(8), key=lambda i: abs(photons["theta_o_deg"][i] - 36))
+        theta = photons["theta_o_deg"][row]
+        for side in ("brdf", "btdf"):
+            for column, phi in ((0, 0), (-1, -1)):
+                low = int(theta // 5)
+                t = theta / 5 - low
+                expected = (1 - t) * exact[side][low][phi][1] + t * exact[side][low + 1][phi][1]
+                error = photons["standard_error"][side][row][column][1]
+                self.assertLess(abs(photons[side][row][column][1] - expected), 4 * error + 0.02 * expected)
 
     def test_profile_has_the_shape_that_it_states(self):
         result = json_of("profile", "donner_jensen_skin", "--method", "multipole", "--radii", "40")

@@ -27,14 +27,16 @@ expect 2 '--method of rough_transmission must be' --method adding
 expect 2 'smoothness must lie in [0.01, 10000]' --smoothness 0
 expect 2 'eta must differ from 1' --eta 1
 expect 2 'eta must be > 0 and finite' --eta nan
-expect 2 '--photons' --photons 0
+expect 2 '--photons: is read by --method monte_carlo, height_field only' --photons 100
+expect 2 '--photons: must be a whole number' --method monte_carlo --photons 0
 expect 1 'cannot be written' --plot no/such/folder/lobes.svg
 expect 0 '' --plot lobes.svg
 grep -q '^<svg' lobes.svg || fail "no SVG"
 
 # The cells add up to the total, whatever the method.
-for method in analytic monte_carlo height_field; do
-  "$lamina" bsdf --model rough_transmission --method $method --photons 20000 --json - | "$python" -c '
+for method in analytic "monte_carlo --photons 20000" "height_field --photons 20000"; do
+  # shellcheck disable=SC2086
+  "$lamina" bsdf --model rough_transmission --method $method --json - | "$python" -c '
 import json, math, sys
 result = json.load(sys.stdin)
 thetas, phis = len(result["theta_o_deg"]), len(result["phi_o_deg"])

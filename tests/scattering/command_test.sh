@@ -101,7 +101,7 @@ refused profile leaf --r-min nan
 grep -q "transmitted" "$folder/bsdf.svg" || fail "the plot has both sides of a leaf"
 "$lamina" bsdf leaf --compare --theta-i 45 --step 15 --json "$folder/compared.json" | grep -q layered_bsdf || fail "bsdf compares"
 "$lamina" bsdf leaf --method guess > "$folder/out" 2>&1 && fail "an unknown method of bsdf"
-grep -q "must be adding_doubling, first_order or layered_bsdf, but is guess" "$folder/out" || fail "bsdf names its methods"
+grep -q "must be adding_doubling, first_order, layered_bsdf or monte_carlo, but is guess" "$folder/out" || fail "bsdf names its methods"
 python3 - "$folder/bsdf.json" "$folder/compared.json" <<'PY'
 import json, sys
 first, compared = (json.load(open(name)) for name in sys.argv[1:])

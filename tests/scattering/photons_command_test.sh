@@ -37,6 +37,8 @@ grep -q "</svg>" plot.svg
 [ -s skin.mco ] && [ -s glass.mco ]
 
 refuses "photons: must be a whole number" $skin --photons 0
+"$lamina" merge 2.json 0.json --json part.json > /dev/null 2> warning
+grep -q "1 of 3 shards are missing: 1/3" warning || { echo "merge must say which shards are missing"; exit 1; }
 refuses "shard: must be I/N" $skin --shard 3/3
 refuses 'did you mean "angle"' $skin --tally angel
 refuses "must fit in 4 GiB, but need" $skin --tally rz --r-bins 100000 --z-bins 100000

@@ -46,6 +46,22 @@ std::vector<Chain> chains_of(const Curve& curve, const PreparedPanel& prepared, 
   return chains;
 }
 
+void draw_band(SvgCanvas& canvas, const Curve& curve, const std::string& color,
+               const PreparedPanel& prepared, const Disc& disc) {
+  if (curve.low.empty()) return;
+  Chain outline;
+  const auto add = [&](std::size_t i, double value) {
+    const double fraction = prepared.y.position(value);
+    if (std::isfinite(curve.x[i]) && !std::isnan(fraction))
+      outline.push_back(disc.at(curve.x[i], std::clamp(fraction, 0.0, 1.0)));
+  };
+  for (std::size_t i = 0; i < curve.x.size(); ++i) add(i, curve.high[i]);
+  for (std::size_t i = curve.x.size(); i-- > 0;) add(i, curve.low[i]);
+  if (outline.size() >= 4)
+    canvas.path(path_data({outline}) + "Z",
+                "fill=\"" + svg_escaped(color) + "\" fill-opacity=\"0.18\"");
+}
+
 /// Part of a circle from one angle to another, clockwise from the normal.
 std::string arc(const Disc& disc, double fraction, double from, double to) {
   const PagePoint start = disc.at(from, fraction), end = disc.at(to, fraction);
@@ -119,6 +135,7 @@ PreparedPanel prepare_polar(const Panel& panel, const Box& data) {
   for (const Curve& curve : panel.curves)
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
       radius.add(curve.y[i], panel.y.scale);
+      if (!curve.high.empty()) radius.add(curve.high[i], panel.y.scale);
       if (std::abs(curve.x[i]) > 0.5 * pi + 1e-9) prepared.has_lower_half = true;
     }
   Axis axis = panel.y;
@@ -144,6 +161,8 @@ void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& dat
               1.4);  // the surface
   if (panel.arrow_angle) draw_arrow(canvas, disc, *panel.arrow_angle);
   const std::vector<std::string> colors = curve_colors(panel);
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    draw_band(canvas, panel.curves[i], colors[i], prepared, disc);
   for (std::size_t i = 0; i < colors.size(); ++i)
     draw_chains(canvas, panel.curves[i], colors[i], chains_of(panel.curves[i], prepared, disc));
   draw_ring_labels(canvas, prepared, disc);
