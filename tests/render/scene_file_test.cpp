@@ -66,7 +66,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);
   EXPECT_EQ(scene.render.hierarchy.error, 0.1F);
 
-  ASSERT_EQ(scene.materials.size(), 7U);
+  ASSERT_EQ(scene.materials.size(), 8U);
   EXPECT_EQ(scene.images.size(), 3U);  // the checker as sRGB and as linear, and the studio
   const auto& skin = std::get<SubsurfaceSurface>(scene.materials[0].surface);
   EXPECT_EQ(scene.materials[0].name, "skin");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -17,9 +18,7 @@ class InlineVector {
 
  public:
   InlineVector() = default;
-  explicit InlineVector(std::size_t size) : size_(size) {
-    if (size > Few) many_ = std::make_unique_for_overwrite<Slot[]>(size);
-  }
+  explicit InlineVector(std::size_t size) { reset(size); }
   InlineVector(const InlineVector& other) : InlineVector(other.size_) {
     for (std::size_t i = 0; i < size_; ++i) (*this)[i] = other[i];
   }
@@ -33,6 +32,13 @@ class InlineVector {
     if (size_ <= Few)
       for (std::size_t i = 0; i < size_; ++i) (*this)[i] = other[i];
     return *this;
+  }
+
+  /// Makes it that long, elements not initialized. It must be empty.
+  void reset(std::size_t size) {
+    assert(size_ == 0);
+    size_ = size;
+    if (size > Few) many_ = std::make_unique_for_overwrite<Slot[]>(size);
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }

@@ -167,6 +167,12 @@ typename PathTracer<N>::Surface PathTracer<N>::make_surface(const SurfacePoint& 
   } else if (const auto* transport = transports_[p.material].get()) {
     surface.reflectance = transport->local_reflectance(p);
     if (!is_inside) surface.transport = transport;  // the inner side of an open mesh is diffuse
+  } else if (const auto* layered = layered_[p.material].get()) {
+    surface.layered = layered->at(p, surface.boundary, surface.wo);
+    surface.reflectance = surface.layered->reflectance();
+    surface.mirrored = surface.layered->mirrored_inside();
+    const float mirrored = sum(surface.mirrored);
+    surface.mirrored_chance = mirrored / (mirrored + sum(surface.reflectance) + 1e-6f);
   }
   return surface;
 }
@@ -174,6 +180,7 @@ typename PathTracer<N>::Surface PathTracer<N>::make_surface(const SurfacePoint& 
 template <int N>
 float PathTracer<N>::base_lobe(const Surface& surface, const Vec3f& wi) {
   if (wi.z < 0.0f && !surface.sheet) return 0.0f;
+  if (surface.layered) return 1.0f / pi;  // to weigh lights; the bsdf itself is not for that
   const float entering =
       1.0f - reflectance(wi.z > 0.0f ? surface.boundary : surface.beyond, std::abs(wi.z));
   return entering * exit_distribution(surface.boundary, surface.wo.z);
@@ -221,12 +228,22 @@ typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& sur
            (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
   });
   if (!(drawn.weight > 0.0f)) return {};
-  const Lobes lobes = reflected(drawn.light);
+  Lobes lobes = reflected(drawn.light);
+  const Vec3f wi = surface.frame.to_local(drawn.light.direction);
+  if (surface.layered && with_base) {
+    const auto value = surface.layered->evaluate(wi);
+    float pdf = base_chance * (1.0f - surface.mirrored_chance) * value.pdf;
+    if (lobes.specular > 0.0f)
+      pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
+    const float scale = wi.z * weight_of_light_sample(drawn.light, pdf);
+    const Bands arriving =
+        drawn.weight * scale * drawn.clear * conversion_.from_rgb(drawn.light.radiance);
+    return {.specular = lobes.specular * arriving, .base = value.bsdf * arriving};
+  }
   const Bands arriving =
       drawn.weight * lobes.scale * drawn.clear * conversion_.from_rgb(drawn.light.radiance);
   return {.specular = lobes.specular * arriving,
-          .base = lobes.base * base_color(surface, surface.frame.to_local(drawn.light.direction)) *
-                  arriving};
+          .base = lobes.base * base_color(surface, wi) * arriving};
 }
 
 template <int N>
@@ -274,6 +291,7 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
   const Vec2f u2 = samples.next_2d();
   is_specular = u < chance;
   Vec3f wi;
+  std::optional<typename LayeredPoint<N>::Value> layered;
   if (is_specular) {
     const SpecularSample sample = sample_specular(surface.boundary, surface.wo, u / chance, u2);
     if (!(sample.weight > 0.0f)) return false;
@@ -284,6 +302,21 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
     }
     path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
     if (!sample.is_mirror) path.pdf = sample.pdf;
+  } else if (surface.layered) {
+    const float mirrored = surface.mirrored_chance;
+    float v = (u - chance) / (1.0f - chance);
+    path.spread = v < mirrored ? path.spread : 0.3f;
+    path.pdf = v < mirrored ? 0.0f : 1.0f;
+    if (v < mirrored) {
+      wi = {-surface.wo.x, -surface.wo.y, surface.wo.z};
+      throughput *= (1.0f / (mirrored * (1.0f - chance))) * surface.mirrored;
+    } else {
+      v = (v - mirrored) / (1.0f - mirrored);
+      const auto drawn = surface.layered->sample(std::min(v, 0x1.fffffep-1f), u2);
+      if (!(drawn.value.pdf > 0.0f)) return false;
+      wi = drawn.wi;
+      layered = drawn.value;
+    }
   } else {
     wi = draw_cosine(u2);
     if (u - chance < (1.0f - chance) * surface.beyond_chance()) wi.z = -wi.z;
@@ -292,7 +325,14 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
   }
   ray.direction = surface.frame.to_world(wi);
   if (!leaves_by_its_side(surface.point, ray.direction, wi)) return false;
-  if (path.pdf > 0.0f) {
+  if (path.pdf > 0.0f && surface.layered) {
+    if (!layered) layered = surface.layered->evaluate(wi);
+    path.pdf = (1.0f - chance) * (1.0f - surface.mirrored_chance) * layered->pdf +
+               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
+    if (!(path.pdf > 0.0f)) return false;
+    throughput *= (wi.z / path.pdf) *
+                  (layered->bsdf + Bands::filled(specular_brdf(surface.boundary, wi, surface.wo)));
+  } else if (path.pdf > 0.0f) {
     // All lobes may give this direction, so all count.
     path.pdf = (1.0f - chance) * pdf_base(surface, wi) +
                (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
@@ -375,8 +415,8 @@ template <int N>
 BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
                                     CameraSample* first) const {
   Bands radiance, throughput = Bands::filled(1.0f);
-  Bands before_specular;  // what had come home when the path was mirrored at the first surface
-  bool is_mirrored = false;
+  Bands before_turn;  // what had come home when the path turned at the first surface
+  bool is_mirrored = false, is_from_layers = false;
   float t_near = 0.0f;
   for (int step = 0; step < max_steps; ++step) {
     const Hit hit = scene_.geometry.first_hit(ray, t_near);
@@ -457,12 +497,17 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       const Reflected direct = direct_light(surface, true, chance, 1.0f - chance, samples);
       radiance += without_caustics(throughput * direct.specular, path) + throughput * direct.base;
       if (is_first) first->specular += conversion_.to_rgb(throughput * direct.specular);
+      if (is_first && surface.layered) {
+        first->is_subsurface = true;
+        first->subsurface = conversion_.to_rgb(throughput * direct.base);
+      }
       goes_on = scatter(surface, chance, ray, path, throughput, is_specular, samples);
     }
     if (!goes_on) break;
-    if (is_first && is_specular) {
-      is_mirrored = true;
-      before_specular = radiance;
+    if (is_first) {
+      is_mirrored = is_specular;
+      is_from_layers = !is_specular && surface.layered;
+      before_turn = radiance;
     }
     path.is_camera_ray = path.is_from_eye = false;
     path.index = 1.0f;  // from here on glass bends and concentrates nothing
@@ -476,7 +521,8 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       throughput *= 1.0f / survival;
     }
   }
-  if (is_mirrored) first->specular += conversion_.to_rgb(radiance - before_specular);
+  if (is_mirrored) first->specular += conversion_.to_rgb(radiance - before_turn);
+  if (is_from_layers) first->subsurface += conversion_.to_rgb(radiance - before_turn);
   return radiance;
 }
 

@@ -8,6 +8,7 @@
 #include "lamina/core/band_values.h"
 #include "lamina/render/band_conversion.h"
 #include "lamina/render/clear_fraction.h"
+#include "lamina/render/layered_material.h"
 #include "lamina/render/low_discrepancy.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/subsurface_transport.h"
@@ -43,14 +44,16 @@ class PathTracer final : public LightGatherer<N> {
  public:
   using Bands = BandValues<N>;
 
-  /// `transports` and `sheets` hold one entry per material, null where it is not translucent or not
-  /// thin. All must outlive the tracer.
+  /// `transports`, `layered` and `sheets` hold one entry per material, null where it is not
+  /// translucent, none for its BSDF alone, or not thin. All must outlive the tracer.
   PathTracer(const RenderScene& scene, const BandConversion<N>& conversion,
              const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports,
-             const ThinSheets<N>& sheets, const PathOptions& options)
+             const LayeredMaterials<N>& layered, const ThinSheets<N>& sheets,
+             const PathOptions& options)
       : scene_(scene),
         conversion_(conversion),
         transports_(transports),
+        layered_(layered),
         sheets_(sheets),
         options_(options) {}
 
@@ -75,6 +78,11 @@ class PathTracer final : public LightGatherer<N> {
     Vec3f wo;           ///< in the frame
     Bands reflectance;  ///< of the base
     const SubsurfaceTransport<N>* transport = nullptr;
+
+    // Of layers without spread alone:
+    std::unique_ptr<LayeredPoint<N>> layered;
+    Bands mirrored;                ///< by mirrors below the surface
+    float mirrored_chance = 0.0f;  ///< share of them among the light of the base that is drawn
 
     // Of a thin sheet alone:
     const ThinSheet<N>* sheet = nullptr;
@@ -153,6 +161,7 @@ class PathTracer final : public LightGatherer<N> {
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports_;
+  const LayeredMaterials<N>& layered_;
   const ThinSheets<N>& sheets_;
   PathOptions options_;
 };

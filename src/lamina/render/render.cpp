@@ -18,6 +18,7 @@
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
+#include "lamina/render/layered_material.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_transport.h"
 #include "lamina/render/render_scene.h"
@@ -99,8 +100,13 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   Transports<N> transports;
   transports.of_material.resize(materials.size());
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
+  if (scene.scene->render.method == Method::layered_bsdf) return transports;
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
-    if (!std::holds_alternative<SubsurfaceSurface>(materials[i].surface)) continue;
+    const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
+    if (!surface) continue;
+    if (!surface->maps.empty())
+      throw InvalidInput("material \"" + materials[i].name +
+                         "\": maps are for method \"layered_bsdf\"");
     auto& transport = transports.of_material[i];
     switch (scene.scene->render.method) {
       case Method::profile:
@@ -116,11 +122,25 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
       }
       default:
         throw InvalidInput(
-            "render: method must be \"profile\" or \"hierarchy\", the others do not exist in this "
-            "version");
+            "render: method must be \"profile\", \"layered_bsdf\" or \"hierarchy\", the others do "
+            "not "
+            "exist in this version");
     }
   }
   return transports;
+}
+
+template <int N>
+LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
+                                           const BandConversion<N>& conversion) {
+  const auto& materials = scene.scene->materials;
+  LayeredMaterials<N> layered(materials.size());
+  if (scene.scene->render.method != RenderSettings::Method::layered_bsdf) return layered;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    if (std::holds_alternative<SubsurfaceSurface>(materials[i].surface))
+      layered[i] =
+          std::make_unique<LayeredMaterial<N>>(scene, conversion, static_cast<std::uint32_t>(i));
+  return layered;
 }
 
 /// @return whether it was completed
@@ -131,8 +151,9 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion = make_band_conversion<N>(bands);
   const Transports<N> transports = make_transports<N>(scene, conversion, options);
+  const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
-  const PathTracer<N> tracer(scene, conversion, transports.of_material, sheets,
+  const PathTracer<N> tracer(scene, conversion, transports.of_material, layered, sheets,
                              {.max_bounces = settings.max_bounces,
                               .direct_light = static_cast<DirectLight>(options.direct_light)});
   const CameraRays camera(scene.scene->camera, width, height);

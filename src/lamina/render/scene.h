@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -50,6 +51,8 @@ struct NoiseMap {
 struct TextureMap {
   std::variant<ImageMap, NoiseMap> source;
   float scale = 1.0f, offset = 0.0f;
+  float low = -std::numeric_limits<float>::infinity();  ///< the result is kept in [low, high]
+  float high = std::numeric_limits<float>::infinity();
 };
 
 /// A linear Rec.709 colour, optionally times a map.
@@ -64,6 +67,20 @@ struct ScalarParameter {
   std::optional<TextureMap> map;
 };
 
+/// A quantity of one layer that varies over a surface.
+struct LayerMap {
+  enum class Quantity {
+    thickness,  ///< [mm]
+    sigma_a,
+    sigma_s,   ///< factors of the layer's coefficients
+    fraction,  ///< volume fraction of a part of its mixture
+  };
+  std::size_t layer = 0;  ///< index into Material::layers
+  Quantity quantity = Quantity::fraction;
+  std::size_t part = 0;                ///< index into the layer's mixture
+  std::vector<ScalarParameter> terms;  ///< the value is their sum
+};
+
 /// A layered translucent material under a rough surface.
 struct SubsurfaceSurface {
   Material material;
@@ -74,6 +91,7 @@ struct SubsurfaceSurface {
     invert,  ///< the map is the diffuse reflectance wanted; albedo inversion: [Hery2003] §2
   } color_use = ColorUse::none;
   ScalarParameter thickness;  ///< of the object [mm] where it is thin; value 0: taken from geometry
+  std::vector<LayerMap> maps;  ///< for method layered_bsdf
 };
 
 struct DiffuseSurface {
@@ -101,7 +119,7 @@ struct DielectricSurface {
 /// one sheet of triangles; its normals are on the side of the first layer.
 struct ThinSurface {
   Material material;
-  ColorParameter color;  ///< scales the scattered light on both sides
+  ColorParameter color;                      ///< scales the scattered light on both sides
   std::optional<ScalarParameter> thickness;  ///< of the sheet [mm], all layers together; absent:
                                              ///< as the material has it
 };
@@ -165,9 +183,16 @@ struct HierarchySettings {
   float error = 0.06f;          ///< solid angle up to which samples are summed as one [sr]
 };
 
+/// What the method layered_bsdf follows inside the layers.
+enum class LayeredOrders {
+  first,  ///< light scattered once
+  all,    ///< with a term of higher orders that has their flux
+};
+
 struct RenderSettings {
   enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
   Method method = Method::profile;
+  LayeredOrders orders = LayeredOrders::all;
   int samples_per_pixel = 64;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;

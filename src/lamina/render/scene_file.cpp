@@ -113,7 +113,7 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 
 RenderSettings decode_render_settings(const JsonInput& value) {
   const JsonObject object =
-      value.object({"method", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
+      value.object({"method", "orders", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -123,6 +123,9 @@ RenderSettings decode_render_settings(const JsonInput& value) {
                                               {"shadow_map", Method::shadow_map},
                                               {"texture_space", Method::texture_space},
                                               {"random_walk", Method::random_walk}});
+  if (const auto orders = object.optional("orders"))
+    settings.orders = orders->choice<LayeredOrders>(
+        {{"first", LayeredOrders::first}, {"all", LayeredOrders::all}});
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto bounces = object.optional("max_bounces"))

@@ -64,6 +64,10 @@ struct DecodedMaterial {
 [[nodiscard]] DecodedMaterial decode_surface_material(const std::string& name,
                                                       const JsonInput& value, Images& images);
 
+/// The quantity of a material that a key such as "dermis.blood" names; its terms are left empty.
+[[nodiscard]] LayerMap find_quantity(const JsonInput& value, const std::string& key,
+                                     const Material& material);
+
 struct DecodedMesh {
   Mesh mesh;
   std::vector<std::string> warnings;

@@ -66,7 +66,7 @@ class MaterialDecoder {
     if (const auto coat = object.optional("coat")) material.coat = decode_coat(*coat);
     if (const auto bump = object.optional("bump")) {
       const JsonObject map =
-          bump->object({"map", "encoding", "repeat", "noise", "scale", "offset"});
+          bump->object({"map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
       material.bump = decode_map(map, Use::scalar);
     }
     if (const auto normals = object.optional("normal_map")) {
@@ -81,7 +81,7 @@ class MaterialDecoder {
 
   void decode_subsurface(const JsonInput& value) {
     const JsonObject object = value.object(
-        {"subsurface", "color", "color_use", "thickness", "coat", "bump", "normal_map"});
+        {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface{.material = decode_layers_of(object.required("subsurface"))};
     using ColorUse = SubsurfaceSurface::ColorUse;
     if (const auto color = object.optional("color")) {
@@ -96,6 +96,16 @@ class MaterialDecoder {
     surface.thickness.value = 0.0F;
     if (const auto thickness = object.optional("thickness"))
       surface.thickness = decode_scalar_parameter(*thickness, between(0.0, longest, "mm"));
+    if (const auto maps = object.optional("maps"))
+      for (const auto& [key, given] : maps->entries()) {
+        LayerMap map = find_quantity(given, key, surface.material);
+        if (given.is_array())
+          for (const JsonInput& term : given.array(1, 16))
+            map.terms.push_back(decode_scalar_parameter(term, between(0.0, largest_factor)));
+        else
+          map.terms.push_back(decode_scalar_parameter(given, between(0.0, largest_factor)));
+        surface.maps.push_back(std::move(map));
+      }
     result_.material.surface = std::move(surface);
     decode_common(object);
   }
@@ -201,7 +211,7 @@ class MaterialDecoder {
       return parameter;
     }
     const JsonObject object =
-        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset"});
+        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
     if (const auto factor = object.optional("value"))
       parameter.value = decode_color(*factor, between(0.0, 1.0));
     parameter.map = decode_map(object, Use::color);
@@ -216,7 +226,7 @@ class MaterialDecoder {
       return parameter;
     }
     const JsonObject object =
-        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset"});
+        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
     if (const auto factor = object.optional("value"))
       parameter.value = static_cast<float>(factor->number(range));
     parameter.map = decode_map(object, use);
@@ -241,6 +251,12 @@ class MaterialDecoder {
       map.scale = static_cast<float>(scale->number(range));
     if (const auto offset = object.optional("offset"))
       map.offset = static_cast<float>(offset->number(range));
+    if (const auto clamp = object.optional("clamp")) {
+      const std::vector<double> ends = clamp->numbers(2, range);
+      map.low = static_cast<float>(ends[0]);
+      map.high = static_cast<float>(ends[1]);
+      if (!(map.low <= map.high)) clamp->refuse("must be two numbers, the lower one first");
+    }
     return map;
   }
 

@@ -155,7 +155,7 @@ float TextureStore::scalar(const TextureMap& map, const SurfacePoint& point) con
   const auto* noise = std::get_if<NoiseMap>(&map.source);
   const float value = noise ? evaluate(*noise, point.position, point.footprint)
                             : luminance(color(std::get<ImageMap>(map.source), point));
-  return map.offset + map.scale * value;
+  return clamped(map, map.offset + map.scale * value);
 }
 
 Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) const {
@@ -163,8 +163,9 @@ Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) cons
     const float value = scalar(map, point);
     return {value, value, value};
   }
-  return Vec3f{map.offset, map.offset, map.offset} +
-         map.scale * color(std::get<ImageMap>(map.source), point);
+  Vec3f value = color(std::get<ImageMap>(map.source), point);
+  for (int c = 0; c < 3; ++c) value[c] = clamped(map, map.offset + map.scale * value[c]);
+  return value;
 }
 
 float TextureStore::scalar(const ScalarParameter& parameter, const SurfacePoint& point) const {

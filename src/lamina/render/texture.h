@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -24,7 +25,7 @@ class TextureStore {
   /// The mean colour of an image.
   [[nodiscard]] Vec3f mean_color(std::size_t image) const;
 
-  /// offset + scale * value; of a colour, its luminance.
+  /// offset + scale * value, kept in the range of the map; of a colour, its luminance.
   [[nodiscard]] float scalar(const TextureMap& map, const SurfacePoint& point) const;
   [[nodiscard]] Vec3f color(const TextureMap& map, const SurfacePoint& point) const;
 
@@ -55,6 +56,11 @@ class TextureStore {
 /// step is the footprint, so that what is finer than a pixel does not alias.
 [[nodiscard]] Vec3f bent_normal(const TextureStore& textures, const SurfaceMaterial& material,
                                 const SurfacePoint& point);
+
+/// A map's value kept in its range.
+[[nodiscard]] inline float clamped(const TextureMap& map, float value) {
+  return std::clamp(value, map.low, map.high);
+}
 
 /// Luminance of a linear Rec.709 colour.
 [[nodiscard]] inline float luminance(const Vec3f& c) {

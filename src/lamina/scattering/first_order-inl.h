@@ -55,26 +55,22 @@ using std::abs, std::max, std::min, std::sqrt;
 /// (1 - exp(-x)) / x for 0 <= x <= 1/2, where the difference would cancel; `direct` beyond.
 template <int N>
 [[nodiscard]] BandValues<N> mean_attenuation(const BandValues<N>& x, const BandValues<N>& direct) {
-  BandValues<N> result;
-  for (int i = 0; i < N; ++i) {
-    const float y = x[i] < 0.5f ? x[i] : 0.5f;
-    const float series =
-        1.0f - y * (1.0f / 2.0f -
-                    y * (1.0f / 6.0f -
-                         y * (1.0f / 24.0f -
-                              y * (1.0f / 120.0f - y * (1.0f / 720.0f - y * (1.0f / 5040.0f))))));
-    result[i] = x[i] < 0.5f ? series : direct[i];
-  }
-  return result;
+  const auto of_four = [](auto y, auto beyond) {
+    auto p = y * (1.0f / 5040.0f);
+    for (const float coefficient : {1.0f / 720.0f, 1.0f / 120.0f, 1.0f / 24.0f, 1.0f / 6.0f, 0.5f})
+      p = y * (coefficient - p);
+    return y < 0.5f ? 1.0f - p : beyond;
+  };
+  return BandValues<N>::map(of_four, x, direct);
 }
 template <int N>
 [[nodiscard]] BandValues<N> along(const LayerBeam<BandValues<N>>& in,
                                   const LayerBeam<BandValues<N>>& out,
                                   const BandValues<N>& thickness) {
   const BandValues<N> x = (in.decay + out.decay) * thickness;
-  const BandValues<N> one = BandValues<N>::filled(1.0f);
-  return thickness *
-         mean_attenuation(x, (one - in.pass * out.pass) / max(x, BandValues<N>::filled(0.5f)));
+  const BandValues<N> half = BandValues<N>::filled(0.5f);
+  const BandValues<N> lost = half + half - in.pass * out.pass;
+  return thickness * mean_attenuation(x, lost / max(x, half));
 }
 template <int N>
 [[nodiscard]] BandValues<N> against(const LayerBeam<BandValues<N>>& in,
@@ -83,20 +79,20 @@ template <int N>
   const BandValues<N> x = abs(in.decay - out.decay) * thickness;
   const BandValues<N> high = max(in.pass, out.pass), low = min(in.pass, out.pass);
   const BandValues<N> half = BandValues<N>::filled(0.5f);
-  BandValues<N> mean = high * mean_attenuation(x, half + half);
-  const BandValues<N> direct = (high - low) / max(x, half);
-  for (int i = 0; i < N; ++i) mean[i] = x[i] < 0.5f ? mean[i] : direct[i];
-  return thickness * mean;
+  return thickness *
+         where_less(x, 0.5f, high * mean_attenuation(x, half), (high - low) / max(x, half));
 }
 
 /// Unpolarized reflectance of a smooth boundary by the cosines on both sides; 0 marks the side on
 /// which the light cannot be. Source: [BornWolf1999] §1.5.2, Eq. 21.
 template <class V>
 [[nodiscard]] V boundary_reflectance(const V& ior_a, const V& mu_a, const V& ior_b, const V& mu_b) {
-  const V tiny = all<V>(1e-30);  // both cosines may be 0
-  const V r_s = (ior_a * mu_a - ior_b * mu_b) / (ior_a * mu_a + ior_b * mu_b + tiny);
-  const V r_p = (ior_b * mu_a - ior_a * mu_b) / (ior_b * mu_a + ior_a * mu_b + tiny);
-  return all<V>(0.5) * (r_s * r_s + r_p * r_p);
+  const auto square = [](const V& x) { return x * x; };
+  const V s_a = ior_a * mu_a, s_b = ior_b * mu_b, p_a = ior_b * mu_a, p_b = ior_a * mu_b;
+  const V of_s = square(s_a + s_b), of_p = square(p_a + p_b);
+  // (r_s^2 + r_p^2) / 2 over one denominator; both cosines may be 0.
+  return (square(s_a - s_b) * of_p + square(p_a - p_b) * of_s) /
+         (all<V>(2.0) * of_s * of_p + all<V>(1e-37));
 }
 
 /// Density of a layer's scattering over the sphere [1/sr] at a cosine.
@@ -130,7 +126,7 @@ struct Turns {
 template <class V>
 [[nodiscard]] Turns<V> turns(const FirstOrderLayer<V>& layer, const LayerBeam<V>& in,
                              const LayerBeam<V>& out, bool are_above) {
-  const V factor = layer.sigma_s / (in.mu * out.mu * layer.ior * layer.ior);
+  const V factor = layer.sigma_s * layer.inverse_ior2 * in.inverse_mu * out.inverse_mu;
   const V back = factor * along(in, out, layer.thickness);
   // Two beams from above with nothing below that reflects: both go down, and light can but turn.
   if (are_above && layer.is_matched_on_below)

@@ -99,6 +99,7 @@ FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lan
       set_lane(to.sigma_t, lane, sigma_t(from.medium));
       set_lane(to.thickness, lane, std::min(from.thickness, half_space));
       set_lane(to.ior, lane, from.medium.ior);
+      set_lane(to.inverse_ior2, lane, 1.0 / (from.medium.ior * from.medium.ior));
       to.is_matched_above &= from.medium.ior == ior;
       ior = from.medium.ior;
       const auto kinds = lobes_of(from);
@@ -122,9 +123,9 @@ FirstOrderStack<V> make_stack(std::span<const LayerStack> bands, std::size_t lan
 
 /// Horizontal part of two directions inside a medium, multiplied.
 template <class V>
-V sines(const StackBeam<V>& in, const StackBeam<V>& out, const V& ior) {
+V sines(const StackBeam<V>& in, const StackBeam<V>& out, const V& inverse_ior2) {
   const double outside = in.toward.x * out.toward.x + in.toward.y * out.toward.y;
-  return in.ior * out.ior / (ior * ior) * all<V>(outside);
+  return in.ior * out.ior * inverse_ior2 * all<V>(outside);
 }
 
 template <class V>
@@ -147,14 +148,6 @@ FirstOrderStack<BandValues<N>> make_first_order(std::span<const LayerStack> band
 
 namespace {
 
-/// What refraction and reflection do to a direction, for one band or, where all bands share their
-/// directions, once for all of them.
-template <class G>
-struct BeamGeometry {
-  InlineVector<G, 4> mu;      ///< in the layers, in the order in which the light meets them
-  InlineVector<G, 5> mirror;  ///< reflectance of the boundary before each, and of the last one
-};
-
 double only(double value, const double*) { return value; }
 template <int N>
 float only(const BandValues<N>& values, const float*) {
@@ -163,33 +156,6 @@ float only(const BandValues<N>& values, const float*) {
 template <int N>
 const BandValues<N>& only(const BandValues<N>& values, const BandValues<N>*) {
   return values;
-}
-
-template <class G, class V>
-BeamGeometry<G> make_geometry(const FirstOrderStack<V>& stack, const Vec3& toward) {
-  const auto index = [](const V& ior) { return only(ior, static_cast<const G*>(nullptr)); };
-  const std::size_t count = stack.layers.size();
-  const bool is_above = toward.z >= 0.0;
-  G ior = index(is_above ? stack.ior_above : stack.ior_below);
-  G mu = all<G>(std::max(std::abs(toward.z), 1e-7));
-  const G sin2 = all<G>(toward.x * toward.x + toward.y * toward.y) * ior * ior;
-  BeamGeometry<G> beam{InlineVector<G, 4>(count), InlineVector<G, 5>(count + 1)};
-  for (std::size_t i = 0; i <= count; ++i) {
-    const std::size_t boundary = is_above ? i : count - i;  // [layer below it]
-    const bool is_matched =
-        boundary == count ? stack.is_matched_below : stack.layers[boundary].is_matched_above;
-    const G next = index(i < count ? stack.layers[is_above ? i : count - 1 - i].ior
-                                   : (is_above ? stack.ior_below : stack.ior_above));
-    beam.mirror[i] = all<G>(0.0);
-    if (!is_matched) {
-      const G mu_next = sqrt(max(all<G>(1.0) - sin2 / (next * next), all<G>(0.0)));
-      beam.mirror[i] = boundary_reflectance(ior, mu, next, mu_next);
-      mu = mu_next;
-    }
-    ior = next;
-    if (i < count) beam.mu[i] = max(mu, all<G>(1e-7));
-  }
-  return beam;
 }
 
 template <class V>
@@ -201,6 +167,57 @@ struct ScalarOf<double> {
   using type = double;
 };
 
+/// A boundary on a beam's way, and all that lies behind it.
+template <class V>
+struct Crossing {
+  V mirror;   ///< reflectance of the boundary alone
+  V through;  ///< flux behind it per flux that arrives, all returns summed
+  V back;     ///< sent back by it and by what lies behind
+  bool has_mirror, has_back;
+};
+
+/// Refraction and reflection, one after the other: for one band, G = V, or, where all bands share
+/// their directions, once for all of them.
+template <class G, class V>
+void refract(const FirstOrderStack<V>& stack, StackBeam<V>& beam,
+             InlineVector<Crossing<V>, 5>& crossings) {
+  const auto index = [](const V& ior) { return only(ior, static_cast<const G*>(nullptr)); };
+  const std::size_t count = stack.layers.size();
+  const bool is_above = beam.toward.z >= 0.0;
+  const double sine2 = beam.toward.x * beam.toward.x + beam.toward.y * beam.toward.y;
+  const G one = all<G>(1.0), least = all<G>(1e-7);
+  G ior = index(beam.ior), mu = index(beam.mu);
+  const G invariant = all<G>(sine2) * ior * ior;
+  for (std::size_t i = 0; i <= count; ++i) {
+    const std::size_t boundary = is_above ? i : count - i;  // [layer below it]
+    const bool is_matched =
+        boundary == count ? stack.is_matched_below : stack.layers[boundary].is_matched_above;
+    Crossing<V>& crossing = crossings[i];
+    crossing.has_mirror = !is_matched;
+    LayerBeam<V>* layer = nullptr;
+    G next = ior;
+    if (i < count) {
+      const std::size_t k = is_above ? i : count - 1 - i;
+      layer = &beam.layers[k];
+      next = index(stack.layers[k].ior);
+    } else if (!is_matched) {
+      next = index(is_above ? stack.ior_below : stack.ior_above);
+    }
+    if (is_matched) {
+      crossing.mirror = all<V>(0.0);
+    } else {
+      const G mu_next = sqrt(max(one - invariant / (next * next), all<G>(0.0)));
+      crossing.mirror = widened<V>(boundary_reflectance(ior, mu, next, mu_next));
+      mu = mu_next;
+    }
+    ior = next;
+    if (!layer) continue;
+    const G inside = max(mu, least);
+    layer->mu = widened<V>(inside);
+    layer->inverse_mu = widened<V>(one / inside);
+  }
+}
+
 }  // namespace
 
 template <class V>
@@ -210,55 +227,54 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
   assert(is_above || stack.is_transmissive());
   const bool has_ladder = stack.reflections == InternalReflections::ladder;
   const V one = all<V>(1.0), zero = all<V>(0.0);
-  StackBeam<V> beam{.layers = InlineVector<LayerBeam<V>, 4>(count),
-                    .toward = toward,
-                    .mu = all<V>(std::max(std::abs(toward.z), 1e-7)),
-                    .ior = is_above ? stack.ior_above : stack.ior_below};
-  // Layers in the order in which the light meets them.
-  const auto at = [&](std::size_t i) { return is_above ? i : count - 1 - i; };
-  InlineVector<V, 5> mirror(count + 1);
-  InlineVector<V, 4> pass(count);
-  const auto take = [&](const auto& geometry) {
-    for (std::size_t i = 0; i <= count; ++i) mirror[i] = widened<V>(geometry.mirror[i]);
-    for (std::size_t i = 0; i < count; ++i) {
-      LayerBeam<V>& layer = beam.layers[at(i)];
-      layer.mu = widened<V>(geometry.mu[i]);
-      layer.decay = stack.layers[at(i)].sigma_t / layer.mu;
-      layer.pass = pass[i] = exp_minus(layer.decay * stack.layers[at(i)].thickness);
-    }
-  };
+  StackBeam<V> beam;
+  beam.layers.reset(count);
+  beam.toward = toward;
+  beam.mu = all<V>(std::max(std::abs(toward.z), 1e-7));
+  beam.ior = is_above ? stack.ior_above : stack.ior_below;
+  InlineVector<Crossing<V>, 5> crossings(count + 1);
   if (stack.has_one_ior)
-    take(make_geometry<typename ScalarOf<V>::type>(stack, toward));
+    refract<typename ScalarOf<V>::type>(stack, beam, crossings);
   else
-    take(make_geometry<V>(stack, toward));
-  beam.surface = mirror[0];
+    refract<V>(stack, beam, crossings);
 
-  // What lies behind each boundary reflects, from the far side on.
-  InlineVector<V, 5> behind(count + 1);
-  behind[count] = zero;  // nothing comes back unscattered from a ground, or from outside
-  InlineVector<V, 5> through(count + 1);
+  // Layers in the order in which the light meets them. From the far side on: what each boundary and
+  // all behind it send back.
+  const auto at = [&](std::size_t i) { return is_above ? i : count - 1 - i; };
+  V behind = zero;  // nothing comes back unscattered from a ground, or from outside
+  bool has_behind = false;
   for (std::size_t i = count + 1; i-- > 0;) {
-    through[i] = one - mirror[i];
-    if (has_ladder) through[i] = through[i] / max(one - mirror[i] * behind[i], all<V>(1e-30));
-    const V all_back = mirror[i] + (one - mirror[i]) * behind[i] * through[i];
-    if (i == 0)
-      beam.reflected = has_ladder ? all_back : mirror[i];
-    else
-      behind[i - 1] = has_ladder ? all_back * pass[i - 1] * pass[i - 1] : zero;
+    Crossing<V>& crossing = crossings[i];
+    const V& mirror = crossing.mirror;
+    crossing.through = one - mirror;
+    crossing.back = mirror;
+    if (has_behind) {
+      crossing.through = crossing.through / max(one - mirror * behind, all<V>(1e-30));
+      crossing.back = mirror + (one - mirror) * behind * crossing.through;
+    }
+    crossing.has_back = crossing.has_mirror || has_behind;
+    if (i == 0) break;
+    LayerBeam<V>& layer = beam.layers[at(i - 1)];
+    const FirstOrderLayer<V>& medium = stack.layers[at(i - 1)];
+    layer.decay = medium.sigma_t * layer.inverse_mu;
+    layer.pass = exp_minus(layer.decay * medium.thickness);
+    has_behind = has_ladder && crossing.has_back;
+    if (has_behind) behind = crossing.back * layer.pass * layer.pass;
   }
+  beam.surface = crossings[0].mirror;
+  beam.reflected = crossings[0].back;
   V flux = one;
   for (std::size_t i = 0; i < count; ++i) {
     LayerBeam<V>& layer = beam.layers[at(i)];
-    flux *= through[i];
+    flux *= crossings[i].through;
     const V entering = flux;
-    flux *= pass[i];
-    // Of the light that arrives at the layer's far end, what comes back there.
-    const V all_back = mirror[i + 1] + (one - mirror[i + 1]) * behind[i + 1] * through[i + 1];
-    const V returning = has_ladder ? flux * all_back : zero;
+    flux *= layer.pass;
+    const Crossing<V>& next = crossings[i + 1];
+    const V returning = has_ladder && next.has_back ? flux * next.back : zero;
     layer.down = is_above ? entering : returning;
     layer.up = is_above ? returning : entering;
   }
-  beam.ground = flux * through[count];
+  beam.ground = flux * crossings[count].through;
   return beam;
 }
 
@@ -270,7 +286,7 @@ V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const FirstOrderLayer<V>& layer = stack.layers[k];
     const Turns<V> turn = turns(layer, in.layers[k], out.layers[k], are_above);
-    const V across = V{} - sines(in, out, layer.ior);
+    const V across = V{} - sines(in, out, layer.inverse_ior2);
     const V cosines = in.layers[k].mu * out.layers[k].mu;
     sum += turn.back * layer_phase(stack, layer, max(across - cosines, all<V>(-1.0)));
     if (turn.has_on) sum += turn.on * layer_phase(stack, layer, min(across + cosines, all<V>(1.0)));

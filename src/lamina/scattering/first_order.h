@@ -31,7 +31,7 @@ template <class V>
 struct FirstOrderLayer {
   V sigma_s{}, sigma_t{};  ///< [1/mm]
   V thickness{};           ///< [mm]; a very large number for a half-space
-  V ior{};
+  V ior{}, inverse_ior2{};
   std::size_t first_lobe = 0, lobes = 0;  ///< in FirstOrderStack::lobes
   bool is_matched_above = false;          ///< the boundary above does nothing, in all bands
   bool is_matched_on_below = false;       ///< nor does any boundary below
@@ -69,10 +69,10 @@ template <int N>
 /// the share of light inside, going the other way, that leaves there unscattered.
 template <class V>
 struct LayerBeam {
-  V mu;        ///< |cosine| inside
-  V decay;     ///< sigma_t / mu [1/mm]
-  V pass;      ///< exp(-decay * thickness)
-  V down, up;  ///< flux going down at the layer's top, and going up at its bottom
+  V mu, inverse_mu;  ///< |cosine| inside
+  V decay;           ///< sigma_t / mu [1/mm]
+  V pass;            ///< exp(-decay * thickness)
+  V down, up;        ///< flux going down at the layer's top, and going up at its bottom
 };
 
 /// Unscattered light of one direction in the whole stack: the zeroth order.
