@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_bsdf.h"
 #include "small_scenes.h"
@@ -104,6 +105,42 @@ TEST(LayeredMaterial, WaysToFindLightAgree) {
   EXPECT_GT(lights, 0.0);
   EXPECT_NEAR(mean(RenderOptions::DirectLight::surfaces_only), lights, 0.03 * lights);
   EXPECT_NEAR(mean(RenderOptions::DirectLight::combined), lights, 0.02 * lights);
+}
+
+// Random paths below the surface: the BSDF of adding-doubling, whichever way light is found.
+TEST(LayeredMaterial, RandomWalkConvergesToAddingDoubling) {
+  Scene scene = plate(skin(0.02), 0.7, 0.5);
+  scene.render.orders = LayeredOrders::random_walk;
+  scene.render.samples_per_pixel = 1024;
+  const std::vector<double> theta_o{0.7}, phi_o{pi};
+  const RenderResult lit = render(scene);
+  for (std::size_t band = 0; band < 3; ++band) {
+    const double expected =
+        stack_bsdf(layer_stack(skin(0.02), band), 0.5, theta_o, phi_o).brdf[0] * std::cos(0.5);
+    EXPECT_NEAR(mean_of(lit.image, band), expected, 0.015 * expected) << band;
+  }
+  scene.lights = {EnvironmentLight{}};
+  const SlabTotals totals = adding_doubling(layer_stack(skin(0.02), 1), {.theta = 0.7}).totals;
+  for (const auto way :
+       {RenderOptions::DirectLight::combined, RenderOptions::DirectLight::lights_only,
+        RenderOptions::DirectLight::surfaces_only})
+    EXPECT_NEAR(mean_of(render(scene, {.direct_light = way}).image, 1),
+                totals.diffuse_reflectance + totals.specular_reflectance, 0.01);
+}
+
+TEST(LayeredMaterial, FactorsAreShownUnshaded) {
+  Scene scene = plate(skin(0.02), 0.7, 0.5);
+  scene.render.factors = {.seeliger = true};
+  const double mu_i = std::sqrt(1.0 - std::pow(std::sin(0.5) / 1.4, 2)),
+               mu_o = std::sqrt(1.0 - std::pow(std::sin(0.7) / 1.4, 2));
+  EXPECT_NEAR(mean_of(render(scene).image, 0), mu_i / (mu_i + mu_o), 1e-4);
+  scene.render.factors = {.fresnel = true, .phase = true};
+  const double turned = std::sin(0.5) * std::sin(0.7) / (1.4 * 1.4) - mu_i * mu_o;
+  const PhaseFunction phase = phase_function(layer_stack(skin(0.02), 0).layers()[0]);
+  EXPECT_NEAR(mean_of(render(scene).image, 0),
+              (1.0 - fresnel(std::cos(0.5), 1.4)) * (1.0 - fresnel(std::cos(0.7), 1.4)) * 4.0 * pi *
+                  evaluate(phase, turned),
+              1e-4);
 }
 
 // Maps that vary nothing, and values between the rows of the table.

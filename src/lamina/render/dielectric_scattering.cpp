@@ -2,7 +2,6 @@
 #include "lamina/render/dielectric_scattering.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "lamina/optics/gaussian_surface.h"
@@ -21,13 +20,6 @@ Vec3f to_float(const Vec3& v) {
 
 GaussianSurface gaussian_surface(const RoughInterface<double>& interface) {
   return {.smoothness = 2.0 / interface.facets.alpha, .eta = interface.eta};
-}
-
-/// Walks need any number of random numbers.
-Random make_stream(PixelSamples& samples) {
-  const Vec2f u = samples.next_2d();
-  return Random((std::uint64_t{std::bit_cast<std::uint32_t>(u.x)} << 32) |
-                std::bit_cast<std::uint32_t>(u.y));
 }
 
 /// About the share of diffuse light that meets more than one facet; any value serves.

@@ -109,6 +109,8 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
             std::max(surface_.color.map->offset + surface_.color.map->scale * mean[c], 1e-4f);
     }
   make_stack();
+  require(stack_.has_one_ior || orders_ != LayeredOrders::random_walk,
+          "orders \"random_walk\" need refractive indices that are the same in all bands");
   make_table();
 }
 
@@ -267,7 +269,8 @@ std::unique_ptr<LayeredPoint<N>> LayeredMaterial<N>::at(const SurfacePoint& poin
   typename LayeredPoint<N>::Layers layers;
   const SurfaceMaterial& material = scene_.scene->materials[point.material];
   layers.is_bare = !material.coat && surface_.material.layers.front().top.roughness == 0.0;
-  layers.has_higher = orders_ != LayeredOrders::first;
+  layers.orders = orders_;
+  layers.factors = scene_.scene->render.factors;
   if (parameters_.empty()) {
     layers.stack = stack_;
     layers.higher = &table_.front();

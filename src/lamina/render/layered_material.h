@@ -27,7 +27,8 @@ class LayeredPoint {
     FirstOrderStack<Bands> stack;
     std::optional<HigherOrderBands<N>> own;       ///< where parameters vary
     const HigherOrderBands<N>* higher = nullptr;  ///< else that of the material
-    bool has_higher = true;                       ///< whether they are added
+    LayeredOrders orders = LayeredOrders::all;
+    LayeredFactors factors;
     bool is_bare = false;  ///< the surface is the smooth top of the stack, with nothing over it
     Bands color = Bands::filled(1.0f);
   };
@@ -39,12 +40,15 @@ class LayeredPoint {
     Bands bsdf;        ///< [1/sr]
     float pdf = 0.0f;  ///< of sample() [1/sr]
   };
-  [[nodiscard]] Value evaluate(const Vec3f& wi) const;
+  [[nodiscard]] Value evaluate(const Vec3f& wi, PixelSamples& samples) const;
   struct Sample {
     Vec3f wi;
     Value value;  ///< pdf 0: nothing was drawn
   };
-  [[nodiscard]] Sample sample(float u, Vec2f u2) const;
+  [[nodiscard]] Sample sample(float u, Vec2f u2, PixelSamples& samples) const;
+  /// Whether values are random estimates. Then a sample's value holds for its own density alone,
+  /// and densities are only near those of the samples: for weights, not to divide by.
+  [[nodiscard]] bool is_random() const { return layers_.orders == LayeredOrders::random_walk; }
 
   /// Fraction of the light from wo that leaves again scattered: by reciprocity also what uniform
   /// light makes of wo.
@@ -53,6 +57,7 @@ class LayeredPoint {
   [[nodiscard]] Bands mirrored_inside() const;
 
  private:
+  [[nodiscard]] Value factors(const Vec3f& wi) const;
   [[nodiscard]] Value seen(const typename SampledLayers<N>::Value& value, float mu) const;
 
   Layers layers_;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "lamina/core/random.h"
 #include "lamina/core/vec.h"
 
 namespace lamina {
@@ -97,5 +98,12 @@ class PixelSamples {
   std::uint32_t key_;              ///< of the pixel and the dimension
   std::uint32_t sample_reversed_;  ///< index of the sample, bits reversed
 };
+
+/// A stream for what needs any number of random numbers.
+[[nodiscard]] inline Random make_stream(PixelSamples& samples) {
+  const Vec2f u = samples.next_2d();
+  return Random((std::uint64_t{std::bit_cast<std::uint32_t>(u.x)} << 32) |
+                std::bit_cast<std::uint32_t>(u.y));
+}
 
 }  // namespace lamina

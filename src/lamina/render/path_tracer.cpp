@@ -231,7 +231,7 @@ typename PathTracer<N>::Reflected PathTracer<N>::direct_light(const Surface& sur
   Lobes lobes = reflected(drawn.light);
   const Vec3f wi = surface.frame.to_local(drawn.light.direction);
   if (surface.layered && with_base) {
-    const auto value = surface.layered->evaluate(wi);
+    const auto value = surface.layered->evaluate(wi, samples);
     float pdf = base_chance * (1.0f - surface.mirrored_chance) * value.pdf;
     if (lobes.specular > 0.0f)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
@@ -312,7 +312,7 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
       throughput *= (1.0f / (mirrored * (1.0f - chance))) * surface.mirrored;
     } else {
       v = (v - mirrored) / (1.0f - mirrored);
-      const auto drawn = surface.layered->sample(std::min(v, 0x1.fffffep-1f), u2);
+      const auto drawn = surface.layered->sample(std::min(v, 0x1.fffffep-1f), u2, samples);
       if (!(drawn.value.pdf > 0.0f)) return false;
       wi = drawn.wi;
       layered = drawn.value;
@@ -326,12 +326,20 @@ bool PathTracer<N>::scatter(const Surface& surface, float chance, Ray& ray, Path
   ray.direction = surface.frame.to_world(wi);
   if (!leaves_by_its_side(surface.point, ray.direction, wi)) return false;
   if (path.pdf > 0.0f && surface.layered) {
-    if (!layered) layered = surface.layered->evaluate(wi);
-    path.pdf = (1.0f - chance) * (1.0f - surface.mirrored_chance) * layered->pdf +
-               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
+    const bool is_from_base = layered.has_value();
+    if (!layered) layered = surface.layered->evaluate(wi, samples);
+    const float of_base = (1.0f - chance) * (1.0f - surface.mirrored_chance) * layered->pdf;
+    const float of_mirror =
+        chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f;
+    path.pdf = of_base + of_mirror;
     if (!(path.pdf > 0.0f)) return false;
-    throughput *= (wi.z / path.pdf) *
-                  (layered->bsdf + Bands::filled(specular_brdf(surface.boundary, wi, surface.wo)));
+    const Bands mirrored = Bands::filled(specular_brdf(surface.boundary, wi, surface.wo));
+    if (!surface.layered->is_random())
+      throughput *= (wi.z / path.pdf) * (layered->bsdf + mirrored);
+    else if (is_from_base)
+      throughput *= (wi.z / of_base) * layered->bsdf;
+    else
+      throughput *= (wi.z / of_mirror) * mirrored;
   } else if (path.pdf > 0.0f) {
     // All lobes may give this direction, so all count.
     path.pdf = (1.0f - chance) * pdf_base(surface, wi) +

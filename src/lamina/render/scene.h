@@ -185,14 +185,26 @@ struct HierarchySettings {
 
 /// What the method layered_bsdf follows inside the layers.
 enum class LayeredOrders {
-  first,  ///< light scattered once
-  all,    ///< with a term of higher orders that has their flux
+  first,        ///< light scattered once
+  all,          ///< with a term of higher orders that has their flux
+  random_walk,  ///< all, by random paths below the surface: noise in place of the term's error
+};
+
+/// Factors of the first order of a single layer. Where any is asked for, a surface shows their
+/// product, unshaded: [HanrahanKrueger1993] Plate 1.
+struct LayeredFactors {
+  bool fresnel = false;   ///< what the boundary lets through, both ways
+  bool seeliger = false;  ///< mu_i / (mu_i + mu_o)
+  bool depth = false;     ///< 1 - exp(-tau (1 / mu_i + 1 / mu_o))
+  bool phase = false;     ///< 4 pi p
+  [[nodiscard]] bool any() const { return fresnel || seeliger || depth || phase; }
 };
 
 struct RenderSettings {
   enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
   Method method = Method::profile;
   LayeredOrders orders = LayeredOrders::all;
+  LayeredFactors factors;
   int samples_per_pixel = 64;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;

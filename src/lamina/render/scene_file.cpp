@@ -112,8 +112,8 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 }
 
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"method", "orders", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
+  const JsonObject object = value.object(
+      {"method", "orders", "factors", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -124,8 +124,16 @@ RenderSettings decode_render_settings(const JsonInput& value) {
                                               {"texture_space", Method::texture_space},
                                               {"random_walk", Method::random_walk}});
   if (const auto orders = object.optional("orders"))
-    settings.orders = orders->choice<LayeredOrders>(
-        {{"first", LayeredOrders::first}, {"all", LayeredOrders::all}});
+    settings.orders = orders->choice<LayeredOrders>({{"first", LayeredOrders::first},
+                                                     {"all", LayeredOrders::all},
+                                                     {"random_walk", LayeredOrders::random_walk}});
+  if (const auto factors = object.optional("factors"))
+    for (const JsonInput& factor : factors->array(1, 4))
+      settings.factors.*
+          factor.choice<bool LayeredFactors::*>({{"fresnel", &LayeredFactors::fresnel},
+                                                 {"seeliger", &LayeredFactors::seeliger},
+                                                 {"depth", &LayeredFactors::depth},
+                                                 {"phase", &LayeredFactors::phase}}) = true;
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto bounces = object.optional("max_bounces"))
