@@ -140,6 +140,36 @@ Scene shaded_floor(const SurfaceMaterial& material, int sheets, int samples) {
   return scene;
 }
 
+// A map of the thickness is looked up in a table over thickness.
+TEST(ThinSheet, OfMappedThicknessIsThatOfItsThickness) {
+  const Material layers = two_layers({0.5, 2.0, 10.0}, 1.4);  // 0.3 mm
+  Image map = make_image(3, 1, {"Y"});
+  map.pixels = {0.05f, 0.27f, 1.9f};
+  const std::vector<Image> images = {map};
+  const TextureStore textures(images);
+  SurfaceMaterial mapped = thin(layers);
+  std::get<ThinSurface>(mapped.surface).thickness =
+      ScalarParameter{.value = 1.0f, .map = TextureMap{.source = ImageMap{}}};
+  const ThinSheet<4> sheet(mapped);
+  for (std::size_t i = 0; i < 3; ++i) {
+    SurfacePoint point;
+    point.uv = {(static_cast<float>(i) + 0.5f) / 3.0f, 0.5f};
+    const auto place = sheet.place_at(textures, point);
+    for (int b = 0; b < 3; ++b)
+      for (const bool from_below : {false, true}) {
+        Material scaled = layers;
+        for (MaterialLayer& layer : scaled.layers) layer.thickness *= double{map.pixels[i]} / 0.3;
+        const LayerStack stack = layer_stack(scaled, static_cast<std::size_t>(b));
+        const AddingDoublingTotals exact = adding_doubling(from_below ? flipped(stack) : stack);
+        const double entered = 1.0 - exact.totals.specular_reflectance;
+        const auto at = sheet.fractions(place, from_below ? 1 : 0, 1.0f);
+        EXPECT_NEAR(double{at.reflected[b]} * entered, exact.totals.diffuse_reflectance, 0.01);
+        EXPECT_NEAR(double{at.transmitted[b] + at.straight[b]} * entered,
+                    exact.totals.transmittance, 0.01);
+      }
+  }
+}
+
 TEST(ThinSheet, DimsTheSunByWhatPassesUnscattered) {
   const Material layers = two_layers({0.5, 2.0, 10.0}, 1.4);
   for (const int sheets : {1, 2}) {

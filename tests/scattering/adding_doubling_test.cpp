@@ -336,5 +336,21 @@ TEST(AddingDoubling, SaysWhenItFallsShort) {
   EXPECT_EQ(result.nodes, 12);
 }
 
+TEST(AddingDoubling, ManyAnglesAtOnceAreAsOneByOne) {
+  const LayerStack stack(
+      {{.medium = {.sigma_a = 0.2, .sigma_s = 3.0, .g = 0.6, .ior = 1.4}, .thickness = 0.5},
+       {.medium = {.sigma_a = 1.0, .sigma_s = 5.0, .g = 0.1, .ior = 1.33}, .thickness = 0.4}});
+  const std::vector<Incidence> incidences = {
+      {.theta = 0.0}, {.theta = 0.7}, {.is_diffuse = true}, {.theta = 1.5}};
+  const auto together = adding_doubling_by_angle(stack, incidences, {.accuracy = 1e-8});
+  for (std::size_t i = 0; i < incidences.size(); ++i) {
+    const auto alone = adding_doubling(stack, incidences[i], {.accuracy = 1e-8});
+    EXPECT_TRUE(together[i].is_accurate);
+    EXPECT_NEAR(together[i].totals.diffuse_reflectance, alone.totals.diffuse_reflectance, 1e-8);
+    EXPECT_NEAR(together[i].totals.transmittance, alone.totals.transmittance, 1e-8);
+    EXPECT_NEAR(together[i].unscattered_transmittance, alone.unscattered_transmittance, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace lamina

@@ -28,16 +28,13 @@ Material scaled(Material material, double factor) {
   return material;
 }
 
-/// Of the flux that enters on the top.
-struct EnteredTotals {
-  double reflected, transmitted, straight;
-};
-EnteredTotals entered_totals(const LayerStack& stack, double cos_i) {
-  const auto [totals, straight, mirrored, error, nodes, accurate] =
-      adding_doubling(stack, {.theta = std::acos(cos_i)}, {.accuracy = 1e-4});
-  const double entered = 1.0 - totals.specular_reflectance;
-  return {totals.diffuse_reflectance / entered,
-          std::max(0.0, totals.transmittance - straight) / entered, straight / entered};
+/// The cosines of the table, outside; grazing light stands for that along the surface.
+std::vector<Incidence> table_incidences(std::size_t nodes) {
+  std::vector<Incidence> incidences;
+  for (std::size_t i = 0; i < nodes; ++i)
+    incidences.push_back({.theta = std::acos(std::max(
+                              grazing, static_cast<double>(i) / static_cast<double>(nodes - 1)))});
+  return incidences;
 }
 
 template <int N>
@@ -76,12 +73,16 @@ ThinSheet<N>::ThinSheet(const SurfaceMaterial& material) {
       for (std::size_t s = 0; s < 2; ++s) {
         const LayerStack stack = s == 0 ? top : flipped(top);
         Side& side = rows_[r].sides[s];
+        const auto solved =
+            adding_doubling_by_angle(stack, table_incidences(nodes), {.accuracy = 1e-4});
         for (std::size_t i = 0; i < nodes; ++i) {
-          const auto [reflected, transmitted, straight] = entered_totals(
-              stack, std::max(grazing, static_cast<double>(i) / static_cast<double>(nodes - 1)));
-          side.at[i].reflected[lane] = static_cast<float>(reflected);
-          side.at[i].transmitted[lane] = static_cast<float>(transmitted);
-          side.at[i].straight[lane] = static_cast<float>(straight);
+          const SlabTotals& totals = solved[i].totals;
+          const double straight = solved[i].unscattered_transmittance;
+          const double entered = 1.0 - totals.specular_reflectance;
+          side.at[i].reflected[lane] = static_cast<float>(totals.diffuse_reflectance / entered);
+          side.at[i].transmitted[lane] =
+              static_cast<float>(std::max(0.0, totals.transmittance - straight) / entered);
+          side.at[i].straight[lane] = static_cast<float>(straight / entered);
         }
         // Of the interpolated values, so that what leaves adds up to what there is.
         const double eta = stack.layers().front().medium.ior / stack.ior_above();

@@ -22,7 +22,7 @@ class ThinSheet {
  public:
   using Bands = BandValues<N>;
 
-  /// @throws InvalidInput if the layers are infinite, rough or lie on a ground.
+  /// @throws InvalidInput if the layers are infinite or lie on a ground.
   explicit ThinSheet(const SurfaceMaterial& material);
 
   /// One point of the sheet: its thickness in the table.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -25,11 +26,11 @@ double flux(const GridStack& stack, const std::vector<double>& state) {
   return sum;
 }
 
-/// Unit flux from above, in the directions of the incidence.
-std::vector<double> incident_state(const GridStack& stack, const Incidence& incidence) {
+/// Unit flux from above: of the beam of that number on the grid, or diffuse.
+std::vector<double> incident_state(const GridStack& stack, std::optional<std::size_t> beam_number) {
   std::vector<double> state(active_count(stack.grid, stack.ior.front()), 0.0);
-  if (!incidence.is_diffuse) {
-    const std::size_t beam = stack.grid.extra.front();
+  if (beam_number) {
+    const std::size_t beam = stack.grid.extra[*beam_number];
     state[beam] = 1.0 / std::sqrt(stack.grid.etendue[beam]);
     return state;
   }
@@ -39,16 +40,10 @@ std::vector<double> incident_state(const GridStack& stack, const Incidence& inci
   return state;
 }
 
-AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& incidence,
-                                    int nodes) {
-  std::vector<double> beams;
-  if (!incidence.is_diffuse) beams.push_back(stack.ior_above() * std::sin(incidence.theta));
-  const GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
-  const StackOperators operators = detail::stack_operators(on_grid, 0);
-
-  AddingDoublingTotals result{.nodes = nodes};
+AddingDoublingTotals totals_of(const GridStack& on_grid, const StackOperators& operators,
+                               std::vector<double> down) {
+  AddingDoublingTotals result;
   SlabTotals& totals = result.totals;
-  std::vector<double> down = incident_state(on_grid, incidence);
   totals.specular_reflectance = flux(on_grid, detail::product(operators.first_reflection, down));
   totals.diffuse_reflectance =
       flux(on_grid, detail::product(operators.reflection, down)) - totals.specular_reflectance;
@@ -73,6 +68,25 @@ AddingDoublingTotals totals_on_grid(const LayerStack& stack, const Incidence& in
   }
   totals.transmittance = net_before;
   return result;
+}
+
+/// [incidence]. Diffuse ones take no beam on the grid.
+std::vector<AddingDoublingTotals> totals_on_grid(const LayerStack& stack,
+                                                 std::span<const Incidence> incidences, int nodes) {
+  std::vector<double> beams;
+  for (const Incidence& incidence : incidences)
+    if (!incidence.is_diffuse) beams.push_back(stack.ior_above() * std::sin(incidence.theta));
+  const GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
+  const StackOperators operators = detail::stack_operators(on_grid, 0);
+  std::vector<AddingDoublingTotals> results;
+  std::size_t beam = 0;
+  for (const Incidence& incidence : incidences) {
+    results.push_back(totals_of(on_grid, operators,
+                                incidence.is_diffuse ? incident_state(on_grid, std::nullopt)
+                                                     : incident_state(on_grid, beam++)));
+    results.back().nodes = nodes;
+  }
+  return results;
 }
 
 double largest_difference(const SlabTotals& a, const SlabTotals& b) {
@@ -102,26 +116,36 @@ void check(const AddingDoublingOptions& options) {
 
 }  // namespace
 
-AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidence,
-                                     const AddingDoublingOptions& options) {
-  check(incidence);
+std::vector<AddingDoublingTotals> adding_doubling_by_angle(const LayerStack& stack,
+                                                           std::span<const Incidence> incidences,
+                                                           const AddingDoublingOptions& options) {
+  for (const Incidence& incidence : incidences) check(incidence);
   check(options);
   constexpr int coarsest = 6;
   const double least_error = is_smooth(stack) ? 0.0 : detail::rough_boundary_error;
-  AddingDoublingTotals result =
-      totals_on_grid(stack, incidence, std::min(coarsest, options.max_nodes));
-  result.estimated_error = 1.0;
-  while (result.estimated_error > std::max(options.accuracy, least_error) &&
-         result.nodes < options.max_nodes) {
-    AddingDoublingTotals finer =
-        totals_on_grid(stack, incidence, std::min(result.nodes * 3 / 2, options.max_nodes));
-    // Two grids may agree by chance; then the step before has its say.
-    finer.estimated_error = std::max({largest_difference(finer.totals, result.totals), least_error,
-                                      0.02 * result.estimated_error});
-    finer.is_accurate = finer.estimated_error <= options.accuracy;
-    result = std::move(finer);
+  int nodes = std::min(coarsest, options.max_nodes);
+  std::vector<AddingDoublingTotals> results = totals_on_grid(stack, incidences, nodes);
+  for (AddingDoublingTotals& result : results) result.estimated_error = 1.0;
+  const auto is_coarse = [&](const AddingDoublingTotals& result) {
+    return result.estimated_error > std::max(options.accuracy, least_error);
+  };
+  while (std::ranges::any_of(results, is_coarse) && nodes < options.max_nodes) {
+    nodes = std::min(nodes * 3 / 2, options.max_nodes);
+    std::vector<AddingDoublingTotals> finer = totals_on_grid(stack, incidences, nodes);
+    for (std::size_t i = 0; i < finer.size(); ++i) {
+      // Two grids may agree by chance; then the step before has its say.
+      finer[i].estimated_error = std::max({largest_difference(finer[i].totals, results[i].totals),
+                                           least_error, 0.02 * results[i].estimated_error});
+      finer[i].is_accurate = finer[i].estimated_error <= options.accuracy;
+    }
+    results = std::move(finer);
   }
-  return result;
+  return results;
+}
+
+AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidence,
+                                     const AddingDoublingOptions& options) {
+  return adding_doubling_by_angle(stack, std::span(&incidence, 1), options).front();
 }
 
 std::vector<AddingDoublingTotals> adding_doubling(std::span<const LayerStack> bands,

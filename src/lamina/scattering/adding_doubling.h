@@ -40,6 +40,11 @@ struct AddingDoublingTotals {
                                                    Incidence incidence = {},
                                                    const AddingDoublingOptions& options = {});
 
+/// The same for several directions at once: one solution serves them all.
+[[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling_by_angle(
+    const LayerStack& stack, std::span<const Incidence> incidences,
+    const AddingDoublingOptions& options = {});
+
 /// The same for all bands of a material, in parallel.
 [[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling(
     std::span<const LayerStack> bands, Incidence incidence = {},
