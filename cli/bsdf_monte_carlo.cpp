@@ -128,6 +128,17 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
   return json;
 }
 
+/// Bands differ if the run was stopped.
+std::string photons_text(const std::vector<BandResult>& bands) {
+  std::uint64_t fewest = bands[0].totals.photons, most = fewest;
+  for (const BandResult& band : bands) {
+    fewest = std::min(fewest, band.totals.photons);
+    most = std::max(most, band.totals.photons);
+  }
+  return fewest == most ? fmt::format("{} photons per band", most)
+                        : fmt::format("{} to {} photons per band", fewest, most);
+}
+
 /// The mean of the two cells at the plane of incidence, towards the light or away from it.
 Estimate in_plane(const Estimates& values, const Cells& cells, std::size_t row, bool is_light_side,
                   std::size_t plane = 0) {
@@ -142,9 +153,9 @@ std::string order_name(std::size_t order) {
 std::string to_text(const BsdfOptions& options, const Material& material, const Cells& cells,
                     const std::vector<BandResult>& bands) {
   std::string text = fmt::format(
-      "{}, light from {:.4g}°, monte_carlo, {} photons per band: 1/sr beside the plane of "
+      "{}, light from {:.4g}°, monte_carlo, {}: 1/sr beside the plane of "
       "incidence,\n< 0 on the side of the light, ± one standard error\n\n{:>8}",
-      material.name, options.theta_i_deg, bands[0].totals.photons, "theta_o");
+      material.name, options.theta_i_deg, photons_text(bands), "theta_o");
   for (const char* side : {"brdf", "btdf"})
     for (std::size_t band = 0; band < bands.size(); ++band)
       text += fmt::format("{:>21}", fmt::format("{} {}", side, band_name(material.bands, band)));
@@ -233,9 +244,9 @@ void write_plot(const BsdfOptions& options, const Material& material, const Cell
   if (options.plot.empty()) return;
   Plot plot{.title = fmt::format("{}, light from {:.4g}°", material.name, options.theta_i_deg),
             .caption = fmt::format(
-                "Photon Monte Carlo, {} photons per band: radiance per irradiance beside the plane "
+                "Photon Monte Carlo, {}: radiance per irradiance beside the plane "
                 "of incidence; shaded: one standard error. Unscattered light is left out.",
-                bands[0].totals.photons),
+                photons_text(bands)),
             .columns = 2};
   std::vector<SideOf> sides = {brdf};
   const auto is_lit = [](const Estimate& e) { return e.value > 0.0; };

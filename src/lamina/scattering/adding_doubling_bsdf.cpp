@@ -181,7 +181,7 @@ StackBsdf stack_bsdf(const LayerStack& stack, double theta_i, std::span<const do
   if (!(4 <= options.max_nodes && options.max_nodes <= 1000))
     throw InvalidInput("max_nodes: must lie in [4, 1000], but is " +
                        std::to_string(options.max_nodes));
-  detail::require_smooth(stack, "adding-doubling");
+  detail::require_smooth(stack, "a BRDF by adding-doubling");
 
   constexpr int coarsest = 9;
   const auto solve = [&](int nodes) {
