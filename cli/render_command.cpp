@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method;
+  std::string scene, output, method, cache;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f;
   CLI::Option* seed = nullptr;
@@ -112,8 +112,12 @@ void run_render(const RenderCommandOptions& options) {
   for (const std::string& warning : scene.warnings)
     fmt::print(stderr, "lamina: warning: {}\n", warning);
   apply(options, scene);
+  if (!options.cache.empty() && scene.render.method != Method::hierarchy)
+    throw InvalidInput("--cache: the method must be hierarchy, but is " +
+                       name_of(scene.render.method));
+  require_writable(options.cache);
 
-  const RenderResult result = render(scene, {}, make_progress("rendering"));
+  const RenderResult result = render(scene, {.cache = options.cache}, make_progress("rendering"));
   std::string written;
   if (!files.exr.empty()) {
     save_exr(result.image, files.exr);
@@ -175,6 +179,11 @@ void add_render_command(CLI::App& app) {
                    "of light below surfaces: profile draws entry points at random; "
                    "hierarchy sums a profile over samples of the light, without noise")
       ->type_name("NAME");
+  command
+      ->add_option("--cache", options->cache,
+                   "keeps what hierarchy samples: other cameras on the same scene read it instead. "
+                   "PLY, a point per sample. Refused if the scene has changed")
+      ->type_name("FILE");
   options->exposure_given =
       command->add_option("--exposure", options->exposure, "stops, for the PNG only")
           ->type_name("EV")

@@ -55,6 +55,17 @@ expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
 expect 2 'method' "$scene" --method random_walk
 
+# What hierarchy samples is kept for other cameras, and refused for other light.
+sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)
+expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method profile --cache cloud.ply
+[ ! -e cloud.ply ] || fail "a cache was written for a method that has none"
+expect 0 '' "$scene" "${sphere[@]}" -o kept.exr
+expect 0 '' "$scene" "${sphere[@]}" -o again.exr
+cmp -s kept.exr again.exr || fail "the picture depends on where the samples come from"
+expect 2 'settings have changed' "$scene" "${sphere[@]}" --bounces 1 -o other.exr
+[ ! -e other.exr ] || fail "a picture was written from a stale cache"
+expect 2 'no such folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
+
 # Ctrl-C keeps the picture as far as it got.
 "$lamina" render "$scene" --samples 1000000 --width 64 -o stopped >stopped.txt 2>&1 &
 pid=$!

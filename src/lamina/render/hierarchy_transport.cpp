@@ -169,7 +169,7 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   points_ = cloud.points;
   std::vector<PointGrid::Place> places;
   for (const CloudPoint& point : points_) places.push_back({point.position, point.normal});
-  grid_ = PointGrid(std::move(places), reach_of_fit * cloud.spacing);
+  grid_ = PointGrid(places, reach_of_fit * cloud.spacing);
   const std::vector<float> areas = balanced_areas(points_, grid_, blur);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <utility>
 
 namespace lamina {
 namespace {
@@ -27,22 +26,24 @@ std::array<float, 3> first_of_inverse(const std::array<float, 6>& m) {
 
 }  // namespace
 
-PointGrid::PointGrid(std::vector<Place> places, float reach)
-    : places_(std::move(places)), reach_(reach) {
-  first_.assign(std::bit_ceil(places_.size() / 4 + 8) + 1, 0);
+PointGrid::PointGrid(std::span<const Place> places, float reach)
+    : places_(places.size()), reach_(reach), point_(places.size()) {
+  first_.assign(std::bit_ceil(places.size() / 4 + 8) + 1, 0);
   std::vector<std::size_t> slots;
-  slots.reserve(places_.size());
+  slots.reserve(places.size());
   const float width = 2.0f * reach_;
-  for (const Place& p : places_) {
+  for (const Place& p : places) {
     slots.push_back(slot(cell_of(p.position.x, width), cell_of(p.position.y, width),
                          cell_of(p.position.z, width)));
     ++first_[slots.back() + 1];
   }
   for (std::size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  order_.resize(places_.size());
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    order_[next[slots[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::uint32_t k = next[slots[i]]++;
+    places_[k] = places[i];
+    point_[k] = static_cast<std::uint32_t>(i);
+  }
 }
 
 std::size_t PointGrid::slot(std::int32_t x, std::int32_t y, std::int32_t z) const {
@@ -68,12 +69,12 @@ PointGrid::Near PointGrid::near(const Vec3f& position, const Vec3f& normal) cons
     if (std::find(seen.begin(), seen_end, s) != seen_end) continue;
     *seen_end++ = s;
     for (std::uint32_t k = first_[s]; k < first_[s + 1] && found.count < capacity; ++k) {
-      const Place& p = places_[order_[k]];
+      const Place& p = places_[k];
       const Vec3f offset = p.position - position;
       if (!(dot(offset, offset) < reach2)) continue;
       const float facing = dot(p.normal, normal);
       if (!(facing > least_agreement)) continue;
-      found.point[found.count] = order_[k];
+      found.point[found.count] = point_[k];
       found.offset[found.count] = offset;
       found.facing[found.count++] = facing;
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lamina/core/vec.h"
@@ -26,7 +27,7 @@ class PointGrid {
 
   PointGrid() = default;
   /// @param reach  of the fit [mm], > 0
-  PointGrid(std::vector<Place> places, float reach);
+  PointGrid(std::span<const Place> places, float reach);
 
   struct Near {
     std::array<std::uint32_t, capacity> point;
@@ -45,10 +46,10 @@ class PointGrid {
  private:
   [[nodiscard]] std::size_t slot(std::int32_t x, std::int32_t y, std::int32_t z) const;
 
-  std::vector<Place> places_;
+  std::vector<Place> places_;  ///< those of a slot side by side
   float reach_ = 1.0f;
-  std::vector<std::uint32_t> first_;  ///< [slot], into order_, and the end
-  std::vector<std::uint32_t> order_;  ///< points, those of a slot side by side
+  std::vector<std::uint32_t> first_;  ///< [slot], into places_, and the end
+  std::vector<std::uint32_t> point_;  ///< [place], as the caller numbered them
 };
 
 }  // namespace lamina

@@ -157,7 +157,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                              {.max_bounces = settings.max_bounces,
                               .direct_light = static_cast<DirectLight>(options.direct_light)});
   const CameraRays camera(scene.scene->camera, width, height);
-  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, progress)) return false;
+  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress))
+    return false;
 
   const int columns = (width + tile_size - 1) / tile_size;
   const int rows = (height + tile_size - 1) / tile_size;

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/render/scene.h"
@@ -20,6 +22,10 @@ struct RenderOptions {
   /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
   enum class DirectLight { combined, lights_only, surfaces_only };
   DirectLight direct_light = DirectLight::combined;
+
+  /// File that keeps what the method `hierarchy` samples, for other cameras; empty: none. It is
+  /// read if it is there, else written.
+  std::filesystem::path cache;
 };
 
 struct RenderStatistics {
@@ -45,7 +51,8 @@ struct RenderResult {
 /// noisier image. The result depends on scene and seed, not on the number of threads.
 ///
 /// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
-///         bands, a method that does not exist yet.
+///         bands, a method that does not exist yet, a cache of another scene.
+/// @throws FileError, WriteError if the cache cannot be read or written.
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options = {},
                                   const Progress& progress = {});
 

@@ -1,0 +1,29 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "lamina/render/irradiance_cloud.h"
+#include "lamina/render/scene_fingerprint.h"
+
+namespace lamina {
+
+/// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
+/// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
+/// thickness [mm] (0: thick), material (its index), irradiance_0 … of each band. What it was made
+/// for is said in comments.
+///
+/// @param clouds  at least one, all of the same number of bands
+/// @throws WriteError
+void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
+                            const SceneFingerprint& made_for, const std::filesystem::path& file);
+
+/// Reads such a file back.
+///
+/// @throws FileError if it is no such file, or damaged; InvalidInput if it was made for another
+///         scene, naming the part that differs.
+[[nodiscard]] std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path& file,
+                                                                  const SceneFingerprint& wanted);
+
+}  // namespace lamina
