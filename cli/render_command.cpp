@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, cache;
+  std::string scene, output, method, cache, single_scattering;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f;
   CLI::Option* seed = nullptr;
@@ -78,7 +78,8 @@ constexpr std::array<std::pair<const char*, Method>, 6> methods = {
 Method method_named(const std::string& name) {
   for (const auto& [known, method] : methods)
     if (name == known) return method;
-  throw InvalidInput("--method: must be profile or hierarchy, but is " + name);
+  throw InvalidInput("--method: must be profile, layered_bsdf, hierarchy or random_walk, but is " +
+                     name);
 }
 
 std::string name_of(Method method) {
@@ -91,6 +92,12 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
   if (!options.method.empty()) scene.render.method = method_named(options.method);
+  using SingleScattering = RenderSettings::SingleScattering;
+  if (!options.single_scattering.empty())
+    scene.render.single_scattering = options.single_scattering == "none" ? SingleScattering::none
+                                     : options.single_scattering == "straight"
+                                         ? SingleScattering::straight
+                                         : SingleScattering::refracted;
   if (options.seed->count() > 0) scene.render.seed = options.common.seed;
   if (options.exposure_given->count() > 0) scene.film.exposure = options.exposure;
   // One side alone keeps the proportions.
@@ -177,8 +184,15 @@ void add_render_command(CLI::App& app) {
   command
       ->add_option("--method", options->method,
                    "of light below surfaces: profile draws entry points at random; "
-                   "hierarchy sums a profile over samples of the light, without noise")
+                   "hierarchy sums a profile over samples of the light, without noise; random_walk "
+                   "follows light inside closed meshes, the truth")
       ->type_name("NAME");
+  command
+      ->add_option("--single-scattering", options->single_scattering,
+                   "adds light scattered once below the surface: none, straight (to the light) or "
+                   "refracted (by Snell's law)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"none", "straight", "refracted"}));
   command
       ->add_option("--cache", options->cache,
                    "keeps what hierarchy samples: other cameras on the same scene read it instead. "

@@ -53,7 +53,7 @@ if [ "$(id -u)" != 0 ]; then
 fi
 expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
-expect 2 'method' "$scene" --method random_walk
+expect 2 'method' "$scene" --method shadow_map
 
 # What hierarchy samples is kept for other cameras, and refused for other light.
 sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)

@@ -197,7 +197,8 @@ std::optional<LightSeen> Lights::look_at_panel(const Panel& panel, const Ray& ra
   const float t = dot(cross(panel.edge_u, at), area_normal) / area2;
   if (s < 0.0f || s > 1.0f || t < 0.0f || t > 1.0f) return std::nullopt;
   return LightSeen{panel.radiance,
-                   pdf_panel(panel, ray.origin, ray.direction, distance) * panel.probability};
+                   pdf_panel(panel, ray.origin, ray.direction, distance) * panel.probability,
+                   distance, true};
 }
 
 }  // namespace lamina

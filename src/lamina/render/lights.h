@@ -24,7 +24,9 @@ struct LightSample {
 /// A light met by a ray.
 struct LightSeen {
   Vec3f radiance;
-  float pdf = 0.0f;  ///< with which sample_light draws that direction [1/sr]
+  float pdf = 0.0f;       ///< with which sample_light draws that direction [1/sr]
+  float distance = 0.0f;  ///< [mm]; infinite for the sky
+  bool is_lamp = false;   ///< not the sky
 };
 
 /// All lights of a scene. A light casts no shadow: it adds to what is seen behind it.
@@ -48,7 +50,8 @@ class Lights {
     for (const Sky& sky : skies_) {
       if (is_camera_ray && !sky.is_visible) continue;
       const auto [radiance, pdf] = sky.environment.look(ray.direction);
-      on_light(LightSeen{radiance, pdf * sky.probability});
+      on_light(LightSeen{radiance, pdf * sky.probability, std::numeric_limits<float>::infinity(),
+                         false});
     }
   }
 

@@ -62,6 +62,12 @@ class PathTracer<N>::Gatherer final : public LightGatherer<N> {
   Bands entering_irradiance(const SurfacePoint& entry, PixelSamples& samples) const override {
     return tracer_.entering_irradiance(entry, bounce_, samples);
   }
+  Bands clear_fraction(const Ray& ray, float distance) const override {
+    return tracer_.clear_fraction(ray, distance);
+  }
+  Bands arriving_radiance(const Ray& ray, PixelSamples& samples) const override {
+    return tracer_.arriving_radiance(ray, bounce_, samples);
+  }
 
  private:
   const PathTracer& tracer_;
@@ -126,7 +132,8 @@ typename PathTracer<N>::LightDrawn PathTracer<N>::draw_light(const SurfacePoint&
   if (!(total > 0.0f)) return chosen;
   const LightSample& light = chosen.light;
   const Ray ray{leave_surface(point, light.direction), light.direction};
-  chosen.clear = clear_fraction(scene_, sheets_, ray, 0.9999f * light.distance, dielectrics);
+  chosen.clear =
+      lamina::clear_fraction(scene_, sheets_, ray, 0.9999f * light.distance, dielectrics);
   if (largest(chosen.clear) > 0.0f)
     chosen.weight = total / (chosen_brightness * light.pdf * light_candidates);
   return chosen;
@@ -430,6 +437,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const Hit hit = scene_.geometry.first_hit(ray, t_near);
     scene_.lights.for_lights_seen(
         ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
+          if (seen.is_lamp && !path.sees_lamps) return;
           const float weight = weight_of_surface_sample(path.pdf, seen.pdf) / square(path.index);
           const Bands arriving = weight * throughput * conversion_.from_rgb(seen.radiance);
           radiance += path.pdf == 0.0f ? without_caustics(arriving, path) : arriving;
@@ -475,7 +483,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     bool goes_on = true, is_specular = false;
     if (is_first) first->albedo = conversion_.to_rgb(surface.reflectance);
     if (path.is_from_eye && surface.transport) {
-      const ExitPoint exit{surface.point, surface.boundary, surface.wo.z};
+      const ExitPoint exit{surface.point, surface.boundary, surface.wo.z, -ray.direction};
       const Bands inside = throughput * surface.transport->leaving_radiance(
                                             exit, Gatherer(*this, path.bounce), samples);
       radiance += inside;
@@ -518,6 +526,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       before_turn = radiance;
     }
     path.is_camera_ray = path.is_from_eye = false;
+    path.sees_lamps = true;
     path.index = 1.0f;  // from here on glass bends and concentrates nothing
     path.is_scattered = path.is_scattered || path.pdf > 0.0f;
     ++path.bounce;

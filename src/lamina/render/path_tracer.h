@@ -66,6 +66,12 @@ class PathTracer final : public LightGatherer<N> {
                                           PixelSamples& samples) const override {
     return entering_irradiance(entry, 0, samples);
   }
+  [[nodiscard]] Bands clear_fraction(const Ray& ray, float distance) const override {
+    return lamina::clear_fraction(scene_, sheets_, ray, distance, Dielectrics::let_through);
+  }
+  [[nodiscard]] Bands arriving_radiance(const Ray& ray, PixelSamples& samples) const override {
+    return arriving_radiance(ray, 0, samples);
+  }
 
  private:
   class Gatherer;
@@ -106,6 +112,7 @@ class PathTracer final : public LightGatherer<N> {
     float index = 1.0f;      ///< refractive index of what it is in, known on paths from the eye
     bool is_camera_ray = false;  ///< straight from the camera
     bool is_from_eye = false;    ///< from the camera, maybe through glass
+    bool sees_lamps = true;      ///< at the end of its first ray
     bool is_scattered = false;   ///< spread out by a surface on the way
   };
 
@@ -133,6 +140,11 @@ class PathTracer final : public LightGatherer<N> {
                                        PixelSamples& samples) const;
   [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
                                           PixelSamples& samples) const;
+  [[nodiscard]] Bands arriving_radiance(const Ray& ray, int bounce, PixelSamples& samples) const {
+    return follow(ray,
+                  {.bounce = bounce + 1, .spread = 0.3f, .sees_lamps = false, .is_scattered = true},
+                  samples, nullptr);
+  }
   /// Chance that a path goes on by the boundary of a surface rather than its base.
   [[nodiscard]] static float specular_chance(const Surface& surface);
   /// Turns a path at a diffuse or coated surface; false if it ends there.

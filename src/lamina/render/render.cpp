@@ -21,7 +21,9 @@
 #include "lamina/render/layered_material.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_transport.h"
+#include "lamina/render/random_walk.h"
 #include "lamina/render/render_scene.h"
+#include "lamina/render/single_scattering.h"
 
 namespace lamina {
 namespace {
@@ -120,12 +122,21 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         transport = std::move(hierarchy);
         break;
       }
+      case Method::random_walk:
+        transport = std::make_unique<RandomWalk<N>>(scene, conversion, i);
+        break;
       default:
         throw InvalidInput(
-            "render: method must be \"profile\", \"layered_bsdf\" or \"hierarchy\", the others do "
+            "render: method must be \"profile\", \"layered_bsdf\", \"hierarchy\" or "
+            "\"random_walk\", the others do "
             "not "
             "exist in this version");
     }
+    using SingleScattering = RenderSettings::SingleScattering;
+    const auto single = scene.scene->render.single_scattering;
+    if (single != SingleScattering::none && scene.scene->render.method != Method::random_walk)
+      transport = std::make_unique<lamina::SingleScattering<N>>(
+          scene, conversion, i, single == SingleScattering::refracted, std::move(transport));
   }
   return transports;
 }

@@ -205,6 +205,10 @@ struct RenderSettings {
   Method method = Method::profile;
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
+  /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the light,
+  /// or by the way that Snell's law takes.
+  enum class SingleScattering { none, straight, refracted };
+  SingleScattering single_scattering = SingleScattering::none;
   int samples_per_pixel = 64;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;

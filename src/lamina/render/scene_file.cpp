@@ -112,8 +112,8 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 }
 
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object = value.object(
-      {"method", "orders", "factors", "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
+  const JsonObject object = value.object({"method", "orders", "factors", "single_scattering",
+                                          "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -134,6 +134,12 @@ RenderSettings decode_render_settings(const JsonInput& value) {
                                                  {"seeliger", &LayeredFactors::seeliger},
                                                  {"depth", &LayeredFactors::depth},
                                                  {"phase", &LayeredFactors::phase}}) = true;
+  using SingleScattering = RenderSettings::SingleScattering;
+  if (const auto single = object.optional("single_scattering"))
+    settings.single_scattering =
+        single->choice<SingleScattering>({{"none", SingleScattering::none},
+                                          {"straight", SingleScattering::straight},
+                                          {"refracted", SingleScattering::refracted}});
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto bounces = object.optional("max_bounces"))

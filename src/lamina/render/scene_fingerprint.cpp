@@ -83,11 +83,13 @@ void add(Hash& hash, const NoiseMap& map) {
 }
 
 void add(Hash& hash, const TextureMap& map) {
-  const auto& [source, scale, offset] = map;
+  const auto& [source, scale, offset, low, high] = map;
   hash.add(source.index());
   std::visit([&](const auto& kind) { add(hash, kind); }, source);
   hash.add(scale);
   hash.add(offset);
+  hash.add(low);
+  hash.add(high);
 }
 
 void add(Hash& hash, const std::optional<TextureMap>& map) {
@@ -101,17 +103,28 @@ void add_parameter(Hash& hash, const Parameter& parameter) {
   add(hash, map);
 }
 
+void add(Hash& hash, const LayerMap& map) {
+  const auto& [layer, quantity, part, terms] = map;
+  hash.add(layer);
+  hash.add(quantity);
+  hash.add(part);
+  hash.add(terms.size());
+  for (const ScalarParameter& term : terms) add_parameter(hash, term);
+}
+
 void add(Hash& hash, const DiffuseSurface& surface) {
   const auto& [color] = surface;
   add_parameter(hash, color);
 }
 
 void add(Hash& hash, const SubsurfaceSurface& surface) {
-  const auto& [material, color, color_use, thickness] = surface;
+  const auto& [material, color, color_use, thickness, maps] = surface;
   hash.add_text(format_material(material));
   add_parameter(hash, color);
   hash.add(color_use);
   add_parameter(hash, thickness);
+  hash.add(maps.size());
+  for (const LayerMap& map : maps) add(hash, map);
 }
 
 void add(Hash& hash, const DielectricSurface& surface) {

@@ -18,13 +18,22 @@ class LightGatherer {
   /// lights and other surfaces, less what the boundary reflects.
   [[nodiscard]] virtual BandValues<N> entering_irradiance(const SurfacePoint& entry,
                                                           PixelSamples& samples) const = 0;
+
+  /// Fraction of light that comes straight through between the start and a distance along a ray.
+  [[nodiscard]] virtual BandValues<N> clear_fraction(const Ray& ray, float distance) const = 0;
+
+  /// Radiance that comes along a ray from outside, from other surfaces and the sky, by one random
+  /// estimate. Lamps that the ray meets itself are left out.
+  [[nodiscard]] virtual BandValues<N> arriving_radiance(const Ray& ray,
+                                                        PixelSamples& samples) const = 0;
 };
 
 /// The point where light leaves a translucent surface towards the eye.
 struct ExitPoint {
   const SurfacePoint& point;
   const SurfaceBoundary& boundary;
-  float cos_o;  ///< between the normal and the direction in which it leaves
+  float cos_o;   ///< between the normal and the direction in which it leaves
+  Vec3f to_eye;  ///< that direction, unit length
 };
 
 /// How light that enters a translucent object at one point leaves it at others. One interface for

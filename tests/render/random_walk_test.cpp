@@ -1,0 +1,160 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/core/quadrature.h"
+#include "lamina/materials/material.h"
+#include "lamina/optics/fresnel.h"
+#include "small_scenes.h"
+
+namespace lamina {
+namespace {
+
+Material homogeneous(std::vector<double> sigma_a, std::vector<double> sigma_s, double g,
+                     double ior) {
+  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
+  material.layers = {{.name = "layer",
+                      .sigma_a = std::move(sigma_a),
+                      .sigma_s = std::move(sigma_s),
+                      .g = {g, g, g},
+                      .ior = {ior, ior, ior}}};
+  return material;
+}
+
+Scene scene_of(Mesh mesh, Material material, Light light, int samples) {
+  Scene scene;
+  mesh.is_closed = true;
+  scene.camera = camera_above(1.0);
+  scene.film = {.width = 8, .height = 8};
+  scene.render = {.method = RenderSettings::Method::random_walk, .samples_per_pixel = samples};
+  scene.materials = {
+      {.name = "medium", .surface = SubsurfaceSurface{.material = std::move(material)}}};
+  scene.meshes = {std::move(mesh)};
+  scene.lights = {light};
+  return scene;
+}
+
+/// Mean of a channel over the disc of a sphere that touches the borders of the picture.
+double mean_of_disc(const Image& image, std::size_t channel) {
+  return mean_of(image, channel) * 4.0 / std::numbers::pi;
+}
+
+// What does not absorb returns all light of an even sky, in every direction: mirrored or from
+// inside.
+TEST(RandomWalk, WhiteObjectInEvenLightIsInvisible) {
+  for (const double g : {0.0, 0.7}) {
+    Scene scene = scene_of(make_sphere(3.0f), homogeneous({0, 0, 0}, {1, 1, 1}, g, 1.3),
+                           EnvironmentLight{}, 256);
+    scene.camera = camera_above(4.0);
+    const Image image = render(scene).image;
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.at(x, y)[0], 1.0f, 0.012f) << x << ' ' << y;
+  }
+}
+
+// Jensen's skin1 as a ball of 10 mm in even light: its albedo by an independent volumetric renderer
+// is .543 .239 .121, and .427 .206 .111 with ten times the coefficients, each within about 1 %.
+TEST(RandomWalk, BallOfSkinHasTheAlbedoOfAnotherRenderer) {
+  const double expected[2][3] = {{0.543, 0.239, 0.121}, {0.427, 0.206, 0.111}};
+  for (const int dense : {0, 1}) {
+    Material skin = find_material("jensen_skin1");
+    skin.layers[0].ior = skin.ior_below = {1.33, 1.33, 1.33};
+    for (double& sigma : skin.layers[0].sigma_a) sigma *= dense ? 10.0 : 1.0;
+    for (double& sigma : skin.layers[0].sigma_s) sigma *= dense ? 10.0 : 1.0;
+    Scene scene = scene_of(make_sphere(10.0f, 96), skin, EnvironmentLight{}, 24);
+    scene.camera = camera_above(20.0);
+    scene.film = {.width = 48, .height = 48};
+    const Image image = render(scene).image;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto channel = channel_index(image, std::string("subsurface.") + "RGB"[c]).value();
+      EXPECT_NEAR(mean_of_disc(image, channel), expected[dense][c], 0.02 * expected[dense][c])
+          << dense << ' ' << c;
+    }
+  }
+}
+
+/// Chandrasekhar's function of isotropic scattering. Source: [Chandrasekhar1960] §39, Eq. 14.
+double h_function(double mu, double albedo) {
+  const Quadrature rule = gauss_legendre(32, 0.0, 1.0);
+  std::vector<double> h(rule.nodes.size(), 1.0);
+  const auto value = [&](double at) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < h.size(); ++i)
+      sum += rule.weights[i] * rule.nodes[i] * h[i] / (at + rule.nodes[i]);
+    return 1.0 / (std::sqrt(1.0 - albedo) + 0.5 * albedo * sum);
+  };
+  for (int round = 0; round < 200; ++round) {
+    std::vector<double> next;
+    for (const double node : rule.nodes) next.push_back(value(node));
+    h = next;
+  }
+  return value(mu);
+}
+
+// A thick wide plate under a distant light is a half-space: radiance by Chandrasekhar's law of
+// diffuse reflection, all orders.
+TEST(RandomWalk, ThickPlateReflectsAsChandrasekharsHalfSpace) {
+  Mesh plate = make_square(60.0f);
+  for (std::size_t i = 0; i < 4; ++i) {
+    plate.positions.push_back(plate.positions[i] - Vec3f{0, 0, 30});
+    plate.normals.push_back({0, 0, -1});
+    plate.uvs.push_back(plate.uvs[i]);
+  }
+  plate.triangles.push_back({4, 6, 5});
+  plate.triangles.push_back({4, 7, 6});
+  plate.material.assign(4, 0);
+  const double mu_0 = 0.6;
+  const Scene scene =
+      scene_of(plate, homogeneous({0.1, 0.5, 1.0}, {0.9, 0.5, 1.0}, 0.0, 1.0),
+               DirectionalLight{.direction = {0.8, 0, mu_0}, .irradiance = {1, 1, 1}}, 1024);
+  const Image image = render(scene).image;
+  const double albedo[3] = {0.9, 0.5, 0.5};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double w = albedo[c];
+    const double expected = 0.25 * std::numbers::inv_pi * w * mu_0 / (mu_0 + 1.0) *
+                            h_function(mu_0, w) * h_function(1.0, w);
+    EXPECT_NEAR(mean_of(image, c), expected, 0.01 * expected) << c;
+  }
+}
+
+// A distant light on a ball that does not absorb: what leaves in all directions together is what
+// enters, through a refracting boundary that focuses; a thousandth passes without an event.
+TEST(RandomWalk, BallReturnsAllLightOfALampThatEnters) {
+  const double ior = 1.4, radius = 2.0;
+  double flux = 0.0;
+  const Quadrature rule = gauss_legendre(6, -1.0, 1.0);
+  for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+    const double mu = rule.nodes[i];
+    Scene scene = scene_of(
+        make_sphere(2.0f, 96), homogeneous({0, 0, 0}, {2.5, 2.5, 2.5}, 0.0, ior),
+        DirectionalLight{.direction = {std::sqrt(1.0 - mu * mu), 0, mu}, .irradiance = {1, 1, 1}},
+        24);
+    scene.camera = camera_above(2.0 * radius);
+    scene.film = {.width = 16, .height = 16};
+    const Image image = render(scene).image;
+    const std::size_t channel = channel_index(image, "subsurface.G").value();
+    flux +=
+        2.0 * std::numbers::pi * rule.weights[i] * mean_of(image, channel) * 4.0 * radius * radius;
+  }
+  const double entering = std::numbers::pi * radius * radius * (1.0 - fresnel_diffuse(ior));
+  EXPECT_NEAR(flux, entering, 0.02 * entering);
+}
+
+TEST(RandomWalk, RefusesOpenMeshesAndLayers) {
+  Scene scene = scene_of(make_square(1.0f), homogeneous({0, 0, 0}, {1, 1, 1}, 0.0, 1.3),
+                         EnvironmentLight{}, 1);
+  scene.meshes[0].is_closed = false;
+  EXPECT_THROW((void)render(scene), InvalidInput);
+  scene.meshes[0].is_closed = true;
+  auto& layers = std::get<SubsurfaceSurface>(scene.materials[0].surface).material.layers;
+  layers.push_back(layers[0]);
+  layers[0].thickness = 0.1;
+  EXPECT_THROW((void)render(scene), InvalidInput);
+}
+
+}  // namespace
+}  // namespace lamina
