@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/plot.h"
 #include "lamina/image/tone.h"
 #include "lamina/render/skin_patch.h"
 
@@ -26,9 +28,45 @@ namespace fs = std::filesystem;
 struct PatchOptions {
   CommonOptions common;
   std::string patch, output;
+  std::string fit_plot;
   double exposure = 0.0;
   bool uses_no_cache = false;
 };
+
+/// How well sums of Gaussians follow each operator, over absorption.
+void save_fit_plot(const std::string& file, const SkinPatch& patch,
+                   const std::vector<StackTables>& tables) {
+  Plot plot;
+  plot.title = "Error of the tables of Gaussians";
+  plot.caption = fmt::format(
+      "Largest over spatial frequencies up to {:.0f}/mm, of the value at 0, with {} Gaussians and "
+      "a "
+      "delta.",
+      2.0 / std::sqrt(tables[0].grid.first_variance), tables[0].grid.gaussians);
+  plot.panel_width = 260.0;
+  plot.panel_height = 180.0;
+  const std::array<std::pair<const char*, GaussianTable LayerTables::*>, 4> operators = {
+      {{"R+", &LayerTables::reflection_above},
+       {"T+", &LayerTables::transmission_down},
+       {"R-", &LayerTables::reflection_below},
+       {"T-", &LayerTables::transmission_up}}};
+  for (std::size_t layer = 0; layer < tables[0].layers.size(); ++layer)
+    for (const auto& [name, table] : operators) {
+      if ((tables[0].layers[layer].*table).error.empty()) continue;
+      Panel& panel = plot.panels.emplace_back();
+      panel.title = fmt::format("{} of layer {}", name, layer);
+      panel.x = {.label = "absorption [1/mm]", .scale = AxisScale::logarithmic};
+      panel.y = {.label = "error", .scale = AxisScale::logarithmic};
+      for (std::size_t b = 0; b < tables.size(); ++b) {
+        Curve curve{.name = band_label(patch.bands, b), .color = band_color(patch.bands, b)};
+        curve.y = (tables[b].layers[layer].*table).error;
+        for (std::size_t row = 0; row < curve.y.size(); ++row)
+          curve.x.push_back(row_absorption(tables[b].grid, static_cast<double>(row)));
+        panel.curves.push_back(std::move(curve));
+      }
+    }
+  save_svg(plot, file);
+}
 
 /// Linear sRGB, the mean of all texels.
 std::array<double, 3> mean_color(const Image& image) {
@@ -58,6 +96,7 @@ void run_patch(const PatchOptions& options) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (was_interrupted()) return;
   save_exr(result.image, name.string() + ".exr", ExrPrecision::single_float);
+  if (!options.fit_plot.empty()) save_fit_plot(options.fit_plot, patch, result.tables);
   save_png(view_image(result.image, View::standard, options.exposure), name.string() + ".png");
 
   const double texel_bands =
@@ -107,6 +146,8 @@ void add_patch_command(CLI::App& app) {
   command->add_option("--exposure", options->exposure, "stops, for the PNG only")
       ->type_name("EV")
       ->check(CLI::Range(-50.0, 50.0));
+  command->add_option("--fit-plot", options->fit_plot, "plot of the error of the tables")
+      ->type_name("FILE.svg");
   command->add_flag("--no-cache", options->uses_no_cache,
                     "make the tables anew and do not keep them");
   add_common_options(*command, options->common);

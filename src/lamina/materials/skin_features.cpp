@@ -143,10 +143,12 @@ class VeinPen {
     // by about half the depth on its way up.
     const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
     const double most = veins_.hemoglobin * 0.25 * diameter / spread;
+    const double heading = direction;
     double bend = 0.0;
     for (double s = 0.0; s < reach; s += step) {
-      bend = 0.96 * bend + 0.35 * (random_.uniform() - 0.5) * std::sqrt(step);
-      direction += bend * step;
+      // Winding, but on its way: a spring pulls it back to where it headed.
+      bend = 0.95 * bend + 0.4 * (random_.uniform() - 0.5) * std::sqrt(step);
+      direction += (bend - 0.08 * (direction - heading)) * step;
       p = {p.x + step * std::cos(direction), p.y + step * std::sin(direction)};
       grid_.within(p, 3.0 * spread, [&](std::size_t texel, Point at) {
         const double d2 = (at.x - p.x) * (at.x - p.x) + (at.y - p.y) * (at.y - p.y);

@@ -11,8 +11,8 @@
 #include "lamina/core/parallel.h"
 #include "lamina/image/resample.h"
 #include "lamina/optics/layer_stack.h"
+#include "lamina/render/skin_colors.h"
 #include "lamina/scattering/diffuse_boundary.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {
@@ -56,8 +56,8 @@ void put_channel(Image& image, std::size_t channel, const Plane& plane) {
 }
 
 /// Fills "R", "G", "B", the three channels from `first` on, from the bands in front.
-void add_colors(Image& image, std::size_t first, const BandSet& bands) {
-  const BandWeights weights = make_band_weights(bands);
+void add_colors(Image& image, std::size_t first, const BandSet& bands, const SkinParameters& skin) {
+  const BandWeights weights = make_skin_band_weights(bands, skin);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       float* pixel = image.at(x, y);
@@ -129,6 +129,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
   const bool is_fold = std::isfinite(patch.skin.skin.dermis_thickness);
   SkinPatchResult result;
   result.bands.resize(bands);
+  result.tables.resize(bands);
   std::vector<std::string> channels;
   for (std::size_t b = 0; b < bands; ++b) channels.push_back(band_name(patch.bands, b) + "nm");
   for (const char* name : {"R", "G", "B"}) channels.emplace_back(name);
@@ -145,11 +146,12 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     const SkinPlanes planes = skin_planes(patch.skin, patch.width, patch.height, wavelength);
     std::vector<double> reference;
     for (const Plane& sigma_a : planes.sigma_a) reference.push_back(typical_absorption(sigma_a));
-    const StackTables tables = [&] {
+    result.tables[b] = [&] {
       const Stopwatch watch(table_seconds);
       return cached_stack_tables(cache, mapped_skin_stack(patch.skin.skin, wavelength),
                                  patch.totals, reference);
     }();
+    const StackTables& tables = result.tables[b];
     const Stopwatch watch(transport_seconds);
     const HeterogeneousLayers layers =
         make_heterogeneous_layers(tables, planes.sigma_a, planes.absorbance, patch.mm_per_texel);
@@ -169,7 +171,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     ++done;
     (void)report(progress, static_cast<double>(done) / static_cast<double>(bands));
   });
-  add_colors(result.image, bands, patch.bands);
+  add_colors(result.image, bands, patch.bands, patch.skin.skin);
   result.table_seconds = table_seconds;
   result.transport_seconds = transport_seconds;
   return result;

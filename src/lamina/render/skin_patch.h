@@ -47,6 +47,7 @@ struct SkinPatchResult {
   /// linear sRGB under D65. Of a fold of skin also "transmitted.400nm" ...
   Image image;
   std::vector<SkinPatchBand> bands;
+  std::vector<StackTables> tables;                      ///< [band]
   double table_seconds = 0.0, transport_seconds = 0.0;  ///< summed over threads
 };
 
