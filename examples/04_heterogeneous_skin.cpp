@@ -2,7 +2,7 @@
 //
 // Why no albedo texture can stand for freckles [Donner2008, Figure 3]. Above fully lit skin, below
 // the same under strips of light: uniform skin, freckled skin, and uniform skin times the texture
-// that makes the upper pictures alike.   03_heterogeneous_skin [IMAGE.png [SIDE]]
+// that makes the upper pictures alike.   04_heterogeneous_skin [IMAGE.png [SIDE]]
 #include <algorithm>
 #include <string>
 
