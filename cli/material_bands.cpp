@@ -23,4 +23,12 @@ nlohmann::ordered_json bands_json(const BandSet& bands) {
   return list;
 }
 
+nlohmann::ordered_json table_json(std::span<const double> table, std::size_t columns) {
+  auto rows = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < table.size(); i += columns)
+    rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
+                                       table.begin() + static_cast<std::ptrdiff_t>(i + columns)));
+  return rows;
+}
+
 }  // namespace lamina::cli

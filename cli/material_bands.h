@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <vector>
 
 #include "lamina/materials/material.h"
@@ -13,5 +14,9 @@ namespace lamina::cli {
 
 /// The "bands" of a JSON result: "R", "G", "B", or wavelengths in nm.
 [[nodiscard]] nlohmann::ordered_json bands_json(const BandSet& bands);
+
+/// A table as an array of rows.
+/// @param table  [row][column]
+[[nodiscard]] nlohmann::ordered_json table_json(std::span<const double> table, std::size_t columns);
 
 }  // namespace lamina::cli

@@ -22,6 +22,8 @@
 #include "lamina/scattering/exact_profile_cache.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
+#include "profile_frequency.h"
+#include "profile_oblique.h"
 
 namespace lamina::cli {
 namespace {
@@ -33,6 +35,8 @@ struct ProfileOptions {
   std::string material, method, plot;
   bool compare = false;
   std::string domain = "radius";
+  int gaussians = 0;  ///< 0: not asked for
+  int moments = 8;
   std::string incidence = "normal", from = "above";
   double accuracy = 0.005;
   bool no_cache = false;
@@ -53,14 +57,6 @@ struct ProfileMethod {
   std::string name;
   std::function<ProfileResult(const std::vector<LayerStack>&, const ProfileOptions&)> solve;
 };
-
-ordered_json table_json(std::span<const double> table, std::size_t columns) {
-  auto rows = ordered_json::array();
-  for (std::size_t i = 0; i < table.size(); i += columns)
-    rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
-                                       table.begin() + static_cast<std::ptrdiff_t>(i + columns)));
-  return rows;
-}
 
 ExactProfileOptions exact_options(const ProfileOptions& options) {
   return {.accuracy = options.accuracy,
@@ -284,47 +280,31 @@ void save_plot(const std::string& file, const Material& material, const std::str
   save_svg(plot, file);
 }
 
-/// What spatial-frequency domain imaging measures, at frequencies from 1 / r-max to 1 / r-min.
-void run_frequency(const ProfileOptions& options, const Material& material,
-                   const std::vector<LayerStack>& stacks) {
-  if (options.method != "exact")
-    throw InvalidInput("--domain frequency: --method must be exact, but is " + options.method);
-  std::vector<double> k{0.0};
-  for (const double r : radii(options.grid)) k.push_back(1.0 / r);
-  std::sort(k.begin(), k.end());
-  const auto response = spatial_frequency_response(stacks, k, exact_options(options));
-  std::string text = fmt::format("{:>10}", "k [1/mm]");
-  for (const char* side : {"R", "T"})
-    for (std::size_t band = 0; band < stacks.size(); ++band)
-      text += fmt::format("  {:>10}", fmt::format("{} {}", side, band_name(material.bands, band)));
-  const std::size_t rows = std::min<std::size_t>(k.size(), 24);
-  for (std::size_t row = 0; row < rows; ++row) {
-    const std::size_t i = row * (k.size() - 1) / (rows - 1);
-    text += fmt::format("\n{:10.4g}", k[i]);
-    for (const auto* values : {&response.reflectance, &response.transmittance})
-      for (std::size_t band = 0; band < stacks.size(); ++band)
-        text += fmt::format("  {:10.3e}", (*values)[i * stacks.size() + band]);
+double parse_degrees(const std::string& text) {
+  std::size_t used = 0;
+  double degrees = -1.0;
+  try {
+    degrees = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
   }
-  print(options.common, text + "\n");
-  ordered_json json = make_result("profile");
-  json["method"] = "exact";
-  json["material"] = material.name;
-  json["bands"] = bands_json(material.bands);
-  json["incidence"] = options.incidence;
-  json["from"] = options.from;
-  json["per"] = "arriving_flux";
-  json["k_per_mm"] = k;
-  json["reflectance"] = table_json(response.reflectance, stacks.size());
-  json["transmittance"] = table_json(response.transmittance, stacks.size());
-  write_json(json, options.common);
+  if (used != text.size() || !(degrees >= 0.0 && degrees < 90.0))
+    throw InvalidInput(
+        "--incidence: normal, diffuse or an angle in [0, 90) degrees is required, but is " + text);
+  return degrees;
 }
 
 /// The other methods know the normal beam from above only, and so nothing to compare with.
 void require_exact_for_illumination(const ProfileOptions& options) {
-  const bool is_usual = options.incidence == "normal" && options.from == "above";
+  const bool is_usual = options.incidence == "normal" && options.from == "above" &&
+                        options.domain == "radius" && options.gaussians == 0;
   if (is_usual) return;
+  if (options.incidence != "normal" && options.incidence != "diffuse")
+    (void)parse_degrees(options.incidence);
   if (options.method != "exact")
-    throw InvalidInput("--incidence, --from: --method must be exact, but is " + options.method);
+    throw InvalidInput(
+        "--incidence, --from, --domain, --gaussians: --method must be exact, but is " +
+        options.method);
   if (options.compare || !options.plot.empty())
     throw InvalidInput("--compare, --plot: --incidence must be normal and --from above, but are " +
                        options.incidence + " and " + options.from);
@@ -334,7 +314,27 @@ void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   require_exact_for_illumination(options);
-  if (options.domain == "frequency") return run_frequency(options, material, stacks);
+  const ordered_json head = {{"material", material.name},
+                             {"bands", bands_json(material.bands)},
+                             {"incidence", options.incidence},
+                             {"from", options.from}};
+  const bool is_oblique = options.incidence != "normal" && options.incidence != "diffuse";
+  if (is_oblique && (options.domain == "frequency" || options.gaussians > 0))
+    throw InvalidInput(
+        "--domain frequency, --gaussians: --incidence must be normal or diffuse, "
+        "but is " +
+        options.incidence);
+  if (is_oblique) {
+    return run_profile_oblique(material, options.from == "below" ? lit_from_below(stacks) : stacks,
+                               parse_degrees(options.incidence), options.grid, options.moments,
+                               head, options.common);
+  }
+  if (options.domain == "frequency")
+    return run_profile_frequency(material, options.grid, exact_options(options), head,
+                                 options.common);
+  if (options.gaussians > 0)
+    return run_profile_gaussians(material, options.gaussians, exact_options(options), head,
+                                 options.common);
   for (const ProfileMethod& method : profile_methods()) {
     if (method.name != options.method) continue;
     const ProfileResult result = method.solve(stacks, options);
@@ -391,8 +391,9 @@ void add_profile_command(CLI::App& app) {
                     "dipole beside the others");
   command
       ->add_option("--incidence", options->incidence,
-                   "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere")
-      ->check(CLI::IsMember({"normal", "diffuse"}))
+                   "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere; "
+                   "or the angle of a pencil beam in degrees")
+      ->type_name("WHAT")
       ->capture_default_str();
   command
       ->add_option("--from", options->from,
@@ -409,6 +410,18 @@ void add_profile_command(CLI::App& app) {
                    "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
       ->check(CLI::IsMember({"radius", "frequency"}))
       ->capture_default_str();
+  command
+      ->add_option("--moments", options->moments,
+                   "of an oblique beam: how many moments in azimuth to write to --json")
+      ->type_name("N")
+      ->check(CLI::Range(1, 32))
+      ->capture_default_str();
+  command
+      ->add_option("--gaussians", options->gaussians,
+                   "of exact, instead of the profile: N Gaussians that make it, fitted over "
+                   "spatial frequency, the same for all bands but for their weights")
+      ->type_name("N")
+      ->check(CLI::Range(1, 40));
   add_output_file(*command, "--plot", options->plot,
                   "write R(r) and T(r) with that approximation as SVG to FILE");
   command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")

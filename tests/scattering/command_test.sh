@@ -64,7 +64,21 @@ leaf = json.load(open(sys.argv[1]))
 assert leaf["incidence"] == "diffuse" and leaf["from"] == "below"
 assert len(leaf["transmittance_profile"]) == 20 and min(leaf["total_transmittance"]) > 0
 PY
-for wrong in "--incidence diffuse --method multipole" "--from below --compare" "--incidence askew"; do
+"$lamina" profile donner_jensen_skin --incidence 45 --radii 8 --r-min .05 --r-max 2 --moments 2 --json "$folder/slanted.json" > /dev/null ||
+  fail "exact profile of an oblique beam"
+"$lamina" profile leaf --gaussians 6 --accuracy .1 --json "$folder/gaussians.json" > /dev/null || fail "profile as Gaussians"
+python3 - "$folder/slanted.json" "$folder/gaussians.json" <<'PY'
+import json, sys
+slanted, gaussians = (json.load(open(file)) for file in sys.argv[1:])
+assert slanted["incidence_deg"] == 45
+moments = slanted["reflectance_moments"]
+assert len(moments) == 8 and len(moments[0]) == 2 and len(moments[0][0]) == 3
+assert all(0 < m[1][0] < 2 * m[0][0] for m in moments[:4])  # more light ahead than behind
+assert len(gaussians["variances_mm2"]) == len(gaussians["reflectance_weights"]) == 7
+assert max(gaussians["reflectance_rms_error"]) < .05 and len(gaussians["transmittance_rms_error"]) == 3
+PY
+for wrong in "--incidence diffuse --method multipole" "--from below --compare" "--incidence askew" "--incidence 95" \
+  "--gaussians 4 --method dipole" "--gaussians 4 --incidence 30"; do
   "$lamina" profile leaf $wrong > /dev/null 2> "$folder/wrong" && fail "profile $wrong"
   [ $? -eq 2 ] && [ "$(wc -l < "$folder/wrong")" -eq 1 ] || fail "one line and status 2 for profile $wrong"
 done

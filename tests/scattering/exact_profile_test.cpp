@@ -10,6 +10,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/exact_profile_cost.h"
 #include "lamina/scattering/exact_profile_frequency.h"
 #include "lamina/scattering/exact_profile_single.h"
 #include "lamina/scattering/exact_profile_spectrum.h"
@@ -181,6 +182,22 @@ TEST(ExactProfile, RefusesWhatItCannotDo) {
   EXPECT_THROW((void)exact_profile(slab, {}, {.accuracy = 1.0}), InvalidInput);
   EXPECT_THROW((void)exact_profile(slab, {.first = 0.0}), InvalidInput);
   EXPECT_THROW((void)spatial_frequency_response(slab, std::vector{-1.0}), InvalidInput);
+}
+
+// Every further index cuts the directions once more.
+TEST(ExactProfile, RefusesStacksThatTakeTooLongWithTheEstimate) {
+  std::vector<Layer> layers;
+  for (int i = 0; i < 120; ++i) layers.push_back(layer(0.1, 9.0, 0.0, 1.2 + 0.005 * i, 0.1));
+  try {
+    (void)exact_profile(std::vector{LayerStack(layers)});
+    FAIL() << "not refused";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("GiB"), std::string::npos) << error.what();
+  }
+  const auto few = detail::solution_cost(std::vector{named("skin, red")}, 5, 5, 24);
+  EXPECT_GT(few.seconds, 0.02);  // 0.12 s measured
+  EXPECT_LT(few.seconds, 0.5);
+  EXPECT_LT(few.mebibytes, 20.0);
 }
 
 }  // namespace

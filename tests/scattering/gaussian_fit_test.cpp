@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "lamina/core/quadrature.h"
+#include "lamina/scattering/gaussian_profile.h"
 #include "lamina/scattering/layered_diffusion.h"
 #include "reference/diffusion_skin.h"
 
@@ -89,6 +90,33 @@ TEST(GaussianFit, NothingIsFittedByNothing) {
   EXPECT_TRUE(fit.converged);
   EXPECT_EQ(fit.sum.weights, std::vector<double>(2, 0.0));
   EXPECT_EQ(fit.largest_error, 0.0);
+}
+
+// Fitted where the solver works; over radius it must be the exact profile, as far as the fit says.
+TEST(GaussianProfile, IsTheExactProfile) {
+  const std::vector<LayerStack> bands = {
+      LayerStack({{.medium = {.sigma_a = 0.2, .sigma_s = 10.0, .g = 0.0, .ior = 1.3},
+                   .thickness = 0.5}}),
+      LayerStack({{.medium = {.sigma_a = 2.0, .sigma_s = 10.0, .g = 0.0, .ior = 1.3},
+                   .thickness = 0.5}})};
+  const GaussianProfile fit = fit_gaussian_profile(bands, 10);
+  const ExactProfile exact = exact_profile(bands, {.first = 0.1, .last = 1.0, .size = 5});
+  ASSERT_EQ(fit.variances.size(), 11u);
+  ASSERT_EQ(fit.transmittance.size(), 2u);
+  for (std::size_t b = 0; b < 2; ++b) {
+    EXPECT_LT(fit.reflectance[b].rms_error, 0.02) << b;
+    EXPECT_GT(fit.reflectance[b].rms_error, 0.0) << b;
+    double total = 0.0;
+    for (const double weight : fit.reflectance[b].sum.weights) total += weight;
+    EXPECT_NEAR(total / exact.profile.total_reflectance[b], 1.0,
+                2.0 * fit.reflectance[b].largest_error + 0.002)
+        << b;
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(evaluate(fit.reflectance[b].sum, exact.profile.r[i]) /
+                      exact.profile.reflectance_at(i, b),
+                  1.0, 0.15)
+          << b << ", r " << exact.profile.r[i];
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/exact_profile_cost.h"
 #include "lamina/scattering/exact_profile_diffuse.h"
 #include "lamina/scattering/exact_profile_diffuse_curves.h"
 #include "lamina/scattering/exact_profile_frequency.h"
@@ -179,22 +180,25 @@ void check(std::span<const LayerStack> stacks, const ExactProfileOptions& option
     const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
                                       [](const Layer& l) { return l.medium.sigma_s > 0.0; });
     if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");
-    if (!options.is_from_below) continue;
-    if (is_semi_infinite(stacks[b]))
-      throw InvalidInput(band + ": light from below needs a finite last layer, but it is infinite");
-    if (stacks[b].ground().reflectance > 0.0)
-      throw InvalidInput(band + ": light from below needs a black ground, but its reflectance is " +
-                         std::to_string(stacks[b].ground().reflectance));
   }
-}
-
-std::vector<LayerStack> seen_from_below(std::span<const LayerStack> stacks) {
-  std::vector<LayerStack> flipped_stacks;
-  for (const LayerStack& stack : stacks) flipped_stacks.push_back(flipped(stack));
-  return flipped_stacks;
+  detail::require_affordable(detail::solution_cost(stacks, fewest_nodes, fewest_modes + 2, 24));
 }
 
 }  // namespace
+
+std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
+  std::vector<LayerStack> turned;
+  for (const LayerStack& stack : stacks) {
+    const std::string band = "band " + std::to_string(turned.size());
+    if (is_semi_infinite(stack))
+      throw InvalidInput(band + ": light from below needs a finite last layer, but it is infinite");
+    if (stack.ground().reflectance > 0.0)
+      throw InvalidInput(band + ": light from below needs a black ground, but its reflectance is " +
+                         std::to_string(stack.ground().reflectance));
+    turned.push_back(flipped(stack));
+  }
+  return turned;
+}
 
 ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
                            const ExactProfileOptions& options) {
@@ -202,7 +206,7 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
   if (options.is_from_below) {
     ExactProfileOptions from_above = options;
     from_above.is_from_below = false;
-    return exact_profile(seen_from_below(stacks), radii, from_above);
+    return exact_profile(lit_from_below(stacks), radii, from_above);
   }
   const HankelPlan plan = make_hankel_plan(radii);
   const std::size_t bands = stacks.size(), count = plan.r.size();
@@ -284,7 +288,7 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
   if (options.is_from_below) {
     ExactProfileOptions from_above = options;
     from_above.is_from_below = false;
-    return spatial_frequency_response(seen_from_below(stacks), k, from_above);
+    return spatial_frequency_response(lit_from_below(stacks), k, from_above);
   }
   for (const double frequency : k)
     if (!(std::isfinite(frequency) && frequency >= 0.0))

@@ -55,6 +55,10 @@ struct ExactProfile {
                                          const RadialGrid& radii = {},
                                          const ExactProfileOptions& options = {});
 
+/// The same stacks with above and below exchanged.
+/// @throws InvalidInput if a stack has no lower side, or a ground that reflects.
+[[nodiscard]] std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks);
+
 /// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
 /// domain imaging measures. Error: some 1e-3 of the value up to the largest sigma_t of a layer.
 struct SpatialFrequencyResponse {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "lamina/core/quadrature.h"
+#include "lamina/scattering/bessel.h"
 #include "lamina/scattering/straight_ray.h"
 
 namespace lamina::detail {
@@ -16,33 +17,7 @@ constexpr double deepest = 20.0;      ///< optical depth where no light is left
 constexpr double first_panel = 0.02;  ///< optical depth of the first panel of depths
 constexpr double least_mode = 1e-5;   ///< modes of a phase function below this do not count
 constexpr double finest_phase = 2.0;  ///< times the nodes: waves of larger phase cancel out
-constexpr double least_light = 1e-14;
-
-/// Bessel functions J_0 .. J_n at x >= 0, by Miller's backward recurrence. [AbramowitzStegun1964]
-/// 9.12, Example 1.
-void bessel(double x, int n, double* out) {
-  std::fill(out, out + n + 1, 0.0);
-  out[0] = 1.0;
-  if (x < 1e-9) return;
-  const double largest = std::max(x, static_cast<double>(n));
-  const int start = 2 * static_cast<int>(0.5 * (largest + 12.0 * std::cbrt(largest)) + 8.0);
-  double above = 0.0, here = 1e-280, sum = 0.0;
-  for (int m = start; m > 0; --m) {  // here is J_m
-    if (m <= n) out[m] = here;
-    if (m % 2 == 0) sum += 2.0 * here;
-    const double below = 2.0 * m / x * here - above;
-    above = here;
-    here = below;
-    if (std::abs(here) < 1e200) continue;
-    here *= 1e-250;
-    above *= 1e-250;
-    sum *= 1e-250;
-    for (int q = m; q <= n; ++q) out[q] *= 1e-250;
-  }
-  out[0] = here;
-  sum += here;
-  for (int m = 0; m <= n; ++m) out[m] /= sum;
-}
+constexpr double least_light = 1e-11;
 
 /// Depths of a layer in panels that grow away from its faces.
 Quadrature depths(double thickness, double sigma_t, double first) {
@@ -103,21 +78,38 @@ DiffuseSingle::Rays make_rays(const GridStack& stack, std::size_t layer, bool is
 }
 
 /// The rays of one depth as a wave, [mode][node]; 0 in light of a phase that cancels out.
-void waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double k,
-           std::vector<double>& out, std::vector<double>& one) {
+/// @return the highest mode that holds light; -1 if none does
+int waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double k,
+          std::vector<double>& out, std::vector<double>& one) {
   const std::size_t n = rays.nodes;
-  out.assign(static_cast<std::size_t>(modes + 1) * n, 0.0);
   const double cut = finest_phase * static_cast<double>(n);
+  out.assign(static_cast<std::size_t>(modes + 1) * n, 0.0);
+  int highest = -1;
   for (std::size_t i = 0; i < n; ++i) {
-    double light = rays.light[depth * n + i];
     const double x = k * rays.aside[depth * n + i];
-    if (light < least_light) continue;
-    if (x > 2.0 * cut) continue;
-    light *= std::exp(-std::pow(x / cut, 8.0));
-    bessel(x, modes, one.data());
-    for (int m = 0; m <= modes; ++m)
+    if (rays.light[depth * n + i] < least_light || x > 2.0 * cut) continue;
+    const double light = rays.light[depth * n + i] * std::exp(-std::pow(x / cut, 8.0));
+    // Beyond m = x the functions vanish.
+    const int last = std::min(modes, static_cast<int>(x + 6.0 * std::cbrt(x)) + 4);
+    bessel_functions(x, std::span(one).first(static_cast<std::size_t>(last) + 1));
+    for (int m = 0; m <= last; ++m)
       out[static_cast<std::size_t>(m) * n + i] = light * one[static_cast<std::size_t>(m)];
+    highest = std::max(highest, last);
   }
+  return highest;
+}
+
+/// The last mode of a phase function that counts: they only fall.
+int last_mode(const std::vector<PhaseMode>& phase) {
+  const auto largest = [](const Matrix& kernel) {
+    double most = 0.0;
+    for (const double value : kernel.values) most = std::max(most, std::abs(value));
+    return most;
+  };
+  const double least = least_mode * largest(phase[0].forward);
+  std::size_t last = phase.size() - 1;
+  while (last > 0 && largest(phase[last].forward) < least) --last;
+  return static_cast<int>(last);
 }
 
 }  // namespace
@@ -125,7 +117,7 @@ void waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double
 DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
                                   const std::vector<double>& extinction) {
   const GridStack& stack = solver.stack;
-  DiffuseSingle single{.modes = solver.modes};
+  DiffuseSingle single;
   double densest = 0.0;
   for (const GridLayer& layer : stack.layers) densest = std::max(densest, layer.sigma_t);
   for (std::size_t l = 0; l < stack.layers.size(); ++l) {
@@ -138,26 +130,19 @@ DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
     made.from_top = make_rays(stack, l, true, z.nodes, extinction);
     if (has_open_bottom(stack)) made.from_bottom = make_rays(stack, l, false, z.nodes, extinction);
     made.phase = &solver.phase[l];
+    made.modes = last_mode(solver.phase[l]);
   }
   return single;
 }
 
 FrequencyResponse single_response(const DiffuseSingle& single, double k) {
   FrequencyResponse result;
-  std::vector<double> top, bottom, one(static_cast<std::size_t>(single.modes) + 1);
+  std::vector<double> top, bottom, one;
   for (const DiffuseSingle::Layer& layer : single.layers) {
-    // Modes that count: the kernels only fall with m.
-    const auto largest = [&](const Matrix& kernel) {
-      double most = 0.0;
-      for (const double value : kernel.values) most = std::max(most, std::abs(value));
-      return most;
-    };
-    int modes = single.modes;
-    const double least = least_mode * largest((*layer.phase)[0].forward);
-    while (modes > 0 && largest((*layer.phase)[static_cast<std::size_t>(modes)].forward) < least)
-      --modes;
+    one.resize(static_cast<std::size_t>(layer.modes) + 1);
     const auto meet = [&](const std::vector<double>& a, std::size_t a_nodes,
-                          const std::vector<double>& b, std::size_t b_nodes, bool turns) {
+                          const std::vector<double>& b, std::size_t b_nodes, bool turns,
+                          int modes) {
       double sum = 0.0;
       for (int m = 0; m <= modes; ++m) {
         const auto at = static_cast<std::size_t>(m);
@@ -165,24 +150,27 @@ FrequencyResponse single_response(const DiffuseSingle& single, double k) {
         const Matrix& kernel = turns ? phase.backward : phase.forward;
         double of_mode = 0.0;
         for (std::size_t j = 0; j < b_nodes; ++j) {
+          const double wave = b[at * b_nodes + j];
+          if (wave == 0.0) continue;
           const double* column = &kernel.values[j * kernel.rows];
           double row = 0.0;
           for (std::size_t i = 0; i < a_nodes; ++i) row += column[i] * a[at * a_nodes + i];
-          of_mode += row * b[at * b_nodes + j];
+          of_mode += row * wave;
         }
         sum += (m == 0 ? 1.0 : m % 2 == 0 ? 2.0 : -2.0) * of_mode;
       }
       return sum;
     };
+    const std::size_t down = layer.from_top.nodes, up = layer.from_bottom.nodes;
     for (std::size_t z = 0; z < layer.depth_weight.size(); ++z) {
       const double weight = layer.strength * layer.depth_weight[z];
-      waves(layer.from_top, z, modes, k, top, one);
-      result.reflectance +=
-          weight * meet(top, layer.from_top.nodes, top, layer.from_top.nodes, true);
-      if (layer.from_bottom.nodes == 0) continue;
-      waves(layer.from_bottom, z, modes, k, bottom, one);
-      result.transmittance +=
-          weight * meet(top, layer.from_top.nodes, bottom, layer.from_bottom.nodes, false);
+      const int top_modes = waves(layer.from_top, z, layer.modes, k, top, one);
+      if (top_modes < 0) break;
+      result.reflectance += weight * meet(top, down, top, down, true, top_modes);
+      if (up == 0) continue;
+      const int modes =
+          std::min(top_modes, waves(layer.from_bottom, z, layer.modes, k, bottom, one));
+      result.transmittance += weight * meet(top, down, bottom, up, false, modes);
     }
   }
   return result;

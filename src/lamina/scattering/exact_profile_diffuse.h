@@ -25,9 +25,9 @@ struct DiffuseSingle {
     std::vector<double> depth_weight;  ///< [depth] [mm]
     Rays from_top, from_bottom;        ///< the latter without nodes if no light leaves there
     const std::vector<PhaseMode>* phase = nullptr;
+    int modes = 0;  ///< highest that counts
   };
   std::vector<Layer> layers;
-  int modes = 0;  ///< highest
 };
 
 /// @param solver      with some 24 nodes or more; must outlive the result.

@@ -155,20 +155,26 @@ Matrix ground_reflection(const FrequencySolver& solver) {
   return ground;
 }
 
-/// Flux of mode 0 in all directions but the beam's.
+bool is_extra(const DirectionGrid& grid, std::size_t node) {
+  return std::ranges::find(grid.extra, node) != grid.extra.end();
+}
+
+/// Flux of mode 0 in all directions but the beams'.
 double scattered_flux(const FrequencySolver& solver, const std::vector<double>& state, double ior) {
   double sum = 0.0;
   for (std::size_t i = 0; i < active_count(solver.stack.grid, ior); ++i)
-    if (i != solver.stack.grid.extra[0]) sum += std::sqrt(solver.stack.grid.etendue[i]) * state[i];
+    if (!is_extra(solver.stack.grid, i)) sum += std::sqrt(solver.stack.grid.etendue[i]) * state[i];
   return sum;
 }
 
 }  // namespace
 
-FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes) {
+FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
+                                      std::span<const double> oblique_p) {
   assert(modes % 2 == 1);
-  FrequencySolver solver{.stack = make_grid_stack(stack, nodes, std::vector<double>{0.0}),
-                         .modes = modes};
+  std::vector<double> beams{0.0};
+  beams.insert(beams.end(), oblique_p.begin(), oblique_p.end());
+  FrequencySolver solver{.stack = make_grid_stack(stack, nodes, beams), .modes = modes};
   for (const GridLayer& layer : solver.stack.layers) {
     auto& kernels = solver.phase.emplace_back();
     for (int m = 0; m <= modes; ++m) kernels.push_back(phase_mode(layer.moments, layer.cos, m));
@@ -218,6 +224,18 @@ FrequencyResponse response(const FrequencySolver& solver, double k) {
   std::vector<double> state(at.reflection.rows, 0.0);
   state[solver.stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
   return leaving_flux(solver, at, std::move(state));
+}
+
+std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, double k) {
+  const StackAtFrequency at = stack_at_frequency(solver, k);
+  const States outside = make_states(solver, solver.stack.ior.front());
+  std::vector<FrequencyResponse> modes;
+  for (int m = 0; m <= solver.modes; ++m) {
+    std::vector<double> state(at.reflection.rows, 0.0);
+    state[place(outside, m, solver.stack.grid.extra[1])] = 1.0 / std::sqrt(extra_node_etendue);
+    modes.push_back(leaving_flux(solver, at, std::move(state)));
+  }
+  return modes;
 }
 
 FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lamina/scattering/adding_doubling_stack.h"
@@ -18,7 +19,9 @@ struct FrequencySolver {
   int modes = 5;  ///< highest mode, odd: with an even one some light would see no wave at all
   std::vector<std::vector<PhaseMode>> phase;  ///< [layer][mode]
 };
-[[nodiscard]] FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes);
+/// @param oblique_p  further directions that beams come from, as extra nodes after the normal one.
+[[nodiscard]] FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
+                                                    std::span<const double> oblique_p = {});
 
 /// Fractions of the beam's flux that leave at the top and bottom as a wave J0(k r), scattered.
 struct FrequencyResponse {
@@ -32,6 +35,13 @@ struct FrequencyResponse {
 /// hemisphere: fractions of its flux. With the light that finds its way unscattered; only what the
 /// top surface mirrors is left out.
 [[nodiscard]] FrequencyResponse diffuse_response(const FrequencySolver& solver, double k);
+
+/// What leaves scattered of a beam from the first oblique direction, [mode]: times (-1)^m c_m
+/// J_m(k r) cos(m phi), summed over the modes and integrated over k, it makes the profile over the
+/// plane. The angle phi starts where the beam goes to. Mode 0 is the response with azimuth
+/// averaged.
+[[nodiscard]] std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver,
+                                                              double k);
 
 /// Light scattered once that then leaves without a further reflection, with the same azimuths as
 /// the modes can tell apart: what is taken out of `response` to be put in exactly over radius.

@@ -1,0 +1,99 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "profile_frequency.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lamina/scattering/gaussian_profile.h"
+#include "material_bands.h"
+
+namespace lamina::cli {
+namespace {
+
+nlohmann::ordered_json result_with(const nlohmann::ordered_json& head) {
+  nlohmann::ordered_json json = make_result("profile");
+  json["method"] = "exact";
+  json.update(head);
+  json["per"] = "arriving_flux";
+  return json;
+}
+
+}  // namespace
+
+void run_profile_frequency(const Material& material, const RadialGrid& grid,
+                           const ExactProfileOptions& options, const nlohmann::ordered_json& head,
+                           const CommonOptions& common) {
+  const std::vector<LayerStack> stacks = layer_stacks(material);
+  std::vector<double> k{0.0};
+  for (const double r : radii(grid)) k.push_back(1.0 / r);
+  std::sort(k.begin(), k.end());
+  const auto response = spatial_frequency_response(stacks, k, options);
+  std::string text = fmt::format("{:>10}", "k [1/mm]");
+  for (const char* side : {"R", "T"})
+    for (std::size_t band = 0; band < stacks.size(); ++band)
+      text += fmt::format("  {:>10}", fmt::format("{} {}", side, band_name(material.bands, band)));
+  const std::size_t rows = std::min<std::size_t>(k.size(), 24);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t i = row * (k.size() - 1) / (rows - 1);
+    text += fmt::format("\n{:10.4g}", k[i]);
+    for (const auto* values : {&response.reflectance, &response.transmittance})
+      for (std::size_t band = 0; band < stacks.size(); ++band)
+        text += fmt::format("  {:10.3e}", (*values)[i * stacks.size() + band]);
+  }
+  print(common, text + "\n");
+  nlohmann::ordered_json json = result_with(head);
+  json["k_per_mm"] = k;
+  json["reflectance"] = table_json(response.reflectance, stacks.size());
+  json["transmittance"] = table_json(response.transmittance, stacks.size());
+  write_json(json, common);
+}
+
+void run_profile_gaussians(const Material& material, int count, const ExactProfileOptions& options,
+                           const nlohmann::ordered_json& head, const CommonOptions& common) {
+  const std::vector<LayerStack> stacks = layer_stacks(material);
+  const GaussianProfile fit = fit_gaussian_profile(stacks, count, options);
+  const std::size_t bands = stacks.size();
+  std::string text;
+  nlohmann::ordered_json json = result_with(head);
+  json["variances_mm2"] = fit.variances;
+  const auto add = [&](const std::string& name, const std::vector<GaussianFit>& of_band) {
+    text += fmt::format("{} by Gaussians: weight of each\n{:>14}", name, "variance [mm²]");
+    for (std::size_t b = 0; b < bands; ++b)
+      text += fmt::format("  {:>9}", band_name(material.bands, b));
+    std::vector<double> weights, rms, largest;
+    for (std::size_t i = 0; i < fit.variances.size(); ++i) {
+      text += fmt::format("\n{:14.4g}", fit.variances[i]);
+      for (const GaussianFit& band : of_band) {
+        weights.push_back(band.sum.weights[i]);
+        text += fmt::format("  {:9.6f}", band.sum.weights[i]);
+      }
+    }
+    text += fmt::format("\n{:>14}", "rms error [%]");
+    for (const GaussianFit& band : of_band) {
+      text += fmt::format("  {:9.3f}", 100.0 * band.rms_error);
+      rms.push_back(band.rms_error);
+    }
+    text += fmt::format("\n{:>14}", "largest [%]");
+    for (const GaussianFit& band : of_band) {
+      text += fmt::format("  {:9.3f}", 100.0 * band.largest_error);
+      largest.push_back(band.largest_error);
+    }
+    text += "\n";
+    json[name + "_weights"] = table_json(weights, bands);
+    json[name + "_rms_error"] = rms;
+    json[name + "_largest_error"] = largest;
+  };
+  add("reflectance", fit.reflectance);
+  if (!fit.transmittance.empty()) {
+    text += "\n";
+    add("transmittance", fit.transmittance);
+  }
+  print(common, text);
+  write_json(json, common);
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,23 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "console.h"
+#include "lamina/materials/material.h"
+#include "lamina/scattering/exact_profile.h"
+
+namespace lamina::cli {
+
+/// `lamina profile --domain frequency`: what spatial-frequency domain imaging measures, at
+/// frequencies from 1 / the last radius to 1 / the first.
+/// @param head  what the JSON starts with after the method
+void run_profile_frequency(const Material& material, const RadialGrid& grid,
+                           const ExactProfileOptions& options, const nlohmann::ordered_json& head,
+                           const CommonOptions& common);
+
+/// `lamina profile --gaussians N`.
+void run_profile_gaussians(const Material& material, int count, const ExactProfileOptions& options,
+                           const nlohmann::ordered_json& head, const CommonOptions& common);
+
+}  // namespace lamina::cli

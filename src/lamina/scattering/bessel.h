@@ -1,0 +1,13 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+namespace lamina::detail {
+
+/// Bessel functions J_0, J_1, ... of x >= 0, as many as `out` holds, to 1e-13. Time grows with x.
+///
+/// Source: [AbramowitzStegun1964] 9.12, Example 1: Miller's backward recurrence.
+void bessel_functions(double x, std::span<double> out);
+
+}  // namespace lamina::detail

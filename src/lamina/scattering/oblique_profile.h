@@ -1,0 +1,40 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/hankel.h"
+
+namespace lamina {
+
+/// R and T of a pencil beam that falls on obliquely, over the plane around the point where it comes
+/// in: moments in azimuth,
+///
+///     R(r, phi) = sum over m of R_m(r) cos(m phi),
+///
+/// phi from the direction in which the beam goes on. R_0 is the mean over rings.
+struct ObliqueProfile {
+  std::size_t bands = 0, moments = 0;
+  std::vector<double> r;                    ///< [i] [mm]
+  std::vector<double> reflectance_moments;  ///< [i][m][band] [1/mm²], per arriving flux
+  std::vector<double> transmittance_moments;
+  std::vector<double> total_reflectance, total_transmittance;  ///< [band], as in Profile
+  std::vector<double> estimated_error;                         ///< [i][band], of R_0, relative
+};
+
+/// By radiative transfer, as `exact_profile`, with eight azimuthal modes: light scattered once by
+/// the slanted beam is put in exactly at each point, the rest is solved over frequency.
+///
+/// @param theta    [rad], in [0, pi/2), above the stack.
+/// @param moments  in [1, 32]; beyond 8 only light scattered once has them.
+/// @throws InvalidInput as `exact_profile`, or if theta is out of range.
+[[nodiscard]] ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
+                                             const RadialGrid& radii = {}, int moments = 8);
+
+/// R at a point, from the moments.
+[[nodiscard]] double reflectance_at(const ObliqueProfile& profile, std::size_t i, double phi,
+                                    std::size_t band);
+
+}  // namespace lamina
