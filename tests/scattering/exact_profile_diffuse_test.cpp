@@ -69,8 +69,8 @@ TEST(DiffuseSingle, LeavesHigherOrdersOnly) {
           {layer(2.0, sigma_s, 0.4, 1.0, 0.1), layer(1.0, 2.0 * sigma_s, 0.0, 1.0, 0.2)});
       const auto solver = detail::make_frequency_solver(stack, 5, 3);
       const auto all = detail::diffuse_response(solver, k);
-      const auto none =
-          detail::unscattered_response(solver.stack, detail::unscattered_paths(solver.stack), 4, k);
+      const auto none = detail::unscattered_response(
+          solver.stack, detail::unscattered_paths(solver.stack), solver.waves, k);
       const auto once = detail::diffuse_single_on_grid(solver, k);
       return std::pair{all.reflectance - none.reflectance - once.reflectance,
                        all.transmittance - none.transmittance - once.transmittance};
@@ -155,7 +155,9 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
           trace_photons(is_from_below ? flipped(stacks[band]) : stacks[band], options);
       const ExactProfile exact =
           exact_profile(std::span(&stacks[band], 1), {.first = 1e-3, .last = 20.0, .size = 500},
-                        {.illumination = Illumination::diffuse, .is_from_below = is_from_below});
+                        {.r_highest = ring * rings,
+                         .illumination = Illumination::diffuse,
+                         .is_from_below = is_from_below});
       // Radii lie close, for what is not scattered ends at the critical angle.
       const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
       for (const bool is_reflectance : {true, false}) {

@@ -79,30 +79,35 @@ void thin_slab(const SlabProblem& problem, Dense& H, Dense& K) {
   K = 0.5 * (sum + difference);
 }
 
+/// Space for `sandwich`.
+struct Work {
+  Dense first, second, Y, W, Z;
+};
+
 /// K (J + sign H)^-1 K for symmetric H, K and the diagonal matrix J of the signs; lower triangle.
 ///
 /// The matrix is quasi-definite: positive on the even states, negative on the odd ones, since no
 /// reflector returns more than it gets. So two Cholesky factors do, without pivoting.
-void sandwich(const Dense& H, const Dense& K, double sign, int even, Dense& out) {
+void sandwich(const Dense& H, const Dense& K, double sign, int even, Work& work, Dense& out) {
   const int n = static_cast<int>(H.rows()), odd = n - even;
-  Dense first = sign * H.topLeftCorner(even, even);
-  first.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::Ref<Dense>> first_factor(first);
-  Dense Y = K.topRows(even);
-  first_factor.matrixL().solveInPlace(Y);
+  work.first.noalias() = sign * H.topLeftCorner(even, even);
+  work.first.diagonal().array() += 1.0;
+  const Eigen::LLT<Eigen::Ref<Dense>> first_factor(work.first);
+  work.Y = K.leftCols(even);
+  first_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.Y);
   out.setZero();
-  out.selfadjointView<Eigen::Lower>().rankUpdate(Y.transpose());
+  out.selfadjointView<Eigen::Lower>().rankUpdate(work.Y);
   if (odd == 0) return;
-  Dense W = sign * H.topRightCorner(even, odd);
-  first_factor.matrixL().solveInPlace(W);
-  Dense second = -sign * H.bottomRightCorner(odd, odd);
-  second.diagonal().array() += 1.0;
-  second.selfadjointView<Eigen::Lower>().rankUpdate(W.transpose());
-  const Eigen::LLT<Eigen::Ref<Dense>> second_factor(second);
-  Dense Z = K.bottomRows(odd);
-  Z.noalias() -= W.transpose() * Y;
-  second_factor.matrixL().solveInPlace(Z);
-  out.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose(), -1.0);
+  work.W.noalias() = sign * H.bottomLeftCorner(odd, even);
+  first_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.W);
+  work.second.noalias() = -sign * H.bottomRightCorner(odd, odd);
+  work.second.diagonal().array() += 1.0;
+  work.second.selfadjointView<Eigen::Lower>().rankUpdate(work.W);
+  const Eigen::LLT<Eigen::Ref<Dense>> second_factor(work.second);
+  work.Z = K.rightCols(odd);
+  work.Z.noalias() -= work.Y * work.W.transpose();
+  second_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.Z);
+  out.selfadjointView<Eigen::Lower>().rankUpdate(work.Z, -1.0);
 }
 
 void restore_energy(const double* root_etendue, const Dense& H, Dense& K) {
@@ -118,11 +123,12 @@ void restore_energy(const double* root_etendue, const Dense& H, Dense& K) {
 int slab(const SlabProblem& problem, double* reflection, double* transmission) {
   const int n = problem.size, even = problem.even;
   Dense H(n, n), K(n, n), P(n, n), Q(n, n);
+  Work work;
   thin_slab(problem, H, K);
   int done = 0;
   while (done < problem.doublings) {
-    sandwich(H, K, -1.0, even, P);
-    sandwich(H, K, 1.0, even, Q);
+    sandwich(H, K, -1.0, even, work, P);
+    sandwich(H, K, 1.0, even, work, Q);
     H.triangularView<Eigen::Lower>() += 0.5 * (P - Q);
     K.triangularView<Eigen::Lower>() = 0.5 * (P + Q);
     H.triangularView<Eigen::StrictlyUpper>() = H.transpose();

@@ -37,8 +37,8 @@ struct ExactProfile {
 /// R(r) and T(r) of a layered material around a point of light by the equation of radiative
 /// transfer, one spatial frequency at a time; no diffusion, no noise.
 ///
-/// Light scattered once is taken out at every frequency and put in exactly over radius. The
-/// directions and azimuthal modes grow until two solutions agree to the accuracy asked, wherever a
+/// Light scattered once is taken out at every frequency and put in exactly over radius. Directions,
+/// azimuthal modes and frequencies grow until a further step changes less than asked, wherever a
 /// ring of the profile holds more than 1e-4 of the flux in the fullest ring of equal relative
 /// width. Light of a beam that leaves unscattered is in the totals and not in the profile. Diffuse
 /// light spreads without being scattered: it is in both, and only what the lit surface mirrors is

@@ -176,25 +176,43 @@ FrequencyResponse single_response(const DiffuseSingle& single, double k) {
   return result;
 }
 
+namespace {
+
+using Complex = std::complex<double>;
+
+/// All waves instead of the real part of half of them, so that their products are real, too.
+AzimuthWaves with_conjugates(const AzimuthWaves& waves) {
+  AzimuthWaves all{.rate = {}, .weight = std::vector<std::vector<Complex>>(waves.weight.size())};
+  for (std::size_t q = 0; q < waves.rate.size(); ++q) {
+    const bool is_real = waves.rate[q].imag() == 0.0;
+    for (const bool is_conjugate : {false, true}) {
+      if (is_real && is_conjugate) continue;
+      const auto side = [&](Complex c) { return is_conjugate ? std::conj(c) : c; };
+      all.rate.push_back(side(waves.rate[q]));
+      for (std::size_t m = 0; m < waves.weight.size(); ++m)
+        all.weight[m].push_back((is_real ? 1.0 : 0.5) * side(waves.weight[m][q]));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
 FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k) {
-  using Complex = std::complex<double>;
-  using std::numbers::pi;
   const GridStack& stack = solver.stack;
-  const auto azimuths = static_cast<std::size_t>(solver.modes) + 1;
+  const auto [rates, weights] = with_conjugates(solver.waves);
+  const std::size_t waves = rates.size();
   const double arriving = stack.ior[0] * stack.ior[0];
-  std::vector<double> wave(azimuths);
-  for (std::size_t q = 0; q < azimuths; ++q)
-    wave[q] = k * std::cos((static_cast<double>(q) + 0.5) * pi / static_cast<double>(azimuths));
   FrequencyResponse result;
 
-  /// Directions in a layer and their light at the face nearer to one side, [node][azimuth].
+  /// Directions in a layer and their light at the face nearer to one side, [node][wave].
   struct Face {
     std::vector<std::size_t> nodes;
     std::vector<Complex> light, rate, passed;  ///< passed: what is left at the other face
   };
-  const auto rate_in = [&](const GridLayer& layer, std::size_t i, double w) {
-    return Complex(node_extinction(layer, i) / layer.cos[i],
-                   w * stack.grid.p[i] / (layer.ior * layer.cos[i]));
+  const auto rate_in = [&](const GridLayer& layer, std::size_t i, Complex wave) {
+    return node_extinction(layer, i) / layer.cos[i] -
+           k * stack.grid.p[i] / (layer.ior * layer.cos[i]) * wave;
   };
   const auto make_face = [&](std::size_t l, bool is_above) {
     const Way way = make_way(stack, l, is_above);
@@ -205,7 +223,7 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
       double through = stack.grid.etendue[i] / stack.layers[l].cos[i];
       for (std::size_t q = way.first; q <= way.last; ++q)
         through *= 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
-      for (const double w : wave) {
+      for (const Complex w : rates) {
         Complex light = through;
         for (std::size_t o = way.first; o < way.last; ++o)
           light *= std::exp(-rate_in(stack.layers[o], i, w) * stack.layers[o].thickness);
@@ -218,16 +236,14 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
     }
     return face;
   };
-  // Between azimuths, the even part of the phase function's series.
-  std::vector<double> series(azimuths * azimuths * azimuths);
-  for (std::size_t a = 0; a < azimuths; ++a)
-    for (std::size_t b = 0; b < azimuths; ++b)
-      for (std::size_t m = 0; m < azimuths; ++m) {
-        const double unit = static_cast<double>(m) * pi / static_cast<double>(azimuths);
-        series[(a * azimuths + b) * azimuths + m] =
-            (m == 0 ? 1.0 : 2.0) * std::cos((static_cast<double>(a) + 0.5) * unit) *
-            std::cos((static_cast<double>(b) + 0.5) * unit);
-      }
+  // From mode 0 to mode m by one wave, and back by another.
+  const std::size_t modes = weights.size();
+  std::vector<Complex> series(waves * waves * modes);
+  for (std::size_t a = 0; a < waves; ++a)
+    for (std::size_t b = 0; b < waves; ++b)
+      for (std::size_t m = 0; m < modes; ++m)
+        series[(a * waves + b) * modes + m] =
+            (m % 2 == 0 ? 1.0 : -1.0) * weights[m][a] * weights[m][b];
   for (std::size_t l = 0; l < stack.layers.size(); ++l) {
     const GridLayer& layer = stack.layers[l];
     if (layer.sigma_s == 0.0) continue;
@@ -236,15 +252,15 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
       Complex sum = 0.0;
       for (std::size_t n = 0; n < from.nodes.size(); ++n)
         for (std::size_t o = 0; o < to.nodes.size(); ++o)
-          for (std::size_t a = 0; a < azimuths; ++a)
-            for (std::size_t b = 0; b < azimuths; ++b) {
-              double density = 0.0;
-              for (std::size_t m = 0; m < azimuths; ++m) {
+          for (std::size_t a = 0; a < waves; ++a)
+            for (std::size_t b = 0; b < waves; ++b) {
+              Complex density = 0.0;
+              for (std::size_t m = 0; m < modes; ++m) {
                 const PhaseMode& phase = solver.phase[l][m];
-                density += series[(a * azimuths + b) * azimuths + m] *
+                density += series[(a * waves + b) * modes + m] *
                            (turns ? phase.backward : phase.forward)(from.nodes[n], to.nodes[o]);
               }
-              const std::size_t in = n * azimuths + a, out = o * azimuths + b;
+              const std::size_t in = n * waves + a, out = o * waves + b;
               const Complex both = from.rate[in] + to.rate[out];
               const Complex apart = from.rate[in] - to.rate[out];
               const Complex over_depth = turns ? (1.0 - from.passed[in] * to.passed[out]) / both
@@ -255,8 +271,7 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
             }
       return sum.real();
     };
-    const double strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * arriving) /
-                            static_cast<double>(azimuths * azimuths);
+    const double strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * arriving);
     const Face above = make_face(l, true);
     result.reflectance += strength * scattered(above, above, true);
     if (has_open_bottom(stack))

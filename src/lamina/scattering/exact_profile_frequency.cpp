@@ -2,16 +2,14 @@
 #include "lamina/scattering/exact_profile_frequency.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <complex>
-#include <numbers>
 #include <numeric>
 
 namespace lamina::detail {
 namespace {
 
-constexpr double opaque_transmission = 1e-12;
+/// Of a layer without bottom; what its reflection lacks is the square of that.
+constexpr double opaque_transmission = 1e-7;
 constexpr int most_doublings = 60;
 
 /// The states of one medium: even modes first, as the slab's symmetry wants them.
@@ -73,8 +71,12 @@ LayerOperators layer_operators(const FrequencySolver& solver, std::size_t index,
       B(b, b) += (m % 2 == 0 ? 1.0 : -1.0) * layer.backward / layer.cos[j];
       const double tangent = solver.stack.grid.p[j] / (layer.ior * layer.cos[j]);
       fastest = std::max(fastest, layer.sigma_t / layer.cos[j] + k * tangent);
-      if (m == solver.modes || tangent == 0.0 || j == solver.stack.grid.extra[0]) continue;
-      const double coupling = k * tangent * (m == 0 ? std::numbers::sqrt2 / 2.0 : 0.5);
+      if (tangent == 0.0 || j == solver.stack.grid.extra[0]) continue;
+      if (m == solver.modes) {
+        A(b, b) -= k * tangent * solver.azimuth.damping;
+        continue;
+      }
+      const double coupling = k * tangent * solver.azimuth.coupling[static_cast<std::size_t>(m)];
       const std::size_t next = place(states, m + 1, j);
       A(b, next) -= coupling;
       A(next, b) += coupling;
@@ -171,10 +173,14 @@ double scattered_flux(const FrequencySolver& solver, const std::vector<double>& 
 
 FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
                                       std::span<const double> oblique_p) {
-  assert(modes % 2 == 1);
   std::vector<double> beams{0.0};
   beams.insert(beams.end(), oblique_p.begin(), oblique_p.end());
-  FrequencySolver solver{.stack = make_grid_stack(stack, nodes, beams), .modes = modes};
+  // Light of an oblique beam that is scattered once is known by azimuths, as a chain cut off is.
+  const AzimuthEnd end = oblique_p.empty() ? AzimuthEnd::absorbing : AzimuthEnd::cut_off;
+  FrequencySolver solver{.stack = make_grid_stack(stack, nodes, beams),
+                         .modes = modes,
+                         .azimuth = make_azimuth_chain(modes, end)};
+  solver.waves = azimuth_waves(solver.azimuth);
   for (const GridLayer& layer : solver.stack.layers) {
     auto& kernels = solver.phase.emplace_back();
     for (int m = 0; m <= modes; ++m) kernels.push_back(phase_mode(layer.moments, layer.cos, m));
@@ -256,75 +262,6 @@ FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {
   const FrequencyResponse leaving = leaving_flux(solver, at, std::move(state));
   return {.reflectance = (leaving.reflectance - mirrored) / arriving,
           .transmittance = leaving.transmittance / arriving};
-}
-
-namespace {
-
-/// Integral of exp(-a z) over [0, d], for complex a; d may be infinite.
-std::complex<double> decay(std::complex<double> a, double d) {
-  if (!std::isfinite(d)) return 1.0 / a;
-  const std::complex<double> x = a * d;
-  if (std::abs(x) < 1e-3) return d * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0)));
-  return (1.0 - std::exp(-x)) / a;
-}
-
-}  // namespace
-
-FrequencyResponse single_scattering_response(const FrequencySolver& solver, double k) {
-  const GridStack& stack = solver.stack;
-  const std::size_t beam = stack.grid.extra[0], layers = stack.layers.size();
-  const UnscatteredFlux flux = unscattered_flux(stack, beam, Unscattered::on_grid);
-  const int azimuths = solver.modes + 1;
-  const auto leaving = [&](bool is_up) {
-    double sum = 0.0;
-    const double ior_out = is_up ? stack.ior.front() : stack.ior.back();
-    for (std::size_t l = 0; l < layers; ++l) {
-      const GridLayer& layer = stack.layers[l];
-      if (layer.sigma_s == 0.0) continue;
-      const double down = flux.down[2 * l], up = flux.up[2 * l + 1];
-      const double beam_extinction = node_extinction(layer, beam);
-      for (std::size_t i = 0; i < active_count(stack.grid, ior_out); ++i) {
-        if (i == beam) continue;
-        // Whether the node goes on straight to the outside, and what the interfaces let through.
-        double through = 1.0;
-        const std::size_t first = is_up ? 0 : l + 1, last = is_up ? l : layers;  // interfaces
-        for (std::size_t q = first; q <= last && through > 0.0; ++q) {
-          const bool passes = i < active_count(stack.grid, stack.ior[q]) &&
-                              i < active_count(stack.grid, stack.ior[q + 1]);
-          through *=
-              passes ? 1.0 - node_fresnel(stack.grid, i, stack.ior[q], stack.ior[q + 1]) : 0.0;
-        }
-        if (through == 0.0) continue;
-        const double strength = 0.25 * layer.sigma_s * stack.grid.etendue[i] /
-                                (layer.ior * layer.ior * layer.cos[i]) * through;
-        const PhaseMode& phase = solver.phase[l][0];
-        // Light from the beam on the far side of the layer goes on, that on the near side turns.
-        const double near = is_up ? down : up, far = is_up ? up : down;
-        for (int q = 0; q < azimuths; ++q) {
-          const double wave = k * std::cos((q + 0.5) * std::numbers::pi / azimuths);
-          const auto rate = [&](const GridLayer& at) {
-            const double tangent = stack.grid.p[i] / (at.ior * at.cos[i]);
-            return std::complex<double>(node_extinction(at, i) / at.cos[i], wave * tangent);
-          };
-          const std::complex<double> a = rate(layer);
-          std::complex<double> value =
-              near * phase.backward(i, beam) * decay(a + beam_extinction, layer.thickness);
-          if (far > 0.0)
-            value += far * phase.forward(i, beam) * std::exp(-beam_extinction * layer.thickness) *
-                     decay(a - beam_extinction, layer.thickness);
-          for (std::size_t other = is_up ? 0 : l + 1; other < (is_up ? l : layers); ++other)
-            value *= std::exp(-rate(stack.layers[other]) * stack.layers[other].thickness);
-          sum += strength * value.real() / azimuths;
-        }
-      }
-    }
-    return sum;
-  };
-  FrequencyResponse result;
-  result.reflectance = leaving(true);
-  if (!stack.is_semi_infinite && stack.ground_reflectance == 0.0)
-    result.transmittance = leaving(false);
-  return result;
 }
 
 }  // namespace lamina::detail

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lamina/scattering/adding_doubling_stack.h"
+#include "lamina/scattering/exact_profile_azimuth.h"
 
 namespace lamina::detail {
 
@@ -16,7 +17,9 @@ namespace lamina::detail {
 /// neighbouring modes by real numbers. A state is a mode at a node; the beam has mode 0 only.
 struct FrequencySolver {
   GridStack stack;
-  int modes = 5;  ///< highest mode, odd: with an even one some light would see no wave at all
+  int modes = 5;  ///< highest mode
+  AzimuthChain azimuth;
+  AzimuthWaves waves;
   std::vector<std::vector<PhaseMode>> phase;  ///< [layer][mode]
 };
 /// @param oblique_p  further directions that beams come from, as extra nodes after the normal one.
@@ -43,8 +46,8 @@ struct FrequencyResponse {
 [[nodiscard]] std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver,
                                                               double k);
 
-/// Light scattered once that then leaves without a further reflection, with the same azimuths as
-/// the modes can tell apart: what is taken out of `response` to be put in exactly over radius.
+/// Light scattered once, all its reflections before and after included, on the same grid: what is
+/// taken out of `response` to be put in exactly over radius.
 [[nodiscard]] FrequencyResponse single_scattering_response(const FrequencySolver& solver, double k);
 
 }  // namespace lamina::detail

@@ -10,6 +10,9 @@
 namespace lamina::detail {
 namespace {
 
+constexpr double beam_per_sigma_t = 8.0;
+constexpr double highest_by_thickness = 12.0;  ///< times the thickness of a scattering slab
+constexpr double most_per_sigma_t = 250.0;
 constexpr double tail_start = 0.35;  ///< share of the highest frequency from which to fit
 constexpr double handover = 0.6;     ///< where both forms count alike
 constexpr double bend = 0.25;        ///< k0 over the highest frequency
@@ -56,14 +59,39 @@ std::array<double, 3> least_squares(const std::vector<std::array<double, 3>>& ro
   return x;
 }
 
+double densest_layer(const GridStack& stack) {
+  double densest = 0.0;
+  for (const GridLayer& layer : stack.layers) densest = std::max(densest, layer.sigma_t);
+  return densest;
+}
+
 }  // namespace
 
+double beam_frequencies_per_sigma_t(const GridStack& stack) {
+  const double all = densest_layer(stack);
+  double highest = beam_per_sigma_t * all, thickness = 0.0, densest = 0.0;
+  for (std::size_t l = 0; l < stack.layers.size(); ++l) {
+    const GridLayer& layer = stack.layers[l];
+    // Layers that scatter and touch are one slab.
+    const bool goes_on = layer.sigma_s > 0.0;
+    if (goes_on) {
+      thickness += layer.thickness;
+      densest = std::max(densest, layer.sigma_t);
+    }
+    if (densest > 0.0 && (!goes_on || l + 1 == stack.layers.size())) {
+      highest =
+          std::max(highest, std::min(highest_by_thickness / thickness, most_per_sigma_t * densest));
+      thickness = densest = 0.0;
+    }
+  }
+  return highest / all;
+}
+
 FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double highest_per_sigma_t) {
-  double slowest = std::numeric_limits<double>::infinity(), densest = 0.0;
+  double slowest = std::numeric_limits<double>::infinity();
   for (const GridLayer& layer : stack.layers) {
     const double mean_cosine = layer.moments.size() > 1 ? layer.moments[1] : 0.0;
     const double transport = layer.sigma_a + layer.sigma_s * (1.0 - mean_cosine);
-    densest = std::max(densest, layer.sigma_t);
     if (!(transport > 0.0)) continue;
     double rate = 3.0 * layer.sigma_a * transport;
     if (std::isfinite(layer.thickness)) {
@@ -73,7 +101,7 @@ FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double high
     slowest = std::min(slowest, rate);
   }
   FrequencyGrid grid;
-  grid.highest = highest_per_sigma_t * densest;
+  grid.highest = highest_per_sigma_t * densest_layer(stack);
   // Without any absorption and bottom the light spreads without limit: a thousandth is the start.
   grid.scale = std::max(0.5 * std::sqrt(slowest), 1e-4 * grid.highest);
   if (!std::isfinite(slowest)) grid.scale = 0.1 * grid.highest;

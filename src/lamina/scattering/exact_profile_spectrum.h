@@ -16,10 +16,14 @@ struct FrequencyGrid {
   std::vector<double> k;  ///< [1/mm], descending, all > 0
 };
 
-/// @param highest_per_sigma_t  of the densest layer; all orders need no more than 4, where the
-///                             azimuthal modes begin to lack.
+/// @param highest_per_sigma_t  of the densest layer
 [[nodiscard]] FrequencyGrid make_frequency_grid(const GridStack& stack, int count,
                                                 double highest_per_sigma_t = 4.0);
+
+/// How far a beam's response is to be known: beyond, light scattered twice or more is smooth and
+/// small against the rest, for waves shorter than the mean free path and than what scatters is
+/// thick.
+[[nodiscard]] double beam_frequencies_per_sigma_t(const GridStack& stack);
 
 /// A function of k through its values on such a grid: an even Chebyshev series for (1 + (k/k0)^2)
 /// F, handed over smoothly to (a + b ln k + c / k) / k^2, which is how light scattered twice falls.

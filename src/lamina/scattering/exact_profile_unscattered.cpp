@@ -139,8 +139,8 @@ std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack) {
 }
 
 FrequencyResponse unscattered_response(const GridStack& stack,
-                                       const std::vector<UnscatteredPath>& paths, int azimuths,
-                                       double k) {
+                                       const std::vector<UnscatteredPath>& paths,
+                                       const AzimuthWaves& waves, double k) {
   const double above2 = stack.ior[0] * stack.ior[0];
   FrequencyResponse result;
   for (const UnscatteredPath& path : paths) {
@@ -153,11 +153,12 @@ FrequencyResponse unscattered_response(const GridStack& stack,
         if (path.passes[l] > 0)
           depth += path.passes[l] * node_extinction(stack.layers[l], i) *
                    stack.layers[l].thickness / stack.layers[l].cos[i];
+      const double c = k * aside(stack, path, p);
       double mean = 0.0;
-      for (int q = 0; q < azimuths; ++q)
-        mean += std::cos(k * std::cos((q + 0.5) * pi / azimuths) * aside(stack, path, p));
-      sum += stack.grid.etendue[i] / above2 * fresnel_factor(stack, path, p) * std::exp(-depth) *
-             mean / azimuths;
+      for (std::size_t q = 0; q < waves.rate.size(); ++q)
+        mean += (waves.weight[0][q] * std::exp(waves.rate[q] * c)).real();
+      sum +=
+          stack.grid.etendue[i] / above2 * fresnel_factor(stack, path, p) * std::exp(-depth) * mean;
     }
     (path.is_up ? result.reflectance : result.transmittance) += sum;
   }

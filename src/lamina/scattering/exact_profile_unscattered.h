@@ -21,10 +21,10 @@ struct UnscatteredPath {
 [[nodiscard]] std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack);
 
 /// Diffuse light from above on one point that leaves along these paths, over its flux; what the top
-/// surface mirrors is not among them. At spatial frequency k, by as many azimuths as given.
+/// surface mirrors is not among them. At spatial frequency k, with the azimuthal modes of `waves`.
 [[nodiscard]] FrequencyResponse unscattered_response(const GridStack& stack,
                                                      const std::vector<UnscatteredPath>& paths,
-                                                     int azimuths, double k);
+                                                     const AzimuthWaves& waves, double k);
 
 /// The same at distance r [mm] > 0 from that point [1/mm²].
 [[nodiscard]] SingleScatteringProfile unscattered_profile(const GridStack& stack,

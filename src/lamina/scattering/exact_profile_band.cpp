@@ -1,0 +1,243 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/exact_profile_band.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <compare>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "lamina/core/parallel.h"
+#include "lamina/scattering/exact_profile_diffuse.h"
+#include "lamina/scattering/exact_profile_frequency.h"
+#include "lamina/scattering/exact_profile_single.h"
+#include "lamina/scattering/exact_profile_spectrum.h"
+#include "lamina/scattering/exact_profile_unscattered.h"
+
+namespace lamina::detail {
+namespace {
+
+using Curves = ProfileCurves;
+
+constexpr std::array<int, 8> node_steps = {4, 6, 8, 11, 15, 20, 27, 36};
+constexpr std::array<int, 8> frequency_steps = {20, 24, 28, 33, 40, 48, 58, 70};
+constexpr int fewest_modes = 3, most_modes = 8;
+
+/// Most nodes while modes are chosen.
+constexpr std::size_t probe_node_step = 2;
+
+/// What is left of the last step's change: with more modes or frequencies it falls to a fourth or
+/// less from step to step, with more nodes to a third unless the forward peak that they miss falls
+/// slower (measured over a table of stacks).
+constexpr double left_of_step = 0.3, left_of_node_step = 0.4;
+
+/// Modes, and nodes where frequencies do not suffice, are given up if a step changes no less than
+/// this of what the last one did.
+constexpr double no_progress = 0.9;
+
+/// The share of the accuracy asked that each may use, if the others use all of theirs.
+constexpr double frequency_share = 0.15, node_share = 0.5, mode_share = 0.35;
+
+/// Rings of equal width in log r that hold less than this of the fullest ring's flux do not count.
+constexpr double least_ring = 1e-4;
+
+struct Resolution {
+  std::size_t node_step = 0;
+  int modes = fewest_modes;
+  std::size_t frequency_step = 0;
+
+  friend auto operator<=>(const Resolution&, const Resolution&) = default;
+};
+
+class BandSolver {
+ public:
+  BandSolver(const LayerStack& stack, const HankelPlan& plan, const ExactProfileOptions& options)
+      : stack_(stack),
+        plan_(plan),
+        options_(options),
+        is_diffuse_(options.illumination == Illumination::diffuse) {}
+
+  BandProfile solve();
+
+ private:
+  [[nodiscard]] const Curves& lowest_orders(std::size_t node_step);
+  [[nodiscard]] const Curves& all(const Resolution& resolution);
+  [[nodiscard]] double largest(const std::vector<double>& error,
+                               const std::vector<double>& value) const;
+
+  /// Refines in one dimension until the largest error left is within `bound`, which is returned
+  /// or what is reached, or until a step changes more than `give_up` of what the last one did. The
+  /// error left is added to `error`.
+  template <class StepUp, class Left>
+  double refine(Resolution& resolution, double bound, Curves& error, double give_up,
+                const StepUp& step_up, const Left& left_of);
+
+  /// Scattering by the forward peak that the nodes do not see, the largest of all layers [1/mm].
+  [[nodiscard]] double unseen_peak(std::size_t node_step) const;
+
+  const LayerStack& stack_;
+  const HankelPlan& plan_;
+  const ExactProfileOptions& options_;
+  bool is_diffuse_;
+  std::map<std::size_t, Curves> lowest_orders_;  ///< [node step]
+  std::map<Resolution, Curves> all_;
+};
+
+/// Light scattered once and, if diffuse, not at all: exactly. It depends on the nodes by their
+/// extinction only.
+const Curves& BandSolver::lowest_orders(std::size_t node_step) {
+  const auto [place, is_new] = lowest_orders_.try_emplace(node_step);
+  if (!is_new) return place->second;
+  const FrequencySolver solver = make_frequency_solver(stack_, node_steps[node_step], fewest_modes);
+  if (is_diffuse_) return place->second = diffuse_lowest_orders(stack_, solver.stack, plan_);
+  const OnceScattered light = make_once_scattered(stack_, solver.stack);
+  const std::size_t radii = plan_.r.size();
+  Curves curves{std::vector<double>(radii), std::vector<double>(radii)};
+  parallel_for(radii, [&](std::size_t i) {
+    const SingleScatteringProfile at = single_scattering_profile(light, plan_.r[i]);
+    curves.reflectance[i] = at.reflectance;
+    curves.transmittance[i] = at.transmittance;
+  });
+  return place->second = std::move(curves);
+}
+
+const Curves& BandSolver::all(const Resolution& resolution) {
+  const auto [place, is_new] = all_.try_emplace(resolution);
+  if (!is_new) return place->second;
+  const FrequencySolver solver =
+      make_frequency_solver(stack_, node_steps[resolution.node_step], resolution.modes);
+  const FrequencyGrid grid =
+      make_frequency_grid(solver.stack, frequency_steps[resolution.frequency_step],
+                          beam_frequencies_per_sigma_t(solver.stack));
+  const std::size_t frequencies = grid.k.size();
+  std::vector<UnscatteredPath> paths;
+  if (is_diffuse_) paths = unscattered_paths(solver.stack);
+  std::vector<double> reflected(frequencies), transmitted(frequencies);
+  parallel_for(frequencies, [&](std::size_t i) {
+    const double k = grid.k[i];
+    const FrequencyResponse every = is_diffuse_ ? diffuse_response(solver, k) : response(solver, k);
+    const FrequencyResponse once =
+        is_diffuse_ ? diffuse_single_on_grid(solver, k) : single_scattering_response(solver, k);
+    FrequencyResponse unscattered;
+    if (is_diffuse_) unscattered = unscattered_response(solver.stack, paths, solver.waves, k);
+    reflected[i] = every.reflectance - once.reflectance - unscattered.reflectance;
+    transmitted[i] = every.transmittance - once.transmittance - unscattered.transmittance;
+  });
+  const Spectrum r = make_spectrum(grid, reflected), t = make_spectrum(grid, transmitted);
+  std::vector<double> spectra;
+  for (const double k : plan_.k) {
+    spectra.push_back(evaluate(r, k));
+    spectra.push_back(is_semi_infinite(stack_) ? 0.0 : evaluate(t, k));
+  }
+  const std::vector<double> multiple = inverse_hankel(plan_, spectra, 2);
+  Curves curves = lowest_orders(resolution.node_step);
+  for (std::size_t i = 0; i < plan_.r.size(); ++i) {
+    curves.reflectance[i] += multiple[2 * i];
+    curves.transmittance[i] += multiple[2 * i + 1];
+  }
+  return place->second = std::move(curves);
+}
+
+/// Largest relative error where it counts, within the radii asked.
+double BandSolver::largest(const std::vector<double>& error,
+                           const std::vector<double>& value) const {
+  const std::vector<double>& r = plan_.r;
+  double fullest = 0.0, worst = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i) fullest = std::max(fullest, r[i] * r[i] * value[i]);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const bool counts = options_.r_lowest <= r[i] && r[i] <= options_.r_highest &&
+                        r[i] * r[i] * value[i] > least_ring * fullest;
+    if (counts) worst = std::max(worst, error[i] / value[i]);
+  }
+  return worst;
+}
+
+double BandSolver::unseen_peak(std::size_t node_step) const {
+  double most = 0.0;
+  for (const GridLayer& layer :
+       make_grid_stack(stack_, node_steps[node_step], std::vector<double>{0.0}).layers)
+    most = std::max(most, layer.extinction - layer.sigma_t);
+  return most;
+}
+
+template <class StepUp, class Left>
+double BandSolver::refine(Resolution& resolution, double bound, Curves& error, double give_up,
+                          const StepUp& step_up, const Left& left_of) {
+  const std::size_t radii = plan_.r.size();
+  Curves left;
+  double worst = 0.0, worst_change = std::numeric_limits<double>::infinity();
+  while (true) {
+    const Curves& coarse = all(resolution);
+    if (!step_up(resolution)) break;
+    const Curves& fine = all(resolution);
+    const double share = left_of(resolution);
+    left = fine;
+    for (std::size_t i = 0; i < radii; ++i) {
+      left.reflectance[i] = share * std::abs(fine.reflectance[i] - coarse.reflectance[i]);
+      left.transmittance[i] = share * std::abs(fine.transmittance[i] - coarse.transmittance[i]);
+    }
+    worst = std::max(largest(left.reflectance, fine.reflectance),
+                     largest(left.transmittance, fine.transmittance));
+    const double change = worst / share;
+    if (worst <= bound || change > give_up * worst_change) break;
+    worst_change = change;
+  }
+  for (std::size_t i = 0; i < radii; ++i) {
+    error.reflectance[i] += left.reflectance[i];
+    error.transmittance[i] += left.transmittance[i];
+  }
+  return worst;
+}
+
+BandProfile BandSolver::solve() {
+  const std::size_t radii = plan_.r.size();
+  BandProfile result;
+  result.error = {std::vector<double>(radii), std::vector<double>(radii)};
+  Resolution at;
+  const auto as_measured = [](const Resolution&) { return left_of_step; };
+  const double asked = options_.accuracy;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const double of_frequencies = refine(
+      at, frequency_share * asked, result.error, never,
+      [](Resolution& up) { return ++up.frequency_step < frequency_steps.size(); }, as_measured);
+  double left = asked - of_frequencies;  // for what is still to be chosen
+  at.frequency_step = std::min(at.frequency_step, frequency_steps.size() - 1);
+  left -= refine(
+      at, std::max(left - mode_share * asked, node_share * asked), result.error,
+      of_frequencies < asked ? never : no_progress,
+      [](Resolution& up) { return ++up.node_step < node_steps.size(); },
+      [&](const Resolution& up) {
+        const double before = unseen_peak(up.node_step - 1);
+        const double ratio = before > 0.0 ? std::min(unseen_peak(up.node_step) / before, 0.9) : 0.0;
+        return std::max(left_of_node_step, ratio / (1.0 - ratio));
+      });
+  at.node_step = std::min(at.node_step, node_steps.size() - 1);
+  Resolution chosen = at;
+  at.node_step = std::min(at.node_step - 1, probe_node_step);
+  refine(
+      at, std::max(left, mode_share * asked), result.error, no_progress,
+      [](Resolution& up) { return ++up.modes <= most_modes; }, as_measured);
+  chosen.modes = std::min(at.modes, most_modes);
+
+  result.profile = all(chosen);
+  result.estimated_error =
+      std::max(largest(result.error.reflectance, result.profile.reflectance),
+               largest(result.error.transmittance, result.profile.transmittance));
+  for (double& value : result.profile.reflectance) value = std::max(0.0, value);
+  for (double& value : result.profile.transmittance) value = std::max(0.0, value);
+  result.nodes = node_steps[chosen.node_step];
+  result.modes = chosen.modes;
+  result.frequencies = frequency_steps[chosen.frequency_step];
+  return result;
+}
+
+}  // namespace
+
+BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
+                       const ExactProfileOptions& options) {
+  return BandSolver(stack, plan, options).solve();
+}
+
+}  // namespace lamina::detail

@@ -1,0 +1,26 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/exact_profile.h"
+#include "lamina/scattering/exact_profile_diffuse_curves.h"
+#include "lamina/scattering/hankel.h"
+
+namespace lamina::detail {
+
+/// One band's profile, with an estimate of its error.
+struct BandProfile {
+  ProfileCurves profile;
+  ProfileCurves error;           ///< estimated, absolute [1/mm²]
+  double estimated_error = 0.0;  ///< largest, relative, where it is asked for
+  int nodes = 0, modes = 0, frequencies = 0;
+};
+
+/// Nodes, azimuthal modes and frequencies are chosen one after the other, each with the other two
+/// kept low, until one step more changes little: their errors hardly depend on one another. Then
+/// the band is solved once with all three.
+[[nodiscard]] BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
+                                     const ExactProfileOptions& options);
+
+}  // namespace lamina::detail
