@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, cache, single_scattering;
+  std::string scene, output, method, profile, cache, single_scattering;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f;
   CLI::Option* seed = nullptr;
@@ -88,6 +88,11 @@ std::string name_of(Method method) {
   return {};
 }
 
+RenderSettings::Profile profile_named(const std::string& name) {
+  using Profile = RenderSettings::Profile;
+  return name == "exact" ? Profile::exact : name == "dipole" ? Profile::dipole : Profile::multipole;
+}
+
 void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
@@ -98,6 +103,7 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
                                      : options.single_scattering == "straight"
                                          ? SingleScattering::straight
                                          : SingleScattering::refracted;
+  if (!options.profile.empty()) scene.render.profile = profile_named(options.profile);
   if (options.seed->count() > 0) scene.render.seed = options.common.seed;
   if (options.exposure_given->count() > 0) scene.film.exposure = options.exposure;
   // One side alone keeps the proportions.
@@ -198,6 +204,11 @@ void add_render_command(CLI::App& app) {
                    "keeps what hierarchy samples: other cameras on the same scene read it instead. "
                    "PLY, a point per sample. Refused if the scene has changed")
       ->type_name("FILE");
+  command
+      ->add_option("--profile", options->profile,
+                   "how light spreads below surfaces: exact, by radiative transfer; multipole, by "
+                   "diffusion, at once; dipole, the same of a single layer")
+      ->check(CLI::IsMember({"exact", "multipole", "dipole"}));
   options->exposure_given =
       command->add_option("--exposure", options->exposure, "stops, for the PNG only")
           ->type_name("EV")

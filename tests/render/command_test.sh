@@ -34,6 +34,9 @@ for name in leaves bust rough_plate; do
   expect 0 "$name.png" "$scenes/$name.json" "${small[@]}" -o "$name.png"
 done
 
+expect 0 '' "$scene" "${small[@]}" -o dipole.exr --profile dipole
+cmp -s sphere_skin.exr dipole.exr && fail "--profile does nothing"
+
 # The same picture for any number of threads, another for another seed.
 expect 0 '' "$scene" "${small[@]}" -o one.exr --threads 1
 expect 0 '' "$scene" "${small[@]}" -o two.exr --threads 2
@@ -65,6 +68,7 @@ cmp -s kept.exr again.exr || fail "the picture depends on where the samples come
 expect 2 'settings have changed' "$scene" "${sphere[@]}" --bounces 1 -o other.exr
 [ ! -e other.exr ] || fail "a picture was written from a stale cache"
 expect 2 'no such folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
+expect 2 'profile' "$scene" --profile guessed
 
 # Ctrl-C keeps the picture as far as it got.
 "$lamina" render "$scene" --samples 1000000 --width 64 -o stopped >stopped.txt 2>&1 &

@@ -62,6 +62,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.max_bounces, 2);
   EXPECT_EQ(scene.render.seed, 42U);
   EXPECT_EQ(scene.render.single_scattering, RenderSettings::SingleScattering::refracted);
+  EXPECT_EQ(scene.render.profile, RenderSettings::Profile::dipole);
   EXPECT_EQ(scene.render.hierarchy.spacing, 0.5F);
   EXPECT_EQ(scene.render.hierarchy.max_points, 20'000);
   EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);

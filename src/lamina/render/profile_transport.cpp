@@ -8,7 +8,6 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/diffusion_profile.h"
 
 namespace lamina {
 namespace {
@@ -18,13 +17,6 @@ constexpr float pi = std::numbers::pi_v<float>;
 /// Mean number of probes along the two tangents and the normal. On a flat surface the tangents find
 /// nothing, so the normal is always probed and one of the others every other time.
 constexpr std::array<float, 3> probes_along = {0.25f, 0.25f, 1.0f};
-
-std::vector<LayerStack> stacks_of(const Material& material) {
-  std::vector<LayerStack> stacks;
-  for (std::size_t band = 0; band < material.bands.size(); ++band)
-    stacks.push_back(layer_stack(material, band));
-  return stacks;
-}
 
 double thickness_of_upper_layers(const Material& material) {
   double total = 0.0;
@@ -65,10 +57,6 @@ BandValues<N> per_entered(const Profile& profile, const Material& material) {
 }
 
 }  // namespace
-
-Profile diffusion_profile(const Material& material) {
-  return make_diffusion_profile(stacks_of(material)).profile;
-}
 
 Material make_slab(const Material& material, double thickness) {
   Material slab = material;

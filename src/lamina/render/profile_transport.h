@@ -3,23 +3,16 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "lamina/render/band_conversion.h"
+#include "lamina/render/profile_maker.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/spread_table.h"
 #include "lamina/render/subsurface_transport.h"
-#include "lamina/scattering/profile.h"
 
 namespace lamina {
-
-/// Makes the profile of a layered material, all bands.
-using ProfileMaker = std::function<Profile(const Material&)>;
-
-/// The profile of a layered material by diffusion.
-[[nodiscard]] Profile diffusion_profile(const Material& material);
 
 /// A material with an infinite last layer as a thin object: a slab with the same layers on both
 /// sides and what is left of the thickness [mm] of the last one between them.

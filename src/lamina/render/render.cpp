@@ -20,6 +20,7 @@
 #include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/layered_material.h"
 #include "lamina/render/path_tracer.h"
+#include "lamina/render/profile_maker.h"
 #include "lamina/render/profile_transport.h"
 #include "lamina/render/random_walk.h"
 #include "lamina/render/render_scene.h"
@@ -101,6 +102,7 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   const auto& materials = scene.scene->materials;
   Transports<N> transports;
   transports.of_material.resize(materials.size());
+  const ProfileMaker make_profile = profile_maker(scene.scene->render.profile);
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
   if (scene.scene->render.method == Method::layered_bsdf) return transports;
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
@@ -112,12 +114,12 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
     auto& transport = transports.of_material[i];
     switch (scene.scene->render.method) {
       case Method::profile:
-        transport = std::make_unique<ProfileTransport<N>>(scene, conversion, i, diffusion_profile,
-                                                          is_printed);
+        transport =
+            std::make_unique<ProfileTransport<N>>(scene, conversion, i, make_profile, is_printed);
         break;
       case Method::hierarchy: {
-        auto hierarchy = std::make_unique<HierarchyTransport<N>>(scene, conversion, i,
-                                                                 diffusion_profile, is_printed);
+        auto hierarchy =
+            std::make_unique<HierarchyTransport<N>>(scene, conversion, i, make_profile, is_printed);
         transports.hierarchies.push_back(hierarchy.get());
         transport = std::move(hierarchy);
         break;

@@ -205,10 +205,13 @@ struct RenderSettings {
   Method method = Method::profile;
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
-  /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the light,
-  /// or by the way that Snell's law takes.
+  /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the
+  /// light, or by the way that Snell's law takes.
   enum class SingleScattering { none, straight, refracted };
   SingleScattering single_scattering = SingleScattering::none;
+  /// Where the profiles of translucent materials come from.
+  enum class Profile { exact, multipole, dipole };
+  Profile profile = Profile::multipole;
   int samples_per_pixel = 64;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;

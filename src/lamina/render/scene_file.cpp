@@ -112,8 +112,9 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 }
 
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object = value.object({"method", "orders", "factors", "single_scattering",
-                                          "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
+  const JsonObject object =
+      value.object({"method", "profile", "orders", "factors", "single_scattering",
+                    "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -140,6 +141,11 @@ RenderSettings decode_render_settings(const JsonInput& value) {
         single->choice<SingleScattering>({{"none", SingleScattering::none},
                                           {"straight", SingleScattering::straight},
                                           {"refracted", SingleScattering::refracted}});
+  using Profile = RenderSettings::Profile;
+  if (const auto profile = object.optional("profile"))
+    settings.profile = profile->choice<Profile>({{"exact", Profile::exact},
+                                                 {"multipole", Profile::multipole},
+                                                 {"dipole", Profile::dipole}});
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto bounces = object.optional("max_bounces"))
