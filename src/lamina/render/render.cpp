@@ -166,9 +166,13 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const Transports<N> transports = make_transports<N>(scene, conversion, options);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
-  const PathTracer<N> tracer(scene, conversion, transports.of_material, layered, sheets,
-                             {.max_bounces = settings.max_bounces,
-                              .direct_light = static_cast<DirectLight>(options.direct_light)});
+  const PathTracer<N> tracer({scene,
+                              conversion,
+                              transports.of_material,
+                              layered,
+                              sheets,
+                              {.max_bounces = settings.max_bounces,
+                               .direct_light = static_cast<DirectLight>(options.direct_light)}});
   const CameraRays camera(scene.scene->camera, width, height);
   if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress))
     return false;

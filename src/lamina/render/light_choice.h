@@ -1,0 +1,83 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/render/clear_fraction.h"
+#include "lamina/render/low_discrepancy.h"
+#include "lamina/render/path.h"
+
+namespace lamina {
+
+/// Directions to lights are drawn by the handful, weighed without shadows, and one of them traced.
+inline constexpr int light_candidates = 4;
+
+/// Weight of a light that a surface's own sampling met, with these densities of the two ways to
+/// find it [1/sr]; of the surface 0: in one direction only, of the light 0: not by light sampling.
+[[nodiscard]] inline float weight_of_surface_sample(DirectLight way, float pdf, float pdf_light) {
+  if (pdf == 0.0f || pdf_light == 0.0f) return 1.0f;  // the light sampling cannot find it
+  if (way == DirectLight::surfaces_only) return 1.0f;
+  if (way == DirectLight::lights_only) return 0.0f;
+  pdf_light *= light_candidates;
+  return pdf * pdf / (pdf * pdf + pdf_light * pdf_light);  // the power heuristic
+}
+
+/// Weight of a light sample whose direction the surface draws with density pdf [1/sr].
+[[nodiscard]] inline float weight_of_light_sample(DirectLight way, const LightSample& light,
+                                                  float pdf) {
+  if (light.is_delta || way == DirectLight::lights_only) return 1.0f;
+  if (way == DirectLight::surfaces_only) return 0.0f;
+  const float pdf_light = light_candidates * light.pdf;
+  return pdf_light * pdf_light / (pdf * pdf + pdf_light * pdf_light);
+}
+
+template <int N>
+struct LightDrawn {
+  LightSample light;
+  float weight = 0.0f;  ///< on its radiance; 0: nothing to be had
+  BandValues<N> clear;  ///< fraction that arrives, for what lies between
+};
+
+/// A light, drawn in proportion to what it would give: `value(LightSample)` is the factor on its
+/// radiance. Source: [Talbot2005], with one visibility for all candidates.
+template <int N, class Value>
+[[nodiscard]] LightDrawn<N> draw_light(const PathWorld<N>& world, const SurfacePoint& point,
+                                       PixelSamples& samples, const Value& value,
+                                       Dielectrics dielectrics = Dielectrics::let_through) {
+  const float u_light = samples.next_1d();
+  const Vec2f u = samples.next_2d();
+  const auto fraction = [](float x) { return x - std::floor(x); };
+  LightDrawn<N> chosen;
+  float total = 0.0f, chosen_brightness = 0.0f, u_left = samples.next_1d();
+  for (int i = 0; i < light_candidates; ++i) {
+    // A lattice of candidates, moved as one: [Roberts2018]'s R2 sequence.
+    const auto k = static_cast<float>(i);
+    const LightSample light = world.scene.lights.sample_light(
+        point.position, fraction(u_light + k / light_candidates),
+        {fraction(u.x + 0.7548777f * k), fraction(u.y + 0.5698403f * k)});
+    if (!(light.pdf > 0.0f)) continue;
+    const float brightness =
+        (light.radiance.x + light.radiance.y + light.radiance.z) * value(light) / light.pdf;
+    if (!(brightness > 0.0f)) continue;
+    total += brightness;
+    const float chance = brightness / total;
+    if (u_left < chance) {
+      u_left /= chance;
+      chosen.light = light;
+      chosen_brightness = brightness;
+    } else {
+      u_left = (u_left - chance) / std::max(1.0f - chance, 1e-9f);
+    }
+  }
+  if (!(total > 0.0f)) return chosen;
+  const LightSample& light = chosen.light;
+  const Ray ray{leave_surface(point, light.direction), light.direction};
+  chosen.clear =
+      clear_fraction(world.scene, world.sheets, ray, 0.9999f * light.distance, dielectrics);
+  if (largest(chosen.clear) > 0.0f)
+    chosen.weight = total / (chosen_brightness * light.pdf * light_candidates);
+  return chosen;
+}
+
+}  // namespace lamina
