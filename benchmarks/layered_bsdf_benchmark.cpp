@@ -4,6 +4,7 @@
 // needs.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -43,7 +44,9 @@ void evaluate_and_sample(benchmark::State& state) {
   std::vector<HigherOrders> orders;
   for (const LayerStack& band : bands) orders.push_back(make_higher_orders(band, 1e-3));
   const auto higher = make_higher_order_bands<8>(orders);
-  const SampledLayers<8> layers(stack, &higher, {0.6, 0.0, 0.8});
+  const auto target =
+      std::min(static_cast<std::size_t>(state.range(1)), sampled_layers_targets().size() - 1);
+  const SampledLayers<8> layers(stack, &higher, {0.6, 0.0, 0.8}, target);
   Random random(1);
   BandValues<8> total;
   for (auto _ : state) {
@@ -54,8 +57,9 @@ void evaluate_and_sample(benchmark::State& state) {
   }
   benchmark::DoNotOptimize(total);
   state.SetItemsProcessed(state.iterations());
+  state.SetLabel(sampled_layers_targets()[target]);
 }
-BENCHMARK(evaluate_and_sample)->ArgName("matched")->Arg(0)->Arg(1);
+BENCHMARK(evaluate_and_sample)->ArgNames({"matched", "target"})->ArgsProduct({{0, 1}, {0, 1}});
 
 void prepare(benchmark::State& state) {  // what depends on the direction of the eye
   const auto stack = make_first_order<8>(skin(false));

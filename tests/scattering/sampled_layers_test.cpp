@@ -167,11 +167,11 @@ TEST(SampledLayers, SamplesAddUpToTheFlux) {
   }
 }
 
+// By every set of instructions that this processor has.
 TEST(SampledLayers, ValuesAreThoseOfTheSolversInDouble) {
   for (std::size_t c = 0; c < cases().size(); ++c) {
     const Case one = cases()[c];
     const Prepared& prepared = prepared_cases()[c];
-    const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo);
     const auto stack = make_first_order(one.bands[2]);
     const HigherOrders higher = make_higher_orders(one.bands[2]);
     for (const double mu : {0.9, 0.2, -0.5}) {
@@ -180,8 +180,36 @@ TEST(SampledLayers, ValuesAreThoseOfTheSolversInDouble) {
       const auto in = make_beam(stack, wi), out = make_beam(stack, prepared.wo);
       const double expected =
           first_order_bsdf(stack, in, out) + higher_orders_bsdf(higher, in, out);
-      EXPECT_NEAR(static_cast<double>(layers.evaluate(wi).bsdf[2]), expected, 1e-4 * expected);
+      for (std::size_t target = 0; target < sampled_layers_targets().size(); ++target) {
+        const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo, target);
+        EXPECT_NEAR(static_cast<double>(layers.evaluate(wi).bsdf[2]), expected, 1e-4 * expected)
+            << sampled_layers_targets()[target];
+      }
     }
+  }
+}
+
+// Up to six layers of one index share their directions in one step; more go one after the other.
+TEST(SampledLayers, AnyNumberOfLayersAndBandsGivesTheSameValues) {
+  for (const std::size_t count : {1u, 4u, 6u, 7u, 12u}) {
+    std::vector<Layer> layers;
+    for (std::size_t k = 0; k < count; ++k)
+      layers.push_back(layer(0.5 + 0.04 * static_cast<double>(k), 0.2, 0.5,
+                             1.3 + 0.05 * static_cast<double>(k % 3)));
+    const LayerStack stack(layers, 1.0, 1.4);
+    const auto first = make_first_order(stack);
+    const auto bands = make_first_order<16>(std::span(&stack, 1));
+    for (const Vec3& wo : {direction(0.7, 0.0), direction(-0.3, 0.0)})
+      for (const double mu : {1.0, 0.4, 1e-3, -0.8}) {
+        const Vec3 wi = direction(mu, 2.0);
+        const double expected = first_order_bsdf(first, make_beam(first, wi), make_beam(first, wo));
+        for (std::size_t target = 0; target < sampled_layers_targets().size(); ++target) {
+          const SampledLayers<16> seen(bands, nullptr, wo, target);
+          const auto value = seen.evaluate(wi);
+          EXPECT_NEAR(static_cast<double>(value.bsdf[15]), expected, 1e-4 * expected)
+              << count << " layers, mu " << mu << ", " << sampled_layers_targets()[target];
+        }
+      }
   }
 }
 

@@ -43,6 +43,9 @@ class InlineVector {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
+  /// All elements, one after the other.
+  [[nodiscard]] T* data() { return &slot(0).value; }
+  [[nodiscard]] const T* data() const { return const_cast<InlineVector*>(this)->data(); }
   [[nodiscard]] T& operator[](std::size_t i) { return slot(i).value; }
   [[nodiscard]] const T& operator[](std::size_t i) const {
     return const_cast<InlineVector*>(this)->slot(i).value;
@@ -53,6 +56,7 @@ class InlineVector {
     Slot() {}
     T value;
   };
+  static_assert(sizeof(Slot) == sizeof(T));
   Slot& slot(std::size_t i) { return size_ > Few ? many_[i] : few_[i]; }
 
   std::size_t size_ = 0;

@@ -5,6 +5,7 @@
 // V = double and V = BandValues<N>.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -25,17 +26,11 @@ template <class V>
   return fill(x, static_cast<const V*>(nullptr));
 }
 
-/// A number of all bands alike in all lanes.
-template <class V, class G>
-[[nodiscard]] V widened(const G& x) {
-  if constexpr (std::is_same_v<V, G>)
-    return x;
-  else
-    return V::filled(x);
-}
-
 [[nodiscard]] inline double exp_minus(double x) { return std::exp(-x); }
+[[nodiscard]] inline double reciprocal(double x) { return 1.0 / x; }
+[[nodiscard]] inline double reciprocal_root(double x) { return 1.0 / std::sqrt(x); }
 using lamina::abs, lamina::max, lamina::min, lamina::sqrt, lamina::exp_minus;
+using lamina::reciprocal, lamina::reciprocal_root;
 using std::abs, std::max, std::min, std::sqrt;
 
 /// Integral of exp(-(a + b) z) over the layer, for the decays a and b of two beams.
@@ -55,32 +50,32 @@ using std::abs, std::max, std::min, std::sqrt;
 /// (1 - exp(-x)) / x for 0 <= x <= 1/2, where the difference would cancel; `direct` beyond.
 template <int N>
 [[nodiscard]] BandValues<N> mean_attenuation(const BandValues<N>& x, const BandValues<N>& direct) {
-  const auto of_four = [](auto y, auto beyond) {
+  const auto of_lanes = [](auto y, auto beyond) {
     auto p = y * (1.0f / 5040.0f);
     for (const float coefficient : {1.0f / 720.0f, 1.0f / 120.0f, 1.0f / 24.0f, 1.0f / 6.0f, 0.5f})
       p = y * (coefficient - p);
     return y < 0.5f ? 1.0f - p : beyond;
   };
-  return BandValues<N>::map(of_four, x, direct);
+  return BandValues<N>::map(of_lanes, x, direct);
 }
 template <int N>
 [[nodiscard]] BandValues<N> along(const LayerBeam<BandValues<N>>& in,
                                   const LayerBeam<BandValues<N>>& out,
                                   const BandValues<N>& thickness) {
-  const BandValues<N> x = (in.decay + out.decay) * thickness;
+  const BandValues<N> x = min((in.decay + out.decay) * thickness, BandValues<N>::filled(1e30f));
   const BandValues<N> half = BandValues<N>::filled(0.5f);
   const BandValues<N> lost = half + half - in.pass * out.pass;
-  return thickness * mean_attenuation(x, lost / max(x, half));
+  return thickness * mean_attenuation(x, lost * reciprocal(max(x, half)));
 }
 template <int N>
 [[nodiscard]] BandValues<N> against(const LayerBeam<BandValues<N>>& in,
                                     const LayerBeam<BandValues<N>>& out,
                                     const BandValues<N>& thickness) {
-  const BandValues<N> x = abs(in.decay - out.decay) * thickness;
+  const BandValues<N> x = min(abs(in.decay - out.decay) * thickness, BandValues<N>::filled(1e30f));
   const BandValues<N> high = max(in.pass, out.pass), low = min(in.pass, out.pass);
   const BandValues<N> half = BandValues<N>::filled(0.5f);
-  return thickness *
-         where_less(x, 0.5f, high * mean_attenuation(x, half), (high - low) / max(x, half));
+  return thickness * where_less(x, 0.5f, high * mean_attenuation(x, half),
+                                (high - low) * reciprocal(max(x, half)));
 }
 
 /// Unpolarized reflectance of a smooth boundary by the cosines on both sides; 0 marks the side on
@@ -91,28 +86,39 @@ template <class V>
   const V s_a = ior_a * mu_a, s_b = ior_b * mu_b, p_a = ior_b * mu_a, p_b = ior_a * mu_b;
   const V of_s = square(s_a + s_b), of_p = square(p_a + p_b);
   // (r_s^2 + r_p^2) / 2 over one denominator; both cosines may be 0.
-  return (square(s_a - s_b) * of_p + square(p_a - p_b) * of_s) /
-         (all<V>(2.0) * of_s * of_p + all<V>(1e-37));
+  return (square(s_a - s_b) * of_p + square(p_a - p_b) * of_s) *
+         reciprocal(all<V>(2.0) * of_s * of_p + all<V>(1e-36));
 }
 
-/// Density of a layer's scattering over the sphere [1/sr] at a cosine.
-template <class V>
-[[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
-                            const V& cos_theta) {
+/// Densities of a layer's scattering over the sphere [1/sr] at some cosines.
+template <class V, std::size_t Count>
+[[nodiscard]] std::array<V, Count> layer_phases(const FirstOrderStack<V>& stack,
+                                                const FirstOrderLayer<V>& layer,
+                                                const std::array<V, Count>& cosines) {
   constexpr double inverse_4pi = 0.25 * std::numbers::inv_pi;
   const V one = all<V>(1.0);
-  V sum = all<V>(0.0);
+  std::array<V, Count> sums{};
   for (std::size_t l = layer.first_lobe; l < layer.first_lobe + layer.lobes; ++l) {
     const PhaseLobe<V>& lobe = stack.lobes[l];
     if (lobe.is_rayleigh) {
-      sum += all<V>(0.75 * inverse_4pi) * lobe.weight * (one + cos_theta * cos_theta);
-    } else {
+      const V weight = all<V>(0.75 * inverse_4pi) * lobe.weight;
+      for (std::size_t i = 0; i < Count; ++i) sums[i] += weight * (one + cosines[i] * cosines[i]);
+      continue;
+    }
+    const V weight = all<V>(inverse_4pi) * lobe.weight * (one - lobe.g * lobe.g);
+    for (std::size_t i = 0; i < Count; ++i) {
       // (1 - g)^2 + 2 g (1 - cos), which keeps its digits at a forward peak.
-      const V k = (one - lobe.g) * (one - lobe.g) + all<V>(2.0) * lobe.g * (one - cos_theta);
-      sum += all<V>(inverse_4pi) * lobe.weight * (one - lobe.g * lobe.g) / (k * sqrt(k));
+      const V r =
+          reciprocal_root((one - lobe.g) * (one - lobe.g) + (lobe.g + lobe.g) * (one - cosines[i]));
+      sums[i] += weight * (r * r * r);
     }
   }
-  return sum;
+  return sums;
+}
+template <class V>
+[[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
+                            const V& cos_theta) {
+  return layer_phases<V, 1>(stack, layer, {cos_theta})[0];
 }
 
 /// What the event has to do with the two beams: factors of the phase function for light that turns

@@ -37,6 +37,16 @@ struct FirstOrderLayer {
   bool is_matched_on_below = false;       ///< nor does any boundary below
 };
 
+/// The media of a stack side by side, outside above, layers, outside below, where all bands share
+/// their indices; for each also the next one.
+struct StackMedia {
+  static constexpr int most = 8;
+  using Each = BandValues<most>;
+  Each ior{}, next_ior{};
+  Each ratio2[2],
+      next_ratio2[2];  ///< (index of the outside / ior)^2, for light from above or below
+};
+
 /// A layer stack as the first-order formulas want it.
 template <class V>
 struct FirstOrderStack {
@@ -44,12 +54,17 @@ struct FirstOrderStack {
   InlineVector<PhaseLobe<V>, 6> lobes;
   V ior_above{}, ior_below{};
   V ground_reflectance{};
+  StackMedia media;               ///< of band 0
   bool is_matched_below = false;  ///< the boundary under the last layer does nothing
   bool has_one_ior = true;        ///< for all bands: they share all directions
   bool is_semi_infinite = false;
   bool has_ground = false;
   InternalReflections reflections = InternalReflections::ladder;
 
+  /// Whether a boundary does nothing, in all bands; that of index k lies on layer k.
+  [[nodiscard]] bool is_matched_at(std::size_t k) const {
+    return k < layers.size() ? layers[k].is_matched_above : is_matched_below;
+  }
   /// Whether light leaves below.
   [[nodiscard]] bool is_transmissive() const { return !is_semi_infinite && !has_ground; }
 };

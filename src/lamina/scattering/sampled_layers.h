@@ -7,6 +7,8 @@
 #include "lamina/scattering/first_order.h"
 #include "lamina/scattering/higher_orders.h"
 
+struct SampledLayersKernels;
+
 namespace lamina {
 
 /// HigherOrders of the bands of a pass, side by side.
@@ -28,12 +30,43 @@ template <int N>
 [[nodiscard]] BandValues<N> value_at(const std::array<BandValues<N>, HigherOrders::angles>& row,
                                      float mu);
 
-/// higher_orders_bsdf for all bands; what crosses the boundaries is left to the caller, who
-/// multiplies by (1 - surface) of both beams.
+/// A layer's phase function, as it is drawn from.
+struct LobeSeen {
+  float chance = 0.0f;  ///< of this layer
+  float g = 0.0f;
+  float mu = 1.0f;     ///< cosine of wo inside
+  float ratio = 1.0f;  ///< index of wo's side over the layer's
+  float inverse_ior = 1.0f;
+};
+
+/// What of a stack depends on the direction of the eye.
 template <int N>
-[[nodiscard]] BandValues<N> higher_orders_inside(const HigherOrderBands<N>& orders,
-                                                 const StackBeam<BandValues<N>>& in,
-                                                 const StackBeam<BandValues<N>>& out);
+struct LayersSeen {
+  using Bands = BandValues<N>;
+  const FirstOrderStack<Bands>* stack = nullptr;
+  const HigherOrderBands<N>* higher = nullptr;
+  StackBeam<Bands> out;
+  Bands higher_same, higher_other;  ///< factors of the higher orders, for light from either side
+  InlineVector<LobeSeen, 4> lobes;
+  float same_chance = 1.0f, other_chance = 0.0f, phase_chance = 0.0f;
+};
+
+template <int N>
+struct LayersValue {
+  BandValues<N> bsdf;     ///< radiance to wo per irradiance from wi [1/sr]
+  float pdf = 0.0f;       ///< of sample() [1/sr]
+  BandValues<N> surface;  ///< reflectance of the boundary that light from wi meets
+};
+
+template <int N>
+struct LayersSample {
+  Vec3 wi;
+  LayersValue<N> value;  ///< pdf 0: nothing was drawn
+};
+
+/// The instruction sets that SampledLayers can use here, the best first: "x86-64-v3" (AVX2),
+/// "baseline".
+[[nodiscard]] std::span<const char* const> sampled_layers_targets();
 
 /// How a layer stack scatters light to one direction: all orders, as a BSDF that can be sampled.
 /// The stack and the orders must outlive it.
@@ -44,22 +77,16 @@ class SampledLayers {
 
   /// @param wo  unit vector towards the eye; z < 0 is below the stack, if that transmits.
   /// @param higher  null: the first order alone.
+  /// @param target  one of sampled_layers_targets, by its place.
   SampledLayers(const FirstOrderStack<Bands>& stack, const HigherOrderBands<N>* higher,
-                const Vec3& wo);
+                const Vec3& wo, std::size_t target = 0);
 
-  struct Value {
-    Bands bsdf;        ///< radiance to wo per irradiance from wi [1/sr]
-    float pdf = 0.0f;  ///< of sample() [1/sr]
-    Bands surface;     ///< reflectance of the boundary that light from wi meets
-  };
+  using Value = LayersValue<N>;
+  using Sample = LayersSample<N>;
   /// @param wi  unit vector towards the light; the other side than wo's only if the stack
   /// transmits.
   [[nodiscard]] Value evaluate(const Vec3& wi) const;
 
-  struct Sample {
-    Vec3 wi;
-    Value value;  ///< pdf 0: nothing was drawn
-  };
   /// Draws a direction: over the cosine, or by a phase function inside and refracted out. Where
   /// that does not get out nothing is drawn, so that the density may sum to less than 1.
   ///
@@ -67,27 +94,14 @@ class SampledLayers {
   [[nodiscard]] Sample sample(float u, float u1, float u2) const;
 
   /// Radiance to wo by mirrors below the surface, per radiance from the mirror direction.
-  [[nodiscard]] const Bands& mirrored_inside() const { return mirrored_inside_; }
-  [[nodiscard]] const StackBeam<Bands>& beam() const { return out_; }
+  [[nodiscard]] Bands mirrored_inside() const {
+    return max(seen_.out.reflected - seen_.out.surface, Bands{});
+  }
+  [[nodiscard]] const StackBeam<Bands>& beam() const { return seen_.out; }
 
  private:
-  /// A layer's phase function, as it is drawn from.
-  struct Lobe {
-    float chance = 0.0f;  ///< of this layer
-    float g = 0.0f;
-    float mu = 1.0f;     ///< cosine of wo inside
-    float ratio = 1.0f;  ///< index of wo's side over the layer's
-  };
-  [[nodiscard]] Value evaluate(const StackBeam<Bands>& in) const;
-  [[nodiscard]] float pdf(const StackBeam<Bands>& in) const;
-  [[nodiscard]] Vec3 draw_by_phase(float u, float u1, float u2) const;
-
-  const FirstOrderStack<Bands>& stack_;
-  const HigherOrderBands<N>* higher_;
-  StackBeam<Bands> out_;
-  Bands mirrored_inside_;
-  InlineVector<Lobe, 4> lobes_;
-  float same_chance_ = 1.0f, other_chance_ = 0.0f, phase_chance_ = 0.0f;
+  const SampledLayersKernels* kernels_;
+  LayersSeen<N> seen_;
 };
 
 }  // namespace lamina
