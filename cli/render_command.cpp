@@ -15,10 +15,12 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/image/denoise.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
+#include "render_comparison.h"
 
 namespace lamina::cli {
 namespace {
@@ -29,7 +31,9 @@ struct RenderCommandOptions {
   CommonOptions common;
   std::string scene, output, method, profile, cache, single_scattering;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
-  float exposure = 0.0f;
+  float exposure = 0.0f, noise = -1.0f;
+  bool resumes = false, denoises = false;
+  std::vector<std::string> compared;
   CLI::Option* seed = nullptr;
   CLI::Option* exposure_given = nullptr;
 };
@@ -50,6 +54,12 @@ OutputFiles output_files(const RenderCommandOptions& options) {
     throw InvalidInput("--output " + name.string() +
                        ": the name must end in .exr or .png, or in neither for both");
   return {name.string() + ".exr", name.string() + ".png"};
+}
+
+/// Keeps an unfinished picture beside where the picture will be.
+fs::path checkpoint_file(const OutputFiles& files) {
+  fs::path file = files.exr.empty() ? files.png : files.exr;
+  return file.replace_extension(".unfinished");
 }
 
 /// Found out before the work, not after it.
@@ -95,6 +105,7 @@ RenderSettings::Profile profile_named(const std::string& name) {
 
 void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
+  if (options.noise >= 0.0f) scene.render.noise = options.noise;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
   if (!options.method.empty()) scene.render.method = method_named(options.method);
   using SingleScattering = RenderSettings::SingleScattering;
@@ -116,6 +127,24 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.height > 0) scene.film.height = options.height;
 }
 
+void run_comparison(const RenderCommandOptions& options, const OutputFiles& files, Scene scene) {
+  if (files.exr.empty() || files.png.empty())
+    throw InvalidInput("--output " + options.output +
+                       ": with --compare the name must have no ending, there are many files");
+  for (const auto& [name, is_given] :
+       {std::pair{"--method", !options.method.empty()},
+        std::pair{"--cache", !options.cache.empty()}, std::pair{"--resume", options.resumes},
+        std::pair{"--denoise", options.denoises}})
+    if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
+  std::vector<NamedMethod> methods_to_compare;
+  for (const std::string& name : options.compared)
+    methods_to_compare.emplace_back(name, method_named(name));
+  if (methods_to_compare.size() < 2)
+    throw InvalidInput("--compare: must name two methods or more, as in profile,hierarchy");
+  run_comparison(std::move(scene), methods_to_compare, fs::path(files.exr).replace_extension(),
+                 options.common);
+}
+
 void run_render(const RenderCommandOptions& options) {
   if (options.common.threads > 0) set_thread_count(options.common.threads);
   const OutputFiles files = output_files(options);
@@ -129,8 +158,13 @@ void run_render(const RenderCommandOptions& options) {
     throw InvalidInput("--cache: the method must be hierarchy, but is " +
                        name_of(scene.render.method));
   require_writable(options.cache);
+  if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
-  const RenderResult result = render(scene, {.cache = options.cache}, make_progress("rendering"));
+  const fs::path checkpoint = checkpoint_file(files);
+  RenderResult result =
+      render(scene, {.cache = options.cache, .checkpoint = checkpoint, .resumes = options.resumes},
+             make_progress("rendering"));
+  if (options.denoises) result.image = denoise(result.image);
   std::string written;
   if (!files.exr.empty()) {
     save_exr(result.image, files.exr);
@@ -143,6 +177,9 @@ void run_render(const RenderCommandOptions& options) {
   }
 
   const RenderStatistics& s = result.statistics;
+  if (!s.is_complete && fs::exists(checkpoint))
+    fmt::print(stderr, "lamina: stopped early; the same command with --resume goes on from {}\n",
+               checkpoint.string());
   print(options.common,
         fmt::format("{}{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {:.2f} % noise, "
                     "{:.0f} MiB\n",
@@ -178,6 +215,15 @@ void add_render_command(CLI::App& app) {
   command->add_option("--samples", options->samples, "samples per pixel")
       ->type_name("N")
       ->check(at_least_one);
+  command
+      ->add_option("--noise", options->noise,
+                   "ends where the standard error is below this fraction of the brightness, "
+                   "0.01 for clean pictures; --samples is then the most that a pixel gets")
+      ->type_name("X")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_flag("--resume", options->resumes,
+                    "goes on with a picture that was stopped or killed: the result is the same as "
+                    "without. A file IMAGE.unfinished keeps what there is, every half minute");
   command->add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
       ->type_name("N")
       ->check(CLI::Range(1, 16384));
@@ -193,6 +239,15 @@ void add_render_command(CLI::App& app) {
                    "hierarchy sums a profile over samples of the light, without noise; random_walk "
                    "follows light inside closed meshes, the truth")
       ->type_name("NAME");
+  command
+      ->add_option("--compare", options->compared,
+                   "renders by each of these methods; writes IMAGE_METHOD.exr and .png, IMAGE.svg "
+                   "with all side by side over their differences from the slowest, and a table")
+      ->type_name("NAME,NAME,...")
+      ->delimiter(',');
+  command->add_flag("--denoise", options->denoises,
+                    "averages over what looks alike within the noise: for viewing, not measuring. "
+                    "The EXR keeps the noisy colors too");
   command
       ->add_option("--single-scattering", options->single_scattering,
                    "adds light scattered once below the surface: none, straight (to the light) or "

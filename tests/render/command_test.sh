@@ -78,3 +78,29 @@ kill -INT "$pid"
 got=0; wait "$pid" || got=$?
 [ "$got" = 130 ] || fail "interrupted: exit code $got instead of 130"
 [ -s stopped.exr ] && [ -s stopped.png ] || fail "interrupted: no picture"
+[ -s stopped.unfinished ] || fail "interrupted: nothing to go on from"
+expect 2 'other settings' "$scene" --samples 1000 --width 64 -o stopped --resume
+expect 0 '' "$scene" "${small[@]}" -o resumed.exr --resume
+cmp -s resumed.exr one.exr || fail "--resume without a start differs"
+[ ! -e resumed.unfinished ] || fail "a finished picture leaves its checkpoint"
+
+# Sampling ends where the noise asked for is reached.
+expect 0 '' "$scene" --samples 4000 --width 24 --height 16 --noise 0.5 -o calm.exr --json calm.json
+grep -qE '"samples_per_pixel": (1[6-9]|[2-9][0-9])([.,]|$)' calm.json || fail "--noise: $(grep samples calm.json)"
+expect 2 'noise' "$scene" --noise 7
+
+# Methods side by side, and what they cost.
+expect 0 'the reference' "$scene" "${small[@]}" --compare profile,hierarchy -o both --json both.json
+for file in both.svg both_profile.png both_profile.exr both_hierarchy.png both_hierarchy.exr; do
+  [ -s "$file" ] || fail "--compare: no $file"
+done
+grep -q '"mean_error"' both.json || fail "--compare: no error"
+expect 2 'two methods' "$scene" "${small[@]}" --compare profile
+expect 2 'magic' "$scene" "${small[@]}" --compare profile,magic
+expect 2 'no ending' "$scene" "${small[@]}" --compare profile,hierarchy -o both.png
+expect 2 '--resume' "$scene" "${small[@]}" --compare profile,hierarchy -o both --resume
+
+# Without noise, for viewing; the EXR keeps the noise too.
+expect 0 '' "$scene" "${small[@]}" --denoise -o smooth.exr
+cmp -s smooth.exr one.exr && fail "--denoise does nothing"
+grep -q 'noisy.G' smooth.exr || fail "--denoise drops the render's own colors"

@@ -77,6 +77,11 @@ void SvgCanvas::circle(double x, double y, double radius, std::string_view attri
            std::string(attributes) + "/>\n";
 }
 
+void SvgCanvas::image(double x, double y, double width, double height, std::string_view address) {
+  body_ += "<image" + attribute("x", x) + attribute("y", y) + attribute("width", width) +
+           attribute("height", height) + " href=\"" + std::string(address) + "\"/>\n";
+}
+
 void SvgCanvas::path(std::string_view data, std::string_view attributes) {
   body_ += "<path d=\"" + std::string(data) + "\" " + std::string(attributes) + "/>\n";
 }

@@ -35,6 +35,9 @@ class SvgCanvas {
   void circle(double x, double y, double radius, std::string_view attributes);
   void path(std::string_view data, std::string_view attributes);
 
+  /// A picture by its address, which may hold it ("data:...").
+  void image(double x, double y, double width, double height, std::string_view address);
+
   /// Text whose baseline starts, has its middle, or ends at (x, y); `raised` follows as exponent.
   void text(double x, double y, std::string_view text, const TextStyle& style,
             std::string_view raised = {});

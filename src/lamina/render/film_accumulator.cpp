@@ -2,8 +2,11 @@
 #include "lamina/render/film_accumulator.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 
 #include "lamina/render/render.h"
 #include "lamina/render/texture.h"
@@ -33,6 +36,30 @@ void FilmAccumulator::add(int x, int y, const CameraSample& sample) {
   pixel.depth += sample.depth;
 }
 
+float FilmAccumulator::variance_of_mean(const Pixel& pixel) {
+  const float n = static_cast<float>(pixel.samples);
+  return pixel.samples > 1 ? pixel.luminance_spread / (n * (n - 1.0f)) : 0.0f;
+}
+
+FilmAccumulator::Luminance FilmAccumulator::luminance_of(int x0, int y0, int x1, int y1) const {
+  Luminance sum;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const Pixel& pixel = pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                   static_cast<std::size_t>(x)];
+      sum.mean += static_cast<double>(pixel.luminance_mean);
+      sum.variance += static_cast<double>(variance_of_mean(pixel));
+    }
+  const double count = static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0);
+  return {sum.mean / count, sum.variance / count};
+}
+
+void FilmAccumulator::restore(std::span<const std::byte> bytes) {
+  static_assert(std::is_trivially_copyable_v<Pixel>);
+  assert(bytes.size() == pixels_.size() * sizeof(Pixel));
+  std::memcpy(pixels_.data(), bytes.data(), bytes.size());
+}
+
 Image FilmAccumulator::image() const {
   Image image =
       make_image(width_, height_,
@@ -54,7 +81,7 @@ Image FilmAccumulator::image() const {
     }
     *out++ = pixel.hits > 0 ? pixel.depth / hits : std::numeric_limits<float>::infinity();
     *out++ = static_cast<float>(pixel.samples);
-    *out++ = pixel.samples > 1 ? pixel.luminance_spread / (n * (n - 1.0f)) : 0.0f;
+    *out++ = variance_of_mean(pixel);
   }
   return image;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "lamina/image/image.h"
@@ -25,6 +26,22 @@ class FilmAccumulator {
 
   [[nodiscard]] double mean_samples() const;
 
+  struct Luminance {
+    double mean = 0.0;
+    double variance = 0.0;  ///< of the mean of a pixel, if its samples were independent
+  };
+  /// Averages over the pixels from (x0, y0) up to (x1, y1), which is not one of them.
+  [[nodiscard]] Luminance luminance_of(int x0, int y0, int x1, int y1) const;
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// The state in memory, for a checkpoint of this program; restore takes as many bytes.
+  [[nodiscard]] std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(pixels_));
+  }
+  void restore(std::span<const std::byte> bytes);
+
  private:
   struct Pixel {
     Vec3f beauty, subsurface, specular, normal, albedo;
@@ -32,6 +49,8 @@ class FilmAccumulator {
     float luminance_mean = 0.0f, luminance_spread = 0.0f;  ///< Welford's running mean and sum
     int samples = 0, hits = 0, subsurface_hits = 0;
   };
+  static float variance_of_mean(const Pixel& pixel);
+
   int width_, height_;
   std::vector<Pixel> pixels_;
 };

@@ -4,17 +4,12 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
 
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
@@ -24,29 +19,12 @@
 #include "lamina/render/profile_transport.h"
 #include "lamina/render/random_walk.h"
 #include "lamina/render/render_scene.h"
+#include "lamina/render/scene_fingerprint.h"
 #include "lamina/render/single_scattering.h"
+#include "lamina/render/tile_passes.h"
 
 namespace lamina {
 namespace {
-
-constexpr int tile_size = 16;  // [pixel]
-
-/// Treats subnormal numbers as 0 on this thread: Embree and the tails of profiles would be slow.
-class FlushSubnormals {
- public:
-#if defined(__SSE2__)
-  FlushSubnormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
-  ~FlushSubnormals() { _mm_setcsr(before_); }
-#else
-  FlushSubnormals() = default;
-  ~FlushSubnormals() = default;
-#endif
-  FlushSubnormals(const FlushSubnormals&) = delete;
-  FlushSubnormals& operator=(const FlushSubnormals&) = delete;
-
- private:
-  unsigned before_ = 0;
-};
 
 double seconds(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
@@ -177,33 +155,19 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress))
     return false;
 
-  const int columns = (width + tile_size - 1) / tile_size;
-  const int rows = (height + tile_size - 1) / tile_size;
-  const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  const int samples = settings.samples_per_pixel;
-  std::atomic<bool> is_stopped = false;
-  std::atomic<std::int64_t> finished = 0;  // samples per pixel, over all tiles
-  const double all = static_cast<double>(samples) * static_cast<double>(tiles);
-  for (int from = 0, to = std::min(1, samples); from < samples && !is_stopped;
-       from = to, to = std::min(2 * to, samples)) {
-    parallel_for(tiles, [&, from, to](std::size_t tile) {
-      if (is_stopped) return;
-      const FlushSubnormals flush;
-      const int x0 = static_cast<int>(tile % static_cast<std::size_t>(columns)) * tile_size;
-      const int y0 = static_cast<int>(tile / static_cast<std::size_t>(columns)) * tile_size;
-      for (int y = y0; y < std::min(y0 + tile_size, height); ++y)
-        for (int x = x0; x < std::min(x0 + tile_size, width); ++x)
-          for (int i = from; i < to; ++i) {
-            PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
-                                static_cast<std::uint32_t>(i));
-            const Ray ray = camera.make_ray(x, y, random);
-            film.add(x, y, tracer.trace_camera_ray(ray, camera.pixel_angle(), random));
-          }
-      finished += to - from;
-      if (!report(progress, static_cast<double>(finished) / all)) is_stopped = true;
-    });
-  }
-  return !is_stopped;
+  const auto sample = [&](int x, int y, int i) {
+    PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
+                        static_cast<std::uint32_t>(i));
+    const Ray ray = camera.make_ray(x, y, random);
+    return tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
+  };
+  return add_tile_passes(sample,
+                         {.samples = settings.samples_per_pixel,
+                          .noise = settings.noise,
+                          .checkpoint = options.checkpoint,
+                          .key = picture_key(*scene.scene, options),
+                          .resumes = options.resumes},
+                         progress, film);
 }
 
 }  // namespace
@@ -222,6 +186,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           "render: samples_per_pixel must lie in [1, 16777216]", scene.render.samples_per_pixel);
   require(scene.render.max_bounces >= 0, "render: max_bounces must be >= 0",
           scene.render.max_bounces);
+  require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
+          "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
   const BandSet bands = common_bands(scene);
   const RenderScene prepared(scene);
   FilmAccumulator film(scene.film.width, scene.film.height);

@@ -26,6 +26,11 @@ struct RenderOptions {
   /// File that keeps what the method `hierarchy` samples, for other cameras; empty: none. It is
   /// read if it is there, else written.
   std::filesystem::path cache;
+
+  /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
+  /// image is complete. Empty: none.
+  std::filesystem::path checkpoint;
+  bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
 };
 
 struct RenderStatistics {
@@ -52,7 +57,8 @@ struct RenderResult {
 ///
 /// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
 ///         bands, a method that does not exist yet, a cache of another scene.
-/// @throws FileError, WriteError if the cache cannot be read or written.
+/// @throws FileError, WriteError if the cache cannot be read or written; FileError if the
+///         checkpoint to go on from is damaged, or of another scene or other settings.
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options = {},
                                   const Progress& progress = {});
 

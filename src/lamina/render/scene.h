@@ -212,7 +212,10 @@ struct RenderSettings {
   /// Where the profiles of translucent materials come from.
   enum class Profile { exact, multipole, dipole };
   Profile profile = Profile::multipole;
-  int samples_per_pixel = 64;
+  int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
+  /// Standard error over brightness below which a part of the picture gets no more samples; what is
+  /// darker than a quarter of the mean counts as that bright. 0: all get the same.
+  float noise = 0.0f;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;
   HierarchySettings hierarchy;

@@ -114,7 +114,7 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 RenderSettings decode_render_settings(const JsonInput& value) {
   const JsonObject object =
       value.object({"method", "profile", "orders", "factors", "single_scattering",
-                    "samples_per_pixel", "max_bounces", "seed", "hierarchy"});
+                    "samples_per_pixel", "noise", "max_bounces", "seed", "hierarchy"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -148,6 +148,8 @@ RenderSettings decode_render_settings(const JsonInput& value) {
                                                  {"dipole", Profile::dipole}});
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
+  if (const auto noise = object.optional("noise"))
+    settings.noise = static_cast<float>(noise->number(between(0.0, 1.0)));
   if (const auto bounces = object.optional("max_bounces"))
     settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
   if (const auto seed = object.optional("seed"))

@@ -228,4 +228,37 @@ SceneFingerprint fingerprint(const Scene& scene) {
           .settings = settings.value()};
 }
 
+std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
+  Hash hash;
+  const SceneFingerprint parts = fingerprint(scene);
+  for (const std::uint64_t part :
+       {parts.meshes, parts.materials, parts.maps, parts.lights, parts.settings})
+    hash.add(part);
+  for (const Light& light : scene.lights)
+    if (const auto* sky = std::get_if<EnvironmentLight>(&light)) hash.add(sky->is_visible);
+  const auto& [position, look_at, up, horizontal_fov, aperture_diameter, focus_distance] =
+      scene.camera;
+  for (const Vec3& vector : {position, look_at, up}) hash.add(vector);
+  for (const double number : {horizontal_fov, aperture_diameter, focus_distance}) hash.add(number);
+  hash.add(scene.film.width);
+  hash.add(scene.film.height);
+  const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
+               max_bounces, seed, hierarchy] = scene.render;
+  hash.add(method);
+  hash.add(orders);
+  for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
+    hash.add(factor);
+  hash.add(single_scattering);
+  hash.add(profile);
+  hash.add(samples_per_pixel);
+  hash.add(noise);
+  hash.add(hierarchy.error);
+  (void)max_bounces, (void)seed;  // a part of parts.settings
+  const auto& [exit_angle, direct_light, cache, checkpoint, resumes] = options;
+  hash.add(exit_angle);
+  hash.add(direct_light);
+  (void)cache, (void)checkpoint, (void)resumes;  // change nothing in the picture
+  return hash.value();
+}
+
 }  // namespace lamina

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "lamina/render/render.h"
 #include "lamina/render/scene.h"
 
 namespace lamina {
@@ -16,5 +17,9 @@ struct SceneFingerprint {
 };
 
 [[nodiscard]] SceneFingerprint fingerprint(const Scene& scene);
+
+/// All that the samples of a picture follow from: the scene with its camera, the size of the
+/// picture, and how it is rendered.
+[[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);
 
 }  // namespace lamina

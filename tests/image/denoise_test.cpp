@@ -1,0 +1,92 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/image/denoise.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/core/error.h"
+#include "lamina/core/random.h"
+
+namespace lamina {
+namespace {
+
+constexpr int width = 64, height = 48;
+constexpr float sigma = 0.1f;
+
+/// What the picture shows without noise: a ramp, and a fourfold brighter surface of another albedo
+/// on the right.
+float truth(int x, int y) {
+  return (x < 40 ? 1.0f : 4.0f) * (1.0f + 0.004f * static_cast<float>(y));
+}
+
+Image noisy_image(float noise, std::uint64_t seed) {
+  Image image = make_image(width, height,
+                           {"R", "G", "B", "variance", "albedo.R", "albedo.G", "albedo.B", "note"});
+  Random random = make_random(seed, 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float* p = image.at(x, y);
+      const float at_most = noise * std::sqrt(3.0f);  // uniform, with that standard deviation
+      const float value = truth(x, y) + at_most * (2.0f * random.uniform_float() - 1.0f);
+      p[0] = p[1] = p[2] = value;
+      p[3] = noise * noise;
+      p[4] = p[5] = p[6] = x < 40 ? 0.2f : 0.8f;
+      p[7] = static_cast<float>(x);
+    }
+  return image;
+}
+
+double rms_error(const Image& image) {
+  double sum = 0.0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      sum += std::pow(static_cast<double>(image.at(x, y)[0] - truth(x, y)), 2);
+  return std::sqrt(sum / (width * height));
+}
+
+TEST(Denoise, TakesMostOfTheNoiseAndKeepsTheEdge) {
+  const Image noisy = noisy_image(sigma, 1);
+  const Image clean = denoise(noisy);
+  EXPECT_NEAR(rms_error(noisy), 0.1, 0.005);
+  EXPECT_LT(rms_error(clean), 0.03);
+  double bias = 0.0, edge = 0.0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x)
+      bias += static_cast<double>(clean.at(x, y)[0] - truth(x, y)) / (width * height);
+    edge = std::max(edge, std::abs(static_cast<double>(clean.at(39, y)[0] - truth(39, y))));
+  }
+  EXPECT_LT(std::abs(bias), 0.005);
+  EXPECT_LT(edge, 0.15);  // a leak of the other side would be 3
+}
+
+TEST(Denoise, LeavesWhatHasNoNoise) { EXPECT_LT(rms_error(denoise(noisy_image(0.0f, 1))), 1e-5); }
+
+TEST(Denoise, KeepsAllOtherChannelsAndTheNoisyColors) {
+  const Image noisy = noisy_image(sigma, 2);
+  const Image clean = denoise(noisy);
+  ASSERT_EQ(clean.channel_count(), noisy.channel_count() + 3);
+  const std::size_t before = channel_index(clean, "noisy.R").value();
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      EXPECT_EQ(clean.at(x, y)[before], noisy.at(x, y)[0]);
+      EXPECT_EQ(clean.at(x, y)[7], noisy.at(x, y)[7]);
+    }
+}
+
+TEST(Denoise, WorksOnImagesSmallerThanItsWindowAndWithoutFeatures) {
+  Image image = make_image(3, 2, {"R", "G", "B", "variance"});
+  for (float& value : image.pixels) value = 0.5f;
+  const Image clean = denoise(image);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x) EXPECT_NEAR(clean.at(x, y)[1], 0.5f, 1e-6f);
+}
+
+TEST(Denoise, NeedsColorsAndVariance) {
+  EXPECT_THROW((void)denoise(make_image(2, 2, {"R", "G", "B"})), InvalidInput);
+  EXPECT_THROW((void)denoise(make_image(2, 2, {"Y", "variance"})), InvalidInput);
+}
+
+}  // namespace
+}  // namespace lamina
