@@ -109,7 +109,7 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
 
   std::string table =
       fmt::format("{}\n{:<14}{:>9}{:>9}{:>10}{:>9}   {:<14}{}\n", beside(".svg"), "method", "CPU s",
-                  "samples", "noise %", "error %", "of noise %", "bias R G B %");
+                  "samples", "noise %", "error %", "noise alone", "bias R G B %");
   nlohmann::ordered_json json = make_result("render");
   json["reference"] = slowest.method;
   json["methods"] = nlohmann::ordered_json::array();

@@ -41,26 +41,29 @@ double luminance(const float* rgb) {
 std::string format_sheet(const std::string& title, const std::vector<SheetPicture>& pictures,
                          int columns) {
   assert(columns >= 1);
-  constexpr double gap = 12.0, caption_height = 24.0, title_height = 40.0;
+  constexpr double gap = 12.0, caption_size = 13.0, caption_height = 28.0;
+  const double top = title.empty() ? gap : 40.0;
   double cell_width = 1.0, cell_height = 1.0;
   for (const SheetPicture& picture : pictures) {
-    cell_width = std::max(cell_width, static_cast<double>(picture.image.width));
+    cell_width = std::max({cell_width, static_cast<double>(picture.image.width),
+                           text_width(picture.caption, caption_size)});
     cell_height = std::max(cell_height, static_cast<double>(picture.image.height));
   }
   SvgCanvas canvas;
-  canvas.text(gap, 26.0, title, {.size = 17.0, .is_bold = true});
+  if (!title.empty()) canvas.text(gap, 26.0, title, {.size = 17.0, .is_bold = true});
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const double column = static_cast<double>(i % static_cast<std::size_t>(columns));
     const double row = static_cast<double>(i / static_cast<std::size_t>(columns));
     const double x = gap + column * (cell_width + gap);
-    const double y = title_height + row * (cell_height + caption_height);
+    const double y = top + row * (cell_height + caption_height);
     canvas.image(x, y, pictures[i].image.width, pictures[i].image.height,
                  "data:image/png;base64," + base64(encode_png(pictures[i].image)));
-    canvas.text(x, y + pictures[i].image.height + 16.0, pictures[i].caption, {.size = 13.0});
+    canvas.text(x, y + pictures[i].image.height + 16.0, pictures[i].caption,
+                {.size = caption_size});
   }
   const double rows = std::ceil(static_cast<double>(pictures.size()) / columns);
   return canvas.finish(gap + columns * (cell_width + gap),
-                       title_height + rows * (cell_height + caption_height));
+                       top + rows * (cell_height + caption_height));
 }
 
 Image difference_map(const Image& render, const Image& reference, double range) {

@@ -16,6 +16,7 @@ struct SheetPicture {
 
 /// Pictures side by side, each with its caption, as one SVG file that holds them.
 ///
+/// @param title    above them, if not empty
 /// @param columns  pictures in a row, >= 1
 /// @throws InvalidInput if a picture cannot be written as PNG.
 [[nodiscard]] std::string format_sheet(const std::string& title,
