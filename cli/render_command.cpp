@@ -88,8 +88,9 @@ constexpr std::array<std::pair<const char*, Method>, 6> methods = {
 Method method_named(const std::string& name) {
   for (const auto& [known, method] : methods)
     if (name == known) return method;
-  throw InvalidInput("--method: must be profile, layered_bsdf, hierarchy or random_walk, but is " +
-                     name);
+  throw InvalidInput(
+      "--method: must be profile, layered_bsdf, hierarchy, texture_space or random_walk, but is " +
+      name);
 }
 
 std::string name_of(Method method) {
@@ -154,8 +155,9 @@ void run_render(const RenderCommandOptions& options) {
   for (const std::string& warning : scene.warnings)
     fmt::print(stderr, "lamina: warning: {}\n", warning);
   apply(options, scene);
-  if (!options.cache.empty() && scene.render.method != Method::hierarchy)
-    throw InvalidInput("--cache: the method must be hierarchy, but is " +
+  if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
+      scene.render.method != Method::texture_space)
+    throw InvalidInput("--cache: the method must be hierarchy or texture_space, but is " +
                        name_of(scene.render.method));
   require_writable(options.cache);
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
@@ -236,7 +238,9 @@ void add_render_command(CLI::App& app) {
   command
       ->add_option("--method", options->method,
                    "of light below surfaces: profile draws entry points at random; "
-                   "hierarchy sums a profile over samples of the light, without noise; random_walk "
+                   "hierarchy sums a profile over samples of the light, without noise; "
+                   "texture_space spreads "
+                   "light through skin whose parameters are maps; random_walk "
                    "follows light inside closed meshes, the truth")
       ->type_name("NAME");
   command
@@ -256,7 +260,8 @@ void add_render_command(CLI::App& app) {
       ->check(CLI::IsMember({"none", "straight", "refracted"}));
   command
       ->add_option("--cache", options->cache,
-                   "keeps what hierarchy samples: other cameras on the same scene read it instead. "
+                   "keeps what hierarchy and texture_space sample: other cameras on the same scene "
+                   "read it instead. "
                    "PLY, a point per sample. Refused if the scene has changed")
       ->type_name("FILE");
   command

@@ -7,7 +7,7 @@ namespace lamina::material_file {
 
 double recipe_number(const JsonInput& value, const NumberRange& range) {
   if (value.is_object() && value.peek("map"))
-    value.fail("maps in recipes come with texture-space rendering; give a number");
+    value.fail("maps are for the recipe \"skin\" of a scene only; give a number");
   return value.number(range);
 }
 

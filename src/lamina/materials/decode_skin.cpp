@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <numeric>
+
 #include "lamina/materials/material_file.h"
 #include "lamina/materials/skin.h"
 
@@ -23,17 +25,29 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
   const JsonObject object = skin_object(recipe);
   require_wavelengths(recipe, context, 350.0, 1000.0);
   const auto [constants, set] = decode_constants(object);
-  SkinParameters skin = with_constants({}, set);
-  for (const SkinParameterRange& range : skin_parameter_ranges())
-    if (const auto value = object.optional(range.name))
+  SkinMaps said{.skin = with_constants({}, set), .constants = set};
+  SkinParameters& skin = said.skin;
+  for (const SkinParameterRange& range : skin_parameter_ranges()) {
+    const auto value = object.optional(range.name);
+    if (!value) continue;
+    if (context.maps == RecipeMaps::allowed && value->is_object()) {
+      const SkinMap& map = said.maps.emplace_back(decode_skin_map(range, *value, said.warnings));
+      const auto& pixels = map.values.pixels;
+      skin.*range.value =
+          std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(pixels.size());
+    } else {
       skin.*range.value = range.is_length ? recipe_length(*value, range.low, range.high, context)
                                           : recipe_number(*value, between(range.low, range.high));
+    }
+  }
   if (const auto oiliness = object.optional("oiliness"))
     material.oiliness = recipe_number(*oiliness, between(0.0, 1.0));
   std::vector<LayerStack> bands;
   for (const double wavelength : context.wavelengths)
     bands.push_back(skin_layer_stack(skin, wavelength));
   material.layers = material_layers(bands, skin_layer_names(skin));
+  said.oiliness = material.oiliness;
+  material.skin = std::move(said);
   add_to_source(material, "melanin: Jacques 1998; constants: " + constants);
 }
 

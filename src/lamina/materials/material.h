@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "lamina/materials/skin_maps.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/spectrum/band_set.h"
 
@@ -60,7 +62,12 @@ struct Material {
   std::vector<MaterialLayer> layers;
   double oiliness = 0.0;  ///< strength of an oily coat for the renderer, in [0, 1]; solvers of
                           ///< layers do not see it
+  /// Of the recipe `skin`: what it says. Where parameters are maps, `layers` have their means.
+  std::optional<SkinMaps> skin;
 };
+
+/// Whether parameters of a recipe may be maps: the renderer alone knows what to do with them.
+enum class RecipeMaps { refused, allowed };
 
 /// The optical layers of one band.
 ///
@@ -76,7 +83,8 @@ struct Material {
 /// Reads a material file; docs/materials.md has the format.
 /// @throws FileError if it is missing or unreadable; InvalidInput with file, line and field if what
 ///         it says is wrong.
-[[nodiscard]] Material load_material(const std::filesystem::path& file);
+[[nodiscard]] Material load_material(const std::filesystem::path& file,
+                                     RecipeMaps maps = RecipeMaps::refused);
 
 /// Decodes the text of a material file; `name` stands for the file in messages.
 [[nodiscard]] Material parse_material(const std::string& text, const std::string& name);

@@ -89,7 +89,7 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 
 }  // namespace
 
-Material decode_material(const JsonInput& root) {
+Material decode_material(const JsonInput& root, RecipeMaps maps) {
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
@@ -105,7 +105,8 @@ Material decode_material(const JsonInput& root) {
   const Context context{.bands = material.bands.size(),
                         .length_unit = unit.string(),
                         .mm_per_unit = mm_per_unit(unit),
-                        .wavelengths = {wavelengths.begin(), wavelengths.end()}};
+                        .wavelengths = {wavelengths.begin(), wavelengths.end()},
+                        .maps = maps};
   material.ior_above.assign(context.bands, 1.0);
   if (const auto ior = file.optional("ior_above")) material.ior_above = decode_ior(*ior, context);
   if (recipe != nullptr)
@@ -126,9 +127,9 @@ Material decode_material(const JsonInput& root) {
   return material;
 }
 
-Material load_material(const std::filesystem::path& file) {
+Material load_material(const std::filesystem::path& file, RecipeMaps maps) {
   const JsonDocument document = load_json(file);
-  return decode_material(document.root());
+  return decode_material(document.root(), maps);
 }
 
 Material parse_material(const std::string& text, const std::string& name) {

@@ -17,7 +17,8 @@ namespace lamina {
 
 /// A material file as a value, as in a scene that holds the whole of it.
 /// @throws InvalidInput as parse_material.
-[[nodiscard]] Material decode_material(const JsonInput& root);
+[[nodiscard]] Material decode_material(const JsonInput& root,
+                                       RecipeMaps maps = RecipeMaps::refused);
 
 }  // namespace lamina
 
@@ -29,6 +30,7 @@ struct Context {
   std::string length_unit;          ///< as written: "mm", "cm", "um" or "m"
   double mm_per_unit = 1.0;         ///< the length of that unit
   std::vector<double> wavelengths;  ///< [nm]; empty for RGB, which recipes do not get
+  RecipeMaps maps = RecipeMaps::refused;
 };
 
 /// Coefficients beyond this [1/mm] and lengths beyond this [mm] are taken for mistakes; so are

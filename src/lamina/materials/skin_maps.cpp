@@ -71,6 +71,15 @@ bool may_be_map(std::string_view parameter) {
   return std::ranges::find(same_everywhere, parameter) == same_everywhere.end();
 }
 
+SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
+                        std::vector<std::string>& warnings) {
+  if (!may_be_map(range.name))
+    value.fail("must be a number: it is the same everywhere, as scattering, thickness and oil are");
+  SkinMap map{range.name, range.value, decode_values(value)};
+  clamp(range, map.values, warnings);
+  return map;
+}
+
 SkinMaps decode_skin_maps(const JsonInput& recipe) {
   const JsonObject object = material_file::skin_object(recipe);
   SkinMaps result;
@@ -81,12 +90,8 @@ SkinMaps decode_skin_maps(const JsonInput& recipe) {
     if (!value) continue;
     if (!value->is_object()) {
       result.skin.*range.value = value->number(between(range.low, range.high));
-    } else if (!may_be_map(range.name)) {
-      value->fail("must be a number: it is the same everywhere in a patch");
     } else {
-      SkinMap map{range.name, range.value, decode_values(*value)};
-      clamp(range, map.values, result.warnings);
-      result.maps.push_back(std::move(map));
+      result.maps.push_back(decode_skin_map(range, *value, result.warnings));
     }
   }
   if (const auto oiliness = object.optional("oiliness"))

@@ -38,6 +38,11 @@ struct SkinMaps {
 /// @throws InvalidInput naming the field; FileError naming the first texel that is not finite.
 [[nodiscard]] SkinMaps decode_skin_maps(const JsonInput& recipe);
 
+/// Decodes one parameter that is a map, and adds a warning if values were clamped.
+/// @throws as decode_skin_maps.
+[[nodiscard]] SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
+                                      std::vector<std::string>& warnings);
+
 /// Whether a parameter of that name may be a map.
 [[nodiscard]] bool may_be_map(std::string_view parameter);
 

@@ -2,38 +2,14 @@
 #include "lamina/render/hierarchy_preparation.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/render/irradiance_cloud_file.h"
+#include "lamina/render/nearest_pixel.h"
 #include "lamina/render/scene_fingerprint.h"
 
 namespace lamina {
-namespace {
-
-/// What a pixel sees at least of a material [mm].
-float smallest_pixel(const Scene& scene, const CameraRays& camera, std::uint32_t material) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Mesh& mesh : scene.meshes)
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (mesh.material[t] != material) continue;
-      for (const std::uint32_t corner : mesh.triangles[t]) {
-        const Vec3f& p = mesh.positions[corner];
-        const Vec3 offset =
-            Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)} -
-            scene.camera.position;
-        nearest = std::min(nearest, dot(offset, offset));
-      }
-    }
-  return nearest < std::numeric_limits<double>::infinity()
-             ? camera.pixel_angle() * static_cast<float>(std::sqrt(nearest))
-             : 0.0f;
-}
-
-}  // namespace
-
 template <int N>
 bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
                          const RenderScene& scene, const CameraRays& camera,
@@ -55,8 +31,8 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
   std::vector<IrradianceCloud> clouds;
   for (HierarchyTransport<N>* hierarchy : hierarchies) {
     // What is kept serves cameras that come closer, too.
-    const float pixel = (cache.empty() ? 1.0f : 0.5f) *
-                        smallest_pixel(*scene.scene, camera, hierarchy->material());
+    const float pixel =
+        (cache.empty() ? 1.0f : 0.5f) * nearest_pixel(*scene.scene, camera, hierarchy->material());
     auto cloud = hierarchy->sample_light(light, pixel, scene.scene->render.seed, progress);
     if (!cloud) return false;
     hierarchy->use(*cloud);

@@ -21,6 +21,7 @@
 #include "lamina/render/render_scene.h"
 #include "lamina/render/scene_fingerprint.h"
 #include "lamina/render/single_scattering.h"
+#include "lamina/render/texture_space_preparation.h"
 #include "lamina/render/tile_passes.h"
 
 namespace lamina {
@@ -69,7 +70,9 @@ BandSet common_bands(const Scene& scene) {
 template <int N>
 struct Transports {
   std::vector<std::unique_ptr<SubsurfaceTransport<N>>> of_material;  ///< null: not translucent
-  std::vector<HierarchyTransport<N>*> hierarchies;  ///< those that are to sample light first
+  // Those that are to sample light first:
+  std::vector<HierarchyTransport<N>*> hierarchies;
+  std::vector<TextureSpaceTransport<N>*> texture_spaces;
 };
 
 /// The one place where a method of subsurface transport is chosen.
@@ -82,6 +85,13 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   transports.of_material.resize(materials.size());
   const ProfileMaker make_profile = profile_maker(scene.scene->render.profile);
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
+  for (const SurfaceMaterial& material : materials) {
+    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
+    if (surface && surface->material.skin && !surface->material.skin->maps.empty() &&
+        scene.scene->render.method != Method::texture_space)
+      throw InvalidInput("material \"" + material.name +
+                         "\": maps of skin are for method \"texture_space\"");
+  }
   if (scene.scene->render.method == Method::layered_bsdf) return transports;
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
@@ -102,15 +112,19 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         transport = std::move(hierarchy);
         break;
       }
+      case Method::texture_space: {
+        auto texture_space = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
+        transports.texture_spaces.push_back(texture_space.get());
+        transport = std::move(texture_space);
+        break;
+      }
       case Method::random_walk:
         transport = std::make_unique<RandomWalk<N>>(scene, conversion, i);
         break;
       default:
         throw InvalidInput(
-            "render: method must be \"profile\", \"layered_bsdf\", \"hierarchy\" or "
-            "\"random_walk\", the others do "
-            "not "
-            "exist in this version");
+            "render: method must be \"profile\", \"layered_bsdf\", \"hierarchy\", "
+            "\"texture_space\" or \"random_walk\", the others do not exist in this version");
     }
     using SingleScattering = RenderSettings::SingleScattering;
     const auto single = scene.scene->render.single_scattering;
@@ -153,6 +167,9 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
   const CameraRays camera(scene.scene->camera, width, height);
   if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress))
+    return false;
+  if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options.cache,
+                              progress))
     return false;
 
   const auto sample = [&](int x, int y, int i) {

@@ -23,7 +23,8 @@ struct RenderOptions {
   enum class DirectLight { combined, lights_only, surfaces_only };
   DirectLight direct_light = DirectLight::combined;
 
-  /// File that keeps what the method `hierarchy` samples, for other cameras; empty: none. It is
+  /// File that keeps what the methods `hierarchy` and `texture_space` sample, for other cameras;
+  /// empty: none. It is
   /// read if it is there, else written.
   std::filesystem::path cache;
 

@@ -183,6 +183,14 @@ struct HierarchySettings {
   float error = 0.06f;          ///< solid angle up to which samples are summed as one [sr]
 };
 
+/// How the method `texture_space` samples light on a surface and spreads it.
+struct TextureSpaceSettings {
+  float texel = 0.0f;           ///< width of a texel [mm]; 0: from the size of a pixel
+  int max_texels = 1'000'000;   ///< of a material, whatever the width
+  int irradiance_samples = 16;  ///< random estimates of the light at each texel that is seen
+  int terms = 2;  ///< times that light comes back from the dermis before the series is closed
+};
+
 /// What the method layered_bsdf follows inside the layers.
 enum class LayeredOrders {
   first,        ///< light scattered once
@@ -219,6 +227,7 @@ struct RenderSettings {
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;
   HierarchySettings hierarchy;
+  TextureSpaceSettings texture_space;
 };
 
 /// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.

@@ -111,10 +111,24 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
   return settings;
 }
 
+TextureSpaceSettings decode_texture_space(const JsonInput& value) {
+  const JsonObject object = value.object({"texel_mm", "max_texels", "irradiance_samples", "terms"});
+  TextureSpaceSettings settings;
+  if (const auto texel = object.optional("texel_mm"))
+    settings.texel = static_cast<float>(texel->number(between(0.0, 1e6, "mm")));
+  if (const auto texels = object.optional("max_texels"))
+    settings.max_texels = static_cast<int>(texels->integer(1000, 20'000'000));
+  if (const auto samples = object.optional("irradiance_samples"))
+    settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
+  if (const auto terms = object.optional("terms"))
+    settings.terms = static_cast<int>(terms->integer(1, 100));
+  return settings;
+}
+
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"method", "profile", "orders", "factors", "single_scattering",
-                    "samples_per_pixel", "noise", "max_bounces", "seed", "hierarchy"});
+  const JsonObject object = value.object({"method", "profile", "orders", "factors",
+                                          "single_scattering", "samples_per_pixel", "noise",
+                                          "max_bounces", "seed", "hierarchy", "texture_space"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -156,7 +170,23 @@ RenderSettings decode_render_settings(const JsonInput& value) {
     settings.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
   if (const auto hierarchy = object.optional("hierarchy"))
     settings.hierarchy = decode_hierarchy(*hierarchy);
+  if (const auto texture_space = object.optional("texture_space"))
+    settings.texture_space = decode_texture_space(*texture_space);
   return settings;
+}
+
+/// What was done to the maps of skin.
+std::vector<std::string> map_warnings(const SkinMaps& skin) {
+  std::vector<std::string> warnings = skin.warnings;
+  const auto size = [](const SkinMap& map) {
+    return std::to_string(map.values.width) + " x " + std::to_string(map.values.height);
+  };
+  for (const SkinMap& map : skin.maps)
+    if (size(map) != size(skin.maps.front()))
+      warnings.push_back("skin." + std::string(map.name) + ": " + size(map) + " texels, where " +
+                         std::string(skin.maps.front().name) + " has " + size(skin.maps.front()) +
+                         ": each is resampled to the texels of the surface");
+  return warnings;
 }
 
 Scene decode_scene(const JsonInput& root) {
@@ -181,6 +211,14 @@ Scene decode_scene(const JsonInput& root) {
     auto [decoded, warnings] = decode_mesh(mesh, materials, mm_per_unit);
     scene.meshes.push_back(std::move(decoded));
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
+  }
+  const bool has_method = file.has("render") && file.required("render").peek("method").has_value();
+  for (const DecodedMaterial& material : materials) {
+    const auto* surface = std::get_if<SubsurfaceSurface>(&material.material.surface);
+    if (!surface || !surface->material.skin || surface->material.skin->maps.empty()) continue;
+    if (!has_method) scene.render.method = RenderSettings::Method::texture_space;
+    for (const std::string& warning : map_warnings(*surface->material.skin))
+      scene.warnings.push_back("material \"" + material.material.name + "\": " + warning);
   }
   if (scene.lights.empty())
     scene.warnings.push_back(file.required("lights").where() +

@@ -83,6 +83,12 @@ class MaterialDecoder {
     const JsonObject object = value.object(
         {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface{.material = decode_layers_of(object.required("subsurface"))};
+    if (const auto& skin = surface.material.skin; skin && !skin->maps.empty())
+      result_.mapped = "subsurface.skin." + std::string(skin->maps.front().name);
+    // Oil on skin, as the recipe says, unless a coat says more.
+    if (surface.material.oiliness > 0.0)
+      result_.material.coat =
+          Coat{.weight = {.value = static_cast<float>(surface.material.oiliness)}};
     using ColorUse = SubsurfaceSurface::ColorUse;
     if (const auto color = object.optional("color")) {
       surface.color = decode_color_parameter(*color);
@@ -189,7 +195,7 @@ class MaterialDecoder {
 
   /// A built-in material by name, a material file by path, or a material file as an object.
   static Material decode_layers_of(const JsonInput& value) {
-    if (value.is_object()) return decode_material(value);
+    if (value.is_object()) return decode_material(value, RecipeMaps::allowed);
     if (!value.is_string())
       value.refuse("must be a built-in material, a material file, or what one says");
     const std::string name = value.string();
@@ -201,7 +207,7 @@ class MaterialDecoder {
     if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
       value.fail("there is no built-in material and no file \"" + name + "\"" +
                  did_you_mean(name, names));
-    return load_for(value, [&] { return load_material(value.file_path()); });
+    return load_for(value, [&] { return load_material(value.file_path(), RecipeMaps::allowed); });
   }
 
   ColorParameter decode_color_parameter(const JsonInput& value) {

@@ -120,6 +120,12 @@ void add(Hash& hash, const DiffuseSurface& surface) {
 void add(Hash& hash, const SubsurfaceSurface& surface) {
   const auto& [material, color, color_use, thickness, maps] = surface;
   hash.add_text(format_material(material));
+  if (material.skin)
+    for (const SkinMap& map : material.skin->maps) {
+      hash.add_text(map.name);
+      hash.add(map.values.width);
+      hash.add_all(map.values.pixels);
+    }
   add_parameter(hash, color);
   hash.add(color_use);
   add_parameter(hash, thickness);
@@ -219,6 +225,12 @@ SceneFingerprint fingerprint(const Scene& scene) {
   settings.add(max_points);
   settings.add(irradiance_samples);
   (void)error;  // of the sum, not of the samples
+  const auto& [texel, max_texels, samples_of_texel, terms] = scene.render.texture_space;
+  settings.add(scene.render.method);
+  settings.add(texel);
+  settings.add(max_texels);
+  settings.add(samples_of_texel);
+  (void)terms;  // of the transport, not of the samples
   settings.add(scene.render.max_bounces);
   settings.add(scene.render.seed);
   return {.meshes = hash_of(scene.meshes),
@@ -243,7 +255,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(scene.film.width);
   hash.add(scene.film.height);
   const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
-               max_bounces, seed, hierarchy] = scene.render;
+               max_bounces, seed, hierarchy, texture_space] = scene.render;
   hash.add(method);
   hash.add(orders);
   for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
@@ -253,6 +265,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(samples_per_pixel);
   hash.add(noise);
   hash.add(hierarchy.error);
+  hash.add(texture_space.terms);
   (void)max_bounces, (void)seed;  // a part of parts.settings
   const auto& [exit_angle, direct_light, cache, checkpoint, resumes] = options;
   hash.add(exit_angle);

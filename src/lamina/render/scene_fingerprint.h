@@ -12,7 +12,7 @@ namespace lamina {
 /// for one case in 10^19. The camera and the film are no part of it.
 struct SceneFingerprint {
   std::uint64_t meshes = 0, materials = 0, maps = 0, lights = 0;
-  std::uint64_t settings = 0;  ///< method `hierarchy`, bounces and seed
+  std::uint64_t settings = 0;  ///< method and how it samples, bounces and seed
   friend bool operator==(const SceneFingerprint&, const SceneFingerprint&) = default;
 };
 

@@ -19,16 +19,6 @@ namespace {
 
 Plane plane_of(const Image& image) { return {image.width, image.height, image.pixels}; }
 
-/// The geometric mean of a map. Where the map varies it is rounded to a fourth of a natural
-/// logarithm, so that similar maps share their tables.
-double typical_absorption(const Plane& sigma_a) {
-  double sum = 0.0;
-  for (const float value : sigma_a.values) sum += std::log(static_cast<double>(value));
-  const double mean = sum / static_cast<double>(sigma_a.values.size());
-  const auto [low, high] = std::ranges::minmax(sigma_a.values);
-  return std::exp(low == high ? mean : std::round(4.0 * mean) / 4.0);
-}
-
 /// Share of the light arriving at an angle that enters.
 double entering_share(const SkinParameters& skin, double wavelength, double theta) {
   return entry_transmittance(skin_layer_stack(skin, wavelength), {.theta = theta});
@@ -85,6 +75,14 @@ class Stopwatch {
 };
 
 }  // namespace
+
+double typical_absorption(std::span<const float> sigma_a) {
+  double sum = 0.0;
+  for (const float value : sigma_a) sum += std::log(static_cast<double>(value));
+  const double mean = sum / static_cast<double>(sigma_a.size());
+  const auto [low, high] = std::ranges::minmax(sigma_a);
+  return std::exp(low == high ? mean : std::round(4.0 * mean) / 4.0);
+}
 
 MappedStack mapped_skin_stack(const SkinParameters& skin, double wavelength) {
   SkinParameters without_sheet = skin;  // the sheet between the layers is none of them
@@ -145,7 +143,8 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     const double wavelength = patch.bands.wavelengths()[b];
     const SkinPlanes planes = skin_planes(patch.skin, patch.width, patch.height, wavelength);
     std::vector<double> reference;
-    for (const Plane& sigma_a : planes.sigma_a) reference.push_back(typical_absorption(sigma_a));
+    for (const Plane& sigma_a : planes.sigma_a)
+      reference.push_back(typical_absorption(sigma_a.values));
     result.tables[b] = [&] {
       const Stopwatch watch(table_seconds);
       return cached_stack_tables(cache, mapped_skin_stack(patch.skin.skin, wavelength),

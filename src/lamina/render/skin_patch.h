@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,10 @@ struct SkinPatchResult {
 [[nodiscard]] SkinPatchResult render_skin_patch(const SkinPatch& patch,
                                                 const std::optional<DiskCache>& cache = {},
                                                 const Progress& progress = {});
+
+/// The geometric mean of absorptions. Where they differ it is rounded to a fourth of a natural
+/// logarithm, so that similar maps share their tables.
+[[nodiscard]] double typical_absorption(std::span<const float> sigma_a);
 
 /// The layers of a patch in one band, without their absorption.
 [[nodiscard]] MappedStack mapped_skin_stack(const SkinParameters& skin, double wavelength);

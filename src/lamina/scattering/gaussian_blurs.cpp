@@ -203,12 +203,11 @@ BlurLadder make_blur_ladder(int width, int height, double largest_variance) {
   return ladder;
 }
 
-std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
-                                       std::span<const double> variances) {
+std::vector<double> detail::fit_rungs(std::span<const double> variances, double lowest,
+                                      std::size_t rung_count, const RungTransfers& transfers_at) {
   constexpr int count = 400;
   constexpr double ridge = 1e-4, weight_of_total = 100.0;
-  const double lowest = 1.0 / std::max(ladder.width, ladder.height);
-  const auto rungs = static_cast<Eigen::Index>(ladder.variances.size());
+  const auto rungs = static_cast<Eigen::Index>(rung_count);
   const auto gaussians = static_cast<Eigen::Index>(variances.size());
   Eigen::MatrixXd a(count + 1, rungs), wanted(count + 1, gaussians);
   for (Eigen::Index j = 0; j <= count; ++j) {
@@ -218,7 +217,7 @@ std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
     // k²/2 as far as blurs on the grid can have it: the mean over directions of its fourth order
     // in k is right.
     const double rise = 1.0 - std::cos(k), half_square = rise + rise * rise / 8.0;
-    const std::vector<double> transfers = rung_transfers(ladder, k);
+    const std::vector<double> transfers = transfers_at(k);
     for (Eigen::Index i = 0; i < rungs; ++i)
       a(j, i) = weight * transfers[static_cast<std::size_t>(i)];
     for (Eigen::Index i = 0; i < gaussians; ++i)
@@ -230,6 +229,13 @@ std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
   Eigen::MatrixXd weights = all.householderQr().solve(of);
   for (Eigen::Index i = 0; i < gaussians; ++i) weights.col(i) /= weights.col(i).sum();
   return {weights.data(), weights.data() + weights.size()};
+}
+
+std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
+                                       std::span<const double> variances) {
+  return detail::fit_rungs(variances, 1.0 / std::max(ladder.width, ladder.height),
+                           ladder.variances.size(),
+                           [&](double k) { return rung_transfers(ladder, k); });
 }
 
 std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input, const Plane& coordinate,

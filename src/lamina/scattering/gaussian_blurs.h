@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -50,6 +51,17 @@ inline constexpr std::size_t finest_rungs = 6;
 /// @param variances  [texel²], >= 0.
 [[nodiscard]] std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
                                                      std::span<const double> variances);
+
+namespace detail {
+
+/// Transfer of each rung at a spatial frequency [1/texel].
+using RungTransfers = std::function<std::vector<double>(double k)>;
+
+/// A matrix, [variance][rung], by least squares over frequencies from `lowest` times pi to pi.
+[[nodiscard]] std::vector<double> fit_rungs(std::span<const double> variances, double lowest,
+                                            std::size_t rung_count, const RungTransfers& transfers);
+
+}  // namespace detail
 
 /// An operator with a profile of its own at each texel where light comes out: the weights of the
 /// rungs are polynomials in a coordinate in [-1, 1] that each texel has.

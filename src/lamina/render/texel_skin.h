@@ -1,0 +1,30 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/materials/skin_maps.h"
+#include "lamina/render/texture_atlas.h"
+#include "lamina/scattering/surface_transport.h"
+
+namespace lamina {
+
+/// The maps of skin at the texels of a surface.
+struct TexelSkin {
+  std::size_t texels = 0;
+  std::vector<std::vector<float>> values;  ///< [map][texel]
+};
+
+/// Each map, of whatever size, as the mean over the texel; maps repeat beyond the unit square.
+[[nodiscard]] TexelSkin sample_skin(const SkinMaps& skin, const std::vector<Mesh>& meshes,
+                                    const TextureAtlas& atlas);
+
+/// What skin absorbs at each texel in one band.
+[[nodiscard]] CellAbsorption absorption_of(const SkinMaps& skin, const TexelSkin& at_texels,
+                                           double wavelength);
+
+/// Change of the barycentric weights for a step on the grid of a texel's chart, in texels.
+[[nodiscard]] Vec2f barycentric_step(const std::vector<Mesh>& meshes, const AtlasTexel& texel,
+                                     Vec2f step);
+
+}  // namespace lamina

@@ -1,0 +1,88 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/texture_space_preparation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/render/irradiance_cloud_file.h"
+#include "lamina/render/nearest_pixel.h"
+#include "lamina/render/scene_fingerprint.h"
+
+namespace lamina {
+namespace {
+
+/// Texels that face the camera's place with nothing but clear surfaces or other materials of the
+/// kind between: what may show, directly.
+std::vector<bool> seen_texels(const RenderScene& scene, std::span<const AtlasTexel> texels) {
+  const Vec3& at = scene.scene->camera.position;
+  const Vec3f eye{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
+  std::vector<char> is_seen(texels.size(), 0);
+  constexpr std::size_t chunk = 1024;
+  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
+      const AtlasTexel& texel = texels[i];
+      const Vec3f offset = eye - texel.position;
+      const float distance = length(offset), width = std::sqrt(texel.area);
+      if (!(distance > width) || dot(offset, texel.normal) < -0.1f * distance) continue;
+      const Ray ray{texel.position + width * texel.normal, offset / distance};
+      is_seen[i] = scene.geometry.is_blocked(ray, 0.0f, distance) ? 0 : 1;
+    }
+  });
+  return {is_seen.begin(), is_seen.end()};
+}
+
+}  // namespace
+
+template <int N>
+bool prepare_texture_spaces(const std::vector<TextureSpaceTransport<N>*>& transports,
+                            const RenderScene& scene, const CameraRays& camera,
+                            const LightGatherer<N>& light, const std::filesystem::path& cache,
+                            const Progress& progress) {
+  if (transports.empty()) return true;
+  const std::optional<DiskCache> tables = user_cache();
+  const SceneFingerprint made_for = cache.empty() ? SceneFingerprint{} : fingerprint(*scene.scene);
+  std::vector<IrradianceCloud> clouds;
+  const bool is_kept = !cache.empty() && std::filesystem::exists(cache);
+  if (is_kept) clouds = load_irradiance_clouds(cache, made_for);
+  for (TextureSpaceTransport<N>* transport : transports) {
+    const auto found = std::ranges::find(clouds, transport->material(), &IrradianceCloud::material);
+    if (is_kept && (found == clouds.end() || found->bands > N))
+      throw FileError(cache.string() + ": lacks a material of the scene");
+    // Texels are as the file has them, else as this camera needs them.
+    transport->make_texels(
+        is_kept ? 0.0f : nearest_pixel(*scene.scene, camera, transport->material()), tables,
+        is_kept ? found->spacing : 0.0f);
+  }
+  for (TextureSpaceTransport<N>* transport : transports) {
+    if (is_kept) {
+      transport->use(*std::ranges::find(clouds, transport->material(), &IrradianceCloud::material));
+      continue;
+    }
+    const auto is_seen =
+        cache.empty() ? seen_texels(scene, transport->texels()) : std::vector<bool>{};
+    auto cloud = transport->sample_light(light, is_seen, scene.scene->render.seed, progress);
+    if (!cloud) return false;
+    transport->use(*cloud);
+    if (!cache.empty()) clouds.push_back(*std::move(cloud));
+  }
+  if (!cache.empty() && !is_kept) save_irradiance_clouds(clouds, made_for, cache);
+  return true;
+}
+
+template bool prepare_texture_spaces<4>(const std::vector<TextureSpaceTransport<4>*>&,
+                                        const RenderScene&, const CameraRays&,
+                                        const LightGatherer<4>&, const std::filesystem::path&,
+                                        const Progress&);
+template bool prepare_texture_spaces<8>(const std::vector<TextureSpaceTransport<8>*>&,
+                                        const RenderScene&, const CameraRays&,
+                                        const LightGatherer<8>&, const std::filesystem::path&,
+                                        const Progress&);
+template bool prepare_texture_spaces<16>(const std::vector<TextureSpaceTransport<16>*>&,
+                                         const RenderScene&, const CameraRays&,
+                                         const LightGatherer<16>&, const std::filesystem::path&,
+                                         const Progress&);
+
+}  // namespace lamina

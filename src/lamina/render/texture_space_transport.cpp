@@ -1,0 +1,202 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/texture_space_transport.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/render/skin_patch.h"
+#include "lamina/render/surface_cells.h"
+#include "lamina/render/texel_skin.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+/// Levels of cells go on up to this size: Gaussians of skin are no wider [mm²].
+constexpr double largest_cell = 25.0;
+
+/// Texels that do not show get so many times fewer samples: their light comes in from afar only.
+constexpr int fewer_where_hidden = 8;
+
+}  // namespace
+
+template <int N>
+TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::uint32_t material,
+                                                bool is_printed_exit)
+    : scene_(scene),
+      surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
+      material_(material),
+      is_printed_exit_(is_printed_exit) {
+  const auto refuse = [&](const std::string& why) {
+    throw InvalidInput("material \"" + scene.scene->materials[material].name +
+                       "\": method texture_space " + why);
+  };
+  if (!surface_.material.skin) refuse("needs a material of recipe \"skin\"");
+  if (surface_.color_use != SubsurfaceSurface::ColorUse::none)
+    refuse("takes no \"color\": maps of skin's parameters are its colors");
+  if (std::isfinite(surface_.material.skin->skin.dermis_thickness))
+    refuse("takes the thickness of thin parts from the mesh: leave out \"dermis_thickness\"");
+}
+
+template <int N>
+void TextureSpaceTransport<N>::make_texels(float pixel_size, const std::optional<DiskCache>& cache,
+                                           float spacing) {
+  const TextureSpaceSettings& settings = scene_.scene->render.texture_space;
+  const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
+  // Finer than the narrowest profiles matter there is nothing to see.
+  constexpr float finest = 0.02f;
+  const float wanted = settings.texel > 0.0f ? settings.texel : std::max(pixel_size, finest);
+  spacing_ = spacing > 0.0f
+                 ? spacing
+                 : std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_texels)));
+  atlas_.emplace(scene_.scene->meshes, material_, spacing_);
+  if (atlas_->texels().empty())
+    throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
+                       "\": no texel of method texture_space lies on it: its faces have no area in "
+                       "texture coordinates, or are all smaller than a texel");
+  const TextureAtlas::Cells cells = atlas_->cells();
+  graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
+  layers_ = make_surface_layers<N>(graph_);
+  const SkinMaps& skin = *surface_.material.skin;
+  const TexelSkin at_texels = sample_skin(skin, scene_.scene->meshes, *atlas_);
+  const auto wavelengths = surface_.material.bands.wavelengths();
+  const OperatorTotals totals = skin.constants == SkinConstants::calibrated
+                                    ? OperatorTotals::exact
+                                    : OperatorTotals::diffusion;
+  std::vector<StackTables> tables(wavelengths.size());
+  std::vector<CellAbsorption> absorption(wavelengths.size());
+  parallel_for(wavelengths.size(), [&](std::size_t b) {
+    absorption[b] = absorption_of(skin, at_texels, wavelengths[b]);
+    const std::vector<double> reference = {typical_absorption(absorption[b].upper),
+                                           typical_absorption(absorption[b].lower)};
+    tables[b] =
+        cached_stack_tables(cache, mapped_skin_stack(skin.skin, wavelengths[b]), totals, reference);
+  });
+  for (std::size_t b = 0; b < wavelengths.size(); ++b)
+    layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
+  reflectance_ = uniform_reflectance(*layers_);
+  extend(reflectance_);
+}
+
+template <int N>
+std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
+    const LightGatherer<N>& light, const std::vector<bool>& is_seen, std::uint64_t seed,
+    const Progress& progress) const {
+  const auto texels = atlas_->texels();
+  const auto& meshes = scene_.scene->meshes;
+  IrradianceCloud cloud{
+      .material = material_,
+      .bands = surface_.material.bands.size(),
+      .spacing = spacing_,
+      .points = std::vector<CloudPoint>(texels.size()),
+      .irradiance = std::vector<float>(texels.size() * surface_.material.bands.size())};
+  const SurfaceMaterial& material = scene_.scene->materials[material_];
+  const int full = scene_.scene->render.texture_space.irradiance_samples;
+  constexpr std::size_t chunk = 256;
+  std::atomic<bool> is_stopped = false;
+  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    if (is_stopped) return;
+    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
+      const AtlasTexel& texel = texels[i];
+      const auto point_at = [&](Vec2f moved) {
+        // Moved within the plane of its face, as far as that goes.
+        const Vec2f d = barycentric_step(meshes, texel, moved);
+        float u = texel.u + d.x, v = texel.v + d.y;
+        if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
+        SurfacePoint point = make_surface_point(
+            meshes,
+            {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
+            spacing_);
+        if (material.bump || material.normal_map)
+          point.normal = bent_normal(scene_.textures, material, point);
+        return point;
+      };
+      const bool is_full = is_seen.empty() || is_seen[i];
+      const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+      Bands irradiance;
+      for (int s = 0; s < count; ++s) {
+        PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
+                             static_cast<std::uint32_t>(s));
+        const Vec2f place = samples.next_2d();
+        irradiance +=
+            light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
+      }
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        cloud.irradiance[i * cloud.bands + b] =
+            irradiance[static_cast<int>(b)] / static_cast<float>(count);
+      const SurfacePoint middle = point_at({0.0f, 0.0f});
+      cloud.points[i] = {.position = texel.position,
+                         .normal = middle.normal,
+                         .uv = middle.uv,
+                         .area = texel.area,
+                         .albedo = {1, 1, 1},
+                         .thickness = 0.0f};
+    }
+    if (!report(progress, 0.0)) is_stopped = true;
+  });
+  if (is_stopped) return std::nullopt;
+  return cloud;
+}
+
+template <int N>
+void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
+  const std::size_t texels = atlas_->texels().size();
+  if (cloud.points.size() != texels)
+    throw InvalidInput("texture_space: " + std::to_string(cloud.points.size()) +
+                       " samples of light do not fit " + std::to_string(texels) + " texels");
+  CellField<N> entering(texels);
+  for (std::size_t i = 0; i < texels; ++i)
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
+  exitance_ = transport(*layers_, entering, scene_.scene->render.texture_space.terms);
+  for (Bands& value : exitance_)
+    for (int b = 0; b < N; ++b) value[b] = std::max(value[b], 0.0f);  // where weights overshoot
+  extend(exitance_);
+}
+
+template <int N>
+void TextureSpaceTransport<N>::extend(CellField<N>& field) const {
+  for (const TextureAtlas::Border& border : atlas_->borders()) {
+    Bands value;
+    for (const auto& [texel, weight] : border.from) value += weight * field[texel];
+    field.push_back(value);
+  }
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::looked_up(const CellField<N>& field,
+                                                  const SurfacePoint& point) const {
+  const TextureAtlas::Weights weights = atlas_->weights_at(point);
+  Bands value;
+  for (int k = 0; k < weights.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    value += weights.weight[i] * field[weights.texel[i]];
+  }
+  return value;
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::local_reflectance(const SurfacePoint& point) const {
+  return looked_up(reflectance_, point);
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::leaving_radiance(const ExitPoint& exit,
+                                                         const LightGatherer<N>& /*light*/,
+                                                         PixelSamples& /*samples*/) const {
+  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
+                                         : exit_distribution(exit.boundary, exit.cos_o);
+  return leaving * looked_up(exitance_, exit.point);
+}
+
+template class TextureSpaceTransport<4>;
+template class TextureSpaceTransport<8>;
+template class TextureSpaceTransport<16>;
+
+}  // namespace lamina

@@ -1,0 +1,138 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "lamina/core/error.h"
+#include "lamina/render/texture_atlas.h"
+#include "small_scenes.h"
+
+namespace lamina {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Material uniform_skin() {
+  return parse_material(
+      R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm",
+           "bands": [450, 540, 640], "skin": { "constants": "calibrated_diffusion" } })",
+      "test");
+}
+
+Scene lit_scene(Mesh mesh, Material material, double view) {
+  Scene scene;
+  scene.camera = camera_above(view);
+  scene.film = {.width = 24, .height = 24};
+  scene.render = {.method = RenderSettings::Method::texture_space, .samples_per_pixel = 8};
+  scene.render.max_bounces = 0;
+  scene.render.texture_space = {.texel = 0.35f, .irradiance_samples = 4};
+  scene.materials = {
+      {.name = "skin",
+       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
+  scene.meshes = {std::move(mesh)};
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{0.7, 0.2, 1.0}), .irradiance = {3, 3, 3}}};
+  return scene;
+}
+
+/// Sum over links of conductance times the squared difference of a function: the integral of its
+/// squared gradient over the surface.
+template <class Function>
+double squared_gradient(const TextureAtlas::Cells& cells, const Function& f) {
+  double sum = 0.0;
+  for (const CellLink& link : cells.links) {
+    const double d = f(cells.cells[link.to].position) - f(cells.cells[link.from].position);
+    sum += static_cast<double>(link.conductance) * d * d;
+  }
+  return sum;
+}
+
+// Laplace's operator on a sphere whose texture is pinched at the poles and cut along a meridian:
+// the gradient of each coordinate has a mean square of 2/3.
+TEST(TextureAtlas, LinksKnowTheMetricOfTheSurfaceAndCrossItsSeams) {
+  const std::vector<Mesh> meshes = {make_sphere(10.0f, 48)};
+  const TextureAtlas atlas(meshes, 0, 0.25f);
+  double area = 0.0;
+  for (const AtlasTexel& texel : atlas.texels()) area += static_cast<double>(texel.area);
+  EXPECT_NEAR(area, 4.0 * pi * 100.0, 0.01 * area);
+  const TextureAtlas::Cells cells = atlas.cells();
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(
+        squared_gradient(cells, [&](const Vec3f& p) { return static_cast<double>(p[axis]); }),
+        2.0 / 3.0 * area, 0.03 * area)
+        << axis;
+  // A hill of 1.5 mm whose steepest slope is on the seam is as steep as one elsewhere.
+  const auto hill_at = [&](const Vec3f& middle) {
+    return squared_gradient(cells, [&](const Vec3f& p) {
+      const Vec3f d = p - middle;
+      return std::exp(-static_cast<double>(dot(d, d)) / (1.5 * 1.5));
+    });
+  };
+  EXPECT_NEAR(hill_at({9.95f, 1, 0}), hill_at({-1, 9.95f, 0}), 0.05 * hill_at({-1, 9.95f, 0}));
+}
+
+TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
+  const auto message_of = [](Mesh mesh) {
+    try {
+      const TextureAtlas atlas({std::move(mesh)}, 0, 0.1f);
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Mesh bare = make_square(5.0f);
+  bare.uvs.clear();
+  EXPECT_NE(message_of(bare).find("needs texture coordinates"), std::string::npos);
+  Mesh folded = make_square(5.0f);
+  folded.uvs[3] = {1.0f, 0.1f};
+  folded.uvs[2] = {0.4f, 0.9f};
+  folded.uvs[0] = {0.6f, 0.0f};
+  EXPECT_NE(message_of(folded).find("overlap"), std::string::npos);
+}
+
+// Two solvers of the same uniform skin, one by texels and one by a cloud of samples.
+TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
+  Scene scene = lit_scene(make_sphere(10.0f, 48), uniform_skin(), 14.0);
+  const Image by_texels = render(scene).image;
+  scene.render.method = RenderSettings::Method::hierarchy;
+  scene.render.hierarchy = {.spacing = 0.3f, .irradiance_samples = 8};
+  const Image by_points = render(scene).image;
+  for (const char* name : {"subsurface.R", "subsurface.G", "subsurface.B"}) {
+    const std::size_t channel = *channel_index(by_points, name);
+    double square = 0.0, mean = 0.0;
+    const double pixels = by_points.width * by_points.height;
+    for (int y = 0; y < by_points.height; ++y)
+      for (int x = 0; x < by_points.width; ++x) {
+        const auto a = static_cast<double>(by_texels.at(x, y)[channel]);
+        const auto b = static_cast<double>(by_points.at(x, y)[channel]);
+        square += (a - b) * (a - b) / pixels;
+        mean += b / pixels;
+      }
+    EXPECT_GT(mean, 0.01);
+    EXPECT_LT(std::sqrt(square) / mean, 0.15) << name;
+  }
+}
+
+// Half a plate of dark skin: the border is where the map has it, and light bleeds over it.
+TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
+  Material skin = uniform_skin();
+  Image melanin = make_image(64, 64, {"Y"});
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) *melanin.at(x, y) = y < 32 ? 0.15f : 0.01f;  // dark above
+  skin.skin->maps.push_back({"melanin", &SkinParameters::melanin, melanin});
+  Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
+  const Image image = render(scene).image;
+  const std::size_t green = *channel_index(image, "subsurface.G");
+  const float dark = image.at(12, 2)[green], light = image.at(12, 21)[green];
+  EXPECT_LT(dark, 0.45f * light);
+  EXPECT_GT(dark, 0.02f * light);
+  EXPECT_LT(image.at(12, 12)[green], light);  // within reach of the border
+  scene.render.method = RenderSettings::Method::profile;
+  EXPECT_THROW((void)render(scene), InvalidInput);
+}
+
+}  // namespace
+}  // namespace lamina

@@ -1,0 +1,126 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/surface_transport.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "lamina/scattering/heterogeneous_transport.h"
+
+namespace lamina {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+const MappedStack green_stack{1.0, {{16.0, 0.77, 1.4, 0.25}, {8.0, 0.77, 1.38, infinite}}, 1.38};
+
+GaussianTableGrid small_grid() {
+  GaussianTableGrid grid;
+  grid.rows = 64;
+  return grid;
+}
+
+/// A flat sheet of squares, cut in two charts along its middle, the right one turned upside down
+/// in its own grid.
+struct Sheet {
+  std::vector<GraphCell> cells;
+  std::vector<CellLink> links;
+};
+Sheet cut_sheet(int size, float h) {
+  Sheet sheet;
+  const auto index = [&](int x, int y) { return static_cast<std::uint32_t>(y * size + x); };
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const bool is_right = x >= size / 2;
+      const Vec3f position{h * (static_cast<float>(x) + 0.5f), h * (static_cast<float>(y) + 0.5f),
+                           0.0f};
+      sheet.cells.push_back({.position = position,
+                             .area = h * h,
+                             .chart = is_right ? 1u : 0u,
+                             .x = is_right ? 3 - x : x,
+                             .y = is_right ? 5 - y : y});
+      if (x + 1 < size) sheet.links.push_back({index(x, y), index(x + 1, y), 1.0f});
+      if (y + 1 < size) sheet.links.push_back({index(x, y), index(x, y + 1), 1.0f});
+    }
+  return sheet;
+}
+
+// Blurs by way of a coarse level are their own adjoints but for what its squares cut unevenly.
+TEST(CellBlurs, KeepTheLightAndExchangeItBothWaysAlike) {
+  const Sheet sheet = cut_sheet(21, 0.2f);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
+  ASSERT_GE(graph.levels.size(), 3u);
+  const std::size_t rungs = rung_count(graph), n = sheet.cells.size();
+  const CellField<4> coordinate(n);
+  for (std::size_t rung = 0; rung < rungs; ++rung) {
+    CellOperator<4> blur{.powers = 1, .weights = std::vector<BandValues<4>>(rungs), .totals = {}};
+    blur.weights[rung] = BandValues<4>::filled(1.0f);
+    const std::array<const CellOperator<4>*, 1> blurs = {&blur};
+    const auto spread = [&](std::size_t from) {
+      CellField<4> light(n);
+      light[from] = BandValues<4>::filled(1.0f);
+      return apply<4>(graph, light, coordinate, blurs)[0];
+    };
+    const std::size_t a = 9 + 7 * 21, b = 12 + 9 * 21;  // on either side of the cut
+    const CellField<4> of_a = spread(a), of_b = spread(b);
+    EXPECT_NEAR(of_a[b][0], of_b[a][0], rung < 6 ? 1e-7f : 0.05f * of_a[b][0]) << rung;
+    double sum = 0.0;
+    for (const auto& value : of_a) sum += static_cast<double>(value[0]);
+    EXPECT_NEAR(sum, 1.0, 1e-5) << rung;
+  }
+}
+
+// The same stripes under the same maps on a grid of texels and on a cut sheet of cells.
+TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
+  constexpr int size = 96;
+  constexpr float h = 0.08f;
+  const StackTables tables =
+      make_stack_tables(green_stack, OperatorTotals::diffusion, {}, small_grid());
+  const Sheet sheet = cut_sheet(size, h);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 40.0);
+  Plane upper = make_plane(size, size), lower = upper, absorbance = upper, light = upper;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const auto i = static_cast<std::size_t>(y * size + x);
+      upper.values[i] = 0.6f * std::exp(static_cast<float>(std::sin(0.15 * x + 0.1 * y)));
+      lower.values[i] = 0.25f * std::exp(0.7f * static_cast<float>(std::cos(0.1 * x - 0.2 * y)));
+      absorbance.values[i] = x > 40 && x < 60 ? 0.3f : 0.0f;
+      light.values[i] = 1.0f + std::cos(0.13f * static_cast<float>(x));
+    }
+  const TransportResult wanted = transport(
+      make_heterogeneous_layers(tables, {upper, lower}, {absorbance}, static_cast<double>(h)),
+      light, {.terms = 2});
+  SurfaceLayers<4> layers = make_surface_layers<4>(graph);
+  layers.add_band(0, tables, {upper.values, lower.values, absorbance.values});
+  layers.add_band(1, tables,
+                  {std::vector<float>(upper.values.size(), 0.6f),
+                   std::vector<float>(upper.values.size(), 0.25f),
+                   std::vector<float>(upper.values.size(), 0.0f)});
+  CellField<4> entering(light.values.size());
+  for (std::size_t i = 0; i < entering.size(); ++i) {
+    entering[i][0] = light.values[i];
+    entering[i][1] = 1.0f;
+  }
+  const CellField<4> left = transport(layers, entering, 2);
+  double worst = 0.0, mean = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const double error = static_cast<double>(left[i][0] - wanted.reflected.values[i]);
+    worst = std::max(worst, std::abs(error));
+    square += error * error / static_cast<double>(left.size());
+    mean += static_cast<double>(wanted.reflected.values[i]) / static_cast<double>(left.size());
+  }
+  EXPECT_GT(mean, 0.1);
+  EXPECT_LT(std::sqrt(square) / mean, 0.004);
+  EXPECT_LT(worst / mean, 0.02);
+  // Uniform skin in uniform light: the closed form, which the plane gives as well.
+  const TransportResult uniform =
+      transport(make_heterogeneous_layers(tables, {make_plane(8, 8, 0.6f), make_plane(8, 8, 0.25f)},
+                                          {make_plane(8, 8)}, static_cast<double>(h)),
+                make_plane(8, 8, 1.0f), {.terms = 2});
+  for (const auto& value : left) ASSERT_NEAR(value[1], uniform.reflected.values[0], 2e-4);
+}
+
+}  // namespace
+}  // namespace lamina
