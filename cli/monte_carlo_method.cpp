@@ -98,9 +98,8 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
         profile.reflectance_profile[at] = traced.log_radial.reflection[i + 1].*part;
         profile.transmittance_profile[at] = traced.log_radial.transmission[i + 1].*part;
       }
-      // The specular part has no error: light falls on a smooth top straight down.
-      profile.total_reflectance.push_back(traced.diffuse_reflectance.*part +
-                                          traced.specular_reflectance.*part);
+      // As of the other profiles, without what the lit surface mirrors.
+      profile.total_reflectance.push_back(traced.diffuse_reflectance.*part);
       profile.total_transmittance.push_back(traced.transmittance.*part);
     };
     fill(result.profile, &Estimate::value);

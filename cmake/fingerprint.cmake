@@ -1,9 +1,40 @@
-# Writes a header with a hash of source files. Called as
-#   cmake -D SOURCES=a.cpp;b.cpp -D NAME=MACRO -D HEADER=file.h -P fingerprint.cmake
-foreach(source IN LISTS SOURCES)
-  file(SHA256 ${source} hash)
+# Writes a header with a hash of source files and of all of lamina's headers that they include,
+# directly or not. Called as
+#   cmake -D SOURCES=a.cpp;b.cpp -D ROOT=src -D NAME=MACRO -D HEADER=file.h -P fingerprint.cmake
+# ROOT is the folder that `#include "lamina/..."` starts from. A header's own source file counts, too,
+# wherever the header is from: what a caller gets follows from it as well. DEPFILE, if given, tells
+# the build tool which files these were.
+cmake_policy(VERSION 3.25)
+set(files)
+set(new ${SOURCES})
+while(new)
+  set(found)
+  foreach(file IN LISTS new)
+    list(APPEND files ${file})
+    file(STRINGS ${file} lines REGEX "^#include \"lamina/")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "${ROOT}/\\1" header "${line}")
+      string(REGEX REPLACE "\\.h$" ".cpp" source "${header}")
+      foreach(one IN ITEMS ${header} ${source})
+        if(EXISTS ${one} AND NOT one IN_LIST files)
+          list(APPEND found ${one})
+        endif()
+      endforeach()
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES found)
+  list(REMOVE_ITEM found ${files})
+  set(new ${found})
+endwhile()
+list(SORT files)
+foreach(file IN LISTS files)
+  file(SHA256 ${file} hash)
   string(APPEND all ${hash})
 endforeach()
 string(SHA256 all "${all}")
 string(SUBSTRING ${all} 0 16 all)
 file(CONFIGURE OUTPUT ${HEADER} CONTENT "#define ${NAME} \"${all}\"\n")
+if(DEPFILE)
+  list(JOIN files " " files)
+  file(WRITE ${DEPFILE} "${HEADER}: ${files}\n")
+endif()

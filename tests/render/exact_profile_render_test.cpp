@@ -60,6 +60,27 @@ TEST(ExactDiffuseProfile, TakesWhatTheRendererTakes) {
   EXPECT_THROW((void)exact_diffuse_profile(clear, std::nullopt), InvalidInput);
 }
 
+// The exact profile has the light scattered once, which diffusion lacks.
+TEST(ExactDiffuseProfile, IsRefusedBesideSingleScattering) {
+  Scene scene;
+  scene.camera = camera_above(0.5);
+  scene.film = {.width = 2, .height = 2};
+  scene.render = {.profile = RenderSettings::Profile::exact,
+                  .single_scattering = RenderSettings::SingleScattering::straight,
+                  .samples_per_pixel = 1};
+  scene.materials = {{.name = "slab", .surface = SubsurfaceSurface{.material = slab()}}};
+  scene.meshes = {make_square(60.0f)};
+  scene.lights = {EnvironmentLight{}};
+  try {
+    (void)render(scene);
+    FAIL() << "not refused";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("single_scattering must be \"none\""),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 // Even light from all sides: seen along the normal, what a slab sends back of diffuse light.
 TEST(SubsurfaceFurnace, ExactProfileReturnsTheSlabTotal) {
   setenv("LAMINA_CACHE", "off", 1);

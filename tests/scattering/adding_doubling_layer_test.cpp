@@ -141,6 +141,52 @@ TEST(MatrixKernels, AllProcessorsAgree) {
   }
 }
 
+// One slab per lane of a vector, or a few too few for all lanes: the same as one by one, however
+// many doublings its neighbours need.
+TEST(MatrixKernels, SlabsAreTheSameTogetherAndAlone) {
+  constexpr std::size_t n = 17, even = 10, count = 11;
+  for (const MatrixKernels* kernels : runnable_matrix_kernels())
+    for (const double opaque : {0.0, 1e-9}) {
+      std::vector<Matrix> a, b;
+      for (std::size_t l = 0; l < count; ++l) {
+        Matrix& forward = a.emplace_back(n, n);
+        Matrix& backward = b.emplace_back(n, n);
+        for (std::size_t i = 0; i < n; ++i)
+          for (std::size_t j = 0; j < n; ++j) {
+            const bool differ = (i < even) != (j < even);
+            const double sign = differ && i < j ? -1.0 : 1.0;
+            forward(i, j) = 0.02 * sign * std::cos(static_cast<double>(i * j + l));
+            backward(i, j) = differ ? 0.0 : 0.01 * std::sin(static_cast<double>(i + j + l));
+            if (i == j) forward(i, j) -= 1.0 + 0.1 * static_cast<double>(l);
+          }
+      }
+      std::vector<SlabProblem> problems;
+      std::vector<Matrix> r(count, Matrix(n, n)), t = r;
+      std::vector<double*> r_of, t_of;
+      for (std::size_t l = 0; l < count; ++l) {
+        const int doublings = opaque > 0.0 ? 40 : 3 + static_cast<int>(l % 3);
+        problems.push_back({.size = n,
+                            .even = even,
+                            .forward = a[l].values.data(),
+                            .backward = b[l].values.data(),
+                            .step = opaque > 0.0 ? 0.3 : std::ldexp(2.0, -doublings),
+                            .doublings = doublings,
+                            .opaque = opaque});
+        r_of.push_back(r[l].values.data());
+        t_of.push_back(t[l].values.data());
+      }
+      kernels->slabs(problems.data(), count, r_of.data(), t_of.data());
+      for (std::size_t l = 0; l < count; ++l) {
+        Matrix alone_r(n, n), alone_t(n, n);
+        kernels->slab(problems[l], alone_r.values.data(), alone_t.values.data());
+        for (std::size_t k = 0; k < n * n; ++k) {
+          EXPECT_NEAR(r[l].values[k], alone_r.values[k], 1e-14) << kernels->name;
+          EXPECT_NEAR(t[l].values[k], alone_t.values[k], opaque + 1e-14) << kernels->name;
+        }
+      }
+    }
+}
+
 // The states of odd azimuthal modes change sign under reciprocity. Witness: the same slab by small
 // steps of its differential equations, R' = B + A R + R A + R B R and T' = (A + R B) T.
 TEST(MatrixKernels, SlabSolvesTheRiccatiEquationWithOddStates) {

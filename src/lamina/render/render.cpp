@@ -75,11 +75,28 @@ struct Transports {
   std::vector<TextureSpaceTransport<N>*> texture_spaces;
 };
 
+/// @throws InvalidInput if light scattered once would count twice.
+void require_light_once(const RenderSettings& settings) {
+  using Method = RenderSettings::Method;
+  const bool uses_profile =
+      settings.method == Method::profile || settings.method == Method::hierarchy;
+  if (uses_profile && settings.profile == RenderSettings::Profile::exact &&
+      settings.single_scattering != RenderSettings::SingleScattering::none)
+    throw InvalidInput(
+        "render: profile \"exact\" holds the light scattered once, so single_scattering must be "
+        "\"none\", but is \"" +
+        std::string(settings.single_scattering == RenderSettings::SingleScattering::straight
+                        ? "straight"
+                        : "refracted") +
+        "\"");
+}
+
 /// The one place where a method of subsurface transport is chosen.
 template <int N>
 Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>& conversion,
                               const RenderOptions& options) {
   using Method = RenderSettings::Method;
+  require_light_once(scene.scene->render);
   const auto& materials = scene.scene->materials;
   Transports<N> transports;
   transports.of_material.resize(materials.size());

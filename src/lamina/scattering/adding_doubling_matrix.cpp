@@ -17,6 +17,8 @@
 #include <Eigen/LU>
 #pragma GCC diagnostic pop
 
+#include "lamina/scattering/adding_doubling_lanes.h"
+
 namespace lamina::detail {
 
 extern const MatrixKernels LAMINA_KERNELS;
@@ -144,6 +146,40 @@ int slab(const SlabProblem& problem, double* reflection, double* transmission) {
   return done;
 }
 
+/// Slabs of the same states, `lanes` at a time. All are doubled as often as the one that needs it
+/// most: the others start thinner.
+void slabs(const SlabProblem* problems, int count, double* const* reflection,
+           double* const* transmission) {
+  const int n = problems[0].size, even = problems[0].even;
+  Dense start_H(n, n), start_K(n, n);
+  Batch H(n, n), K(n, n);
+  for (int first = 0; first < count; first += lanes) {
+    const int last = std::min(count, first + lanes);
+    int doublings = 0;
+    for (int l = first; l < last; ++l) doublings = std::max(doublings, problems[l].doublings);
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (first + lane < last) {
+        SlabProblem problem = problems[first + lane];
+        problem.step = std::ldexp(problem.step, problem.doublings - doublings);
+        thin_slab(problem, start_H, start_K);
+      }
+      for (int j = 0; j < n; ++j)  // a lane too many repeats the last
+        for (int i = 0; i < n; ++i) {
+          H(i, j)[lane] = start_H(i, j);
+          K(i, j)[lane] = start_K(i, j);
+        }
+    }
+    double_slabs(H, K, even, doublings, problems[first].opaque);
+    for (int l = first; l < last; ++l)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          const double sign = j < even ? 1.0 : -1.0;
+          reflection[l][j * n + i] = sign * H(i, j)[l - first];
+          transmission[l][j * n + i] = sign * K(i, j)[l - first];
+        }
+  }
+}
+
 void joint(int size, const double* a, const double* b, double* out) {
   Dense m(size, size);
   m.noalias() = -(View(a, size, size) * View(b, size, size));
@@ -157,6 +193,6 @@ void multiply(int rows, int inner, int columns, const double* a, const double* b
 
 }  // namespace
 
-const MatrixKernels LAMINA_KERNELS = {LAMINA_KERNELS_NAME, slab, joint, multiply};
+const MatrixKernels LAMINA_KERNELS = {LAMINA_KERNELS_NAME, slab, lanes, slabs, joint, multiply};
 
 }  // namespace lamina::detail

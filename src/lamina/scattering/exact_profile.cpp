@@ -32,6 +32,18 @@ void check(std::span<const LayerStack> stacks, const ExactProfileOptions& option
   detail::require_affordable(detail::solution_cost(stacks, fewest_nodes, fewest_modes, 24));
 }
 
+/// Light that the profile adds up to: what leaves scattered, of diffuse light all but what the
+/// surface mirrors.
+detail::FrequencyResponse flux_of_profile(const AddingDoublingTotals& solved,
+                                          const LayerStack& stack, Illumination illumination) {
+  const SlabTotals& totals = solved.totals;
+  if (illumination == Illumination::diffuse)
+    return {totals.diffuse_reflectance, totals.transmittance};
+  return {
+      totals.specular_reflectance + totals.diffuse_reflectance - solved.unscattered_reflectance,
+      totals.transmittance - (1.0 - stack.ground().reflectance) * solved.unscattered_transmittance};
+}
+
 }  // namespace
 
 std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
@@ -68,14 +80,18 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
   result.relative_error.assign(count * bands, 0.0);
   result.estimated_error.assign(bands, 0.0);
   const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
-  for (const auto& totals : adding_doubling(stacks, incidence, {.accuracy = 1e-6})) {
-    profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
-    profile.total_transmittance.push_back(totals.totals.transmittance);
+  const std::vector<AddingDoublingTotals> totals =
+      adding_doubling(stacks, incidence, {.accuracy = 1e-6});
+  for (const AddingDoublingTotals& of_band : totals) {
+    profile.total_reflectance.push_back(of_band.totals.diffuse_reflectance);
+    profile.total_transmittance.push_back(of_band.totals.transmittance);
   }
 
   std::vector<detail::BandProfile> solved(bands);
-  parallel_for(bands,
-               [&](std::size_t b) { solved[b] = detail::solve_band(stacks[b], plan, options); });
+  parallel_for(bands, [&](std::size_t b) {
+    const auto flux = flux_of_profile(totals[b], stacks[b], options.illumination);
+    solved[b] = detail::solve_band(stacks[b], plan, options, flux);
+  });
   for (std::size_t b = 0; b < bands; ++b) {
     const detail::BandProfile& band = solved[b];
     result.estimated_error[b] = band.estimated_error;

@@ -5,6 +5,7 @@
 
 #include "lamina/scattering/exact_profile.h"
 #include "lamina/scattering/exact_profile_diffuse_curves.h"
+#include "lamina/scattering/exact_profile_frequency.h"
 #include "lamina/scattering/hankel.h"
 
 namespace lamina::detail {
@@ -19,8 +20,12 @@ struct BandProfile {
 
 /// Nodes, azimuthal modes and frequencies are chosen one after the other, each with the other two
 /// kept low, until one step more changes little: their errors hardly depend on one another. Then
-/// the band is solved once with all three.
+/// their changes are added up, or the band is solved once with all three.
+///
+/// @param flux  what the profile adds up to over the plane. How much light there is takes fewer
+///              directions to know than where it goes: what they miss is put right by a factor.
 [[nodiscard]] BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
-                                     const ExactProfileOptions& options);
+                                     const ExactProfileOptions& options,
+                                     const FrequencyResponse& flux);
 
 }  // namespace lamina::detail

@@ -46,7 +46,10 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
   }
   const std::vector<double> rest = inverse_hankel(plan, spectra, 2);
   const auto paths = unscattered_paths(fine.stack);
+  const auto straight = unscattered_response(fine.stack, paths, fine.waves, 0.0);
   ProfileCurves curves;
+  curves.total_reflectance = straight.reflectance + contact / decay + evaluate(reflectance, 0.0);
+  curves.total_transmittance = straight.transmittance + evaluate(transmittance, 0.0);
   for (std::size_t i = 0; i < plan.r.size(); ++i) {
     const double r = plan.r[i];
     const auto unscattered = unscattered_profile(fine.stack, paths, r);

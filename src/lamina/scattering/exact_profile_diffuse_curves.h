@@ -9,7 +9,8 @@
 namespace lamina::detail {
 
 struct ProfileCurves {
-  std::vector<double> reflectance, transmittance;  ///< [i] [1/mm²]
+  std::vector<double> reflectance, transmittance;             ///< [i] [1/mm²]
+  double total_reflectance = 0.0, total_transmittance = 0.0;  ///< integrals over the plane
 };
 
 /// Of diffuse light from above on one point, what is not scattered or scattered once and otherwise

@@ -48,12 +48,18 @@ std::size_t place(const States& states, int mode, std::size_t node) {
   return states.offset[static_cast<std::size_t>(mode)] + (mode == 0 ? node : states.local[node]);
 }
 
-LayerOperators layer_operators(const FrequencySolver& solver, std::size_t index, double k) {
+/// A layer's equation at one frequency: dF+/dz = A F+ + B F-.
+struct LayerEquation {
+  Matrix A, B;
+  double fastest = 0.0;  ///< [1/mm] at which the light of any state changes
+};
+
+LayerEquation layer_equation(const FrequencySolver& solver, std::size_t index, const States& states,
+                             double k) {
   const GridLayer& layer = solver.stack.layers[index];
-  const States states = make_states(solver, layer.ior);
   const std::size_t n = states.size();
-  Matrix A(n, n), B(n, n);
-  double fastest = 0.0;
+  LayerEquation equation{Matrix(n, n), Matrix(n, n)};
+  auto& [A, B, fastest] = equation;
   for (int m = 0; m <= solver.modes; ++m) {
     const PhaseMode& phase = solver.phase[index][static_cast<std::size_t>(m)];
     const std::size_t first = states.offset[static_cast<std::size_t>(m)];
@@ -82,31 +88,60 @@ LayerOperators layer_operators(const FrequencySolver& solver, std::size_t index,
       A(next, b) += coupling;
     }
   }
-  LayerOperators operators{Matrix(n, n), Matrix(n, n)};
+  return equation;
+}
+
+/// Light in a clear layer from or to directions that never get there would stay for ever.
+void keep_out_of_reach(const GridLayer& layer, const States& states, Matrix& transmission) {
+  if (layer.sigma_s > 0.0 || layer.backward > 0.0) return;
+  for (std::size_t b = 0; b < states.size(); ++b)
+    for (std::size_t a = 0; a < states.size(); ++a)
+      if (std::max(states.node[a], states.node[b]) >= layer.reach) transmission(a, b) = 0.0;
+}
+
+/// [frequency]
+std::vector<LayerOperators> layer_operators(const FrequencySolver& solver, std::size_t index,
+                                            std::span<const double> frequencies) {
+  const GridLayer& layer = solver.stack.layers[index];
+  const States states = make_states(solver, layer.ior);
+  const std::size_t n = states.size();
   const bool has_bottom = std::isfinite(layer.thickness);
-  if (fastest == 0.0) {  // clear, at k = 0
-    for (std::size_t a = 0; a < n; ++a) operators.transmission(a, a) = has_bottom ? 1.0 : 0.0;
-  } else {
-    SlabProblem problem{.size = static_cast<int>(n),
-                        .even = static_cast<int>(states.even),
-                        .forward = A.values.data(),
-                        .backward = B.values.data()};
-    problem.doublings =
-        has_bottom
-            ? static_cast<int>(std::ceil(std::max(0.0, std::log2(layer.thickness * fastest))))
-            : most_doublings;
+  std::vector<LayerOperators> operators(frequencies.size(), {Matrix(n, n), Matrix(n, n)});
+  std::vector<LayerEquation> equations;
+  std::vector<SlabProblem> problems;
+  std::vector<double*> reflection, transmission;
+  equations.reserve(frequencies.size());
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    const LayerEquation& equation =
+        equations.emplace_back(layer_equation(solver, index, states, frequencies[i]));
+    const double fastest = equation.fastest;
+    if (fastest == 0.0) {  // clear, at k = 0
+      for (std::size_t a = 0; a < n; ++a) operators[i].transmission(a, a) = has_bottom ? 1.0 : 0.0;
+      continue;
+    }
+    SlabProblem& problem =
+        problems.emplace_back(SlabProblem{.size = static_cast<int>(n),
+                                          .even = static_cast<int>(states.even),
+                                          .forward = equation.A.values.data(),
+                                          .backward = equation.B.values.data(),
+                                          .doublings = most_doublings,
+                                          .opaque = has_bottom ? 0.0 : opaque_transmission});
+    if (has_bottom)
+      problem.doublings =
+          static_cast<int>(std::ceil(std::max(0.0, std::log2(layer.thickness * fastest))));
     problem.step = has_bottom ? std::ldexp(layer.thickness, -problem.doublings) : 1.0 / fastest;
-    problem.opaque = has_bottom ? 0.0 : opaque_transmission;
-    matrix_kernels().slab(problem, operators.reflection.values.data(),
-                          operators.transmission.values.data());
-    if (!has_bottom)
-      std::fill(operators.transmission.values.begin(), operators.transmission.values.end(), 0.0);
+    reflection.push_back(operators[i].reflection.values.data());
+    transmission.push_back(operators[i].transmission.values.data());
   }
-  if (layer.sigma_s == 0.0 && layer.backward == 0.0)
-    for (std::size_t b = 0; b < n; ++b)
-      for (std::size_t a = 0; a < n; ++a)
-        if (std::max(states.node[a], states.node[b]) >= layer.reach)
-          operators.transmission(a, b) = 0.0;
+  if (problems.size() == 1)
+    matrix_kernels().slab(problems[0], reflection[0], transmission[0]);
+  else if (!problems.empty())
+    matrix_kernels().slabs(problems.data(), static_cast<int>(problems.size()), reflection.data(),
+                           transmission.data());
+  for (LayerOperators& of_frequency : operators) {
+    if (!has_bottom) std::ranges::fill(of_frequency.transmission.values, 0.0);
+    keep_out_of_reach(layer, states, of_frequency.transmission);
+  }
   return operators;
 }
 
@@ -196,18 +231,28 @@ struct StackAtFrequency {
   Matrix reflection;                ///< of the whole, for light from above
 };
 
-StackAtFrequency stack_at_frequency(const FrequencySolver& solver, double k) {
-  StackAtFrequency stack{{}, ground_reflection(solver)};
-  const auto take = [&](Covered covered) {
+/// [frequency]
+std::vector<StackAtFrequency> stacks_at(const FrequencySolver& solver,
+                                        std::span<const double> frequencies) {
+  std::vector<StackAtFrequency> stacks(frequencies.size(), {{}, ground_reflection(solver)});
+  const auto take = [](StackAtFrequency& stack, Covered covered) {
     stack.crossings.push_back(std::move(covered.crossing));
     stack.reflection = std::move(covered.reflection);
   };
   for (std::size_t index = solver.stack.layers.size(); index-- > 0;) {
-    take(cover_by_interface(solver, index + 1, std::move(stack.reflection)));
-    take(cover_by_layer(layer_operators(solver, index, k), std::move(stack.reflection)));
+    const auto operators = layer_operators(solver, index, frequencies);
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      take(stacks[i], cover_by_interface(solver, index + 1, std::move(stacks[i].reflection)));
+      take(stacks[i], cover_by_layer(operators[i], std::move(stacks[i].reflection)));
+    }
   }
-  take(cover_by_interface(solver, 0, std::move(stack.reflection)));
-  return stack;
+  for (StackAtFrequency& stack : stacks)
+    take(stack, cover_by_interface(solver, 0, std::move(stack.reflection)));
+  return stacks;
+}
+
+StackAtFrequency stack_at_frequency(const FrequencySolver& solver, double k) {
+  return stacks_at(solver, {&k, 1}).front();
 }
 
 /// What leaves the stack in mode 0, the beam apart, for a state that arrives from above.
@@ -225,11 +270,24 @@ FrequencyResponse leaving_flux(const FrequencySolver& solver, const StackAtFrequ
 
 }  // namespace
 
+std::vector<FrequencyResponse> responses(const FrequencySolver& solver,
+                                         std::span<const double> frequencies) {
+  std::vector<FrequencyResponse> result;
+  for (const StackAtFrequency& at : stacks_at(solver, frequencies)) {
+    std::vector<double> state(at.reflection.rows, 0.0);
+    state[solver.stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
+    result.push_back(leaving_flux(solver, at, std::move(state)));
+  }
+  return result;
+}
+
 FrequencyResponse response(const FrequencySolver& solver, double k) {
-  const StackAtFrequency at = stack_at_frequency(solver, k);
-  std::vector<double> state(at.reflection.rows, 0.0);
-  state[solver.stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
-  return leaving_flux(solver, at, std::move(state));
+  return responses(solver, {&k, 1}).front();
+}
+
+SpectralReflection spectral_reflection(const FrequencySolver& solver, double k) {
+  States states = make_states(solver, solver.stack.ior.front());
+  return {stack_at_frequency(solver, k).reflection, std::move(states.mode), std::move(states.node)};
 }
 
 std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, double k) {
@@ -244,24 +302,32 @@ std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, d
   return modes;
 }
 
-FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {
+std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
+                                                 std::span<const double> frequencies) {
   const GridStack& stack = solver.stack;
   const std::size_t outside = active_count(stack.grid, stack.ior[0]);
   const std::size_t inside = active_count(stack.grid, stack.ior[1]);
-  const StackAtFrequency at = stack_at_frequency(solver, k);
-  std::vector<double> state(at.reflection.rows, 0.0);
-  double arriving = 0.0, mirrored = 0.0;
-  for (std::size_t i = 0; i < outside; ++i) {  // mode 0 comes first
-    if (i == stack.grid.extra[0]) continue;
-    const double etendue = stack.grid.etendue[i];
-    state[i] = std::sqrt(etendue);
-    arriving += etendue;
-    mirrored +=
-        etendue * (i < inside ? node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0);
+  std::vector<FrequencyResponse> result;
+  for (const StackAtFrequency& at : stacks_at(solver, frequencies)) {
+    std::vector<double> state(at.reflection.rows, 0.0);
+    double arriving = 0.0, mirrored = 0.0;
+    for (std::size_t i = 0; i < outside; ++i) {  // mode 0 comes first
+      if (i == stack.grid.extra[0]) continue;
+      const double etendue = stack.grid.etendue[i];
+      state[i] = std::sqrt(etendue);
+      arriving += etendue;
+      mirrored +=
+          etendue * (i < inside ? node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0);
+    }
+    const FrequencyResponse leaving = leaving_flux(solver, at, std::move(state));
+    result.push_back({.reflectance = (leaving.reflectance - mirrored) / arriving,
+                      .transmittance = leaving.transmittance / arriving});
   }
-  const FrequencyResponse leaving = leaving_flux(solver, at, std::move(state));
-  return {.reflectance = (leaving.reflectance - mirrored) / arriving,
-          .transmittance = leaving.transmittance / arriving};
+  return result;
+}
+
+FrequencyResponse diffuse_response(const FrequencySolver& solver, double k) {
+  return diffuse_responses(solver, {&k, 1}).front();
 }
 
 }  // namespace lamina::detail

@@ -43,4 +43,10 @@ struct SingleScatteringProfile {
 [[nodiscard]] SingleScatteringProfile single_scattering_profile(const OnceScattered& light,
                                                                 double r);
 
+/// The integral of that profile over the plane, as fractions of the beam's flux.
+struct SingleScatteringTotals {
+  double reflectance = 0.0, transmittance = 0.0;
+};
+[[nodiscard]] SingleScatteringTotals single_scattering_totals(const OnceScattered& light);
+
 }  // namespace lamina::detail

@@ -65,6 +65,14 @@ double densest_layer(const GridStack& stack) {
   return densest;
 }
 
+void place_frequencies(FrequencyGrid& grid, int count) {
+  grid.k.clear();
+  const double widest = std::asinh(grid.highest / grid.scale);
+  for (int i = 0; i < count; ++i)
+    grid.k.push_back(grid.scale *
+                     std::sinh(widest * std::cos((i + 0.5) * std::numbers::pi / (2 * count))));
+}
+
 }  // namespace
 
 double beam_frequencies_per_sigma_t(const GridStack& stack) {
@@ -105,10 +113,7 @@ FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double high
   // Without any absorption and bottom the light spreads without limit: a thousandth is the start.
   grid.scale = std::max(0.5 * std::sqrt(slowest), 1e-4 * grid.highest);
   if (!std::isfinite(slowest)) grid.scale = 0.1 * grid.highest;
-  const double widest = std::asinh(grid.highest / grid.scale);
-  for (int i = 0; i < count; ++i)
-    grid.k.push_back(grid.scale *
-                     std::sinh(widest * std::cos((i + 0.5) * std::numbers::pi / (2 * count))));
+  place_frequencies(grid, count);
   return grid;
 }
 
@@ -140,6 +145,14 @@ Spectrum make_spectrum(const FrequencyGrid& grid, std::span<const double> values
   spectrum.b = b;
   spectrum.c = c;
   return spectrum;
+}
+
+Spectrum resampled(const Spectrum& spectrum, int count) {
+  FrequencyGrid grid = spectrum.grid;
+  place_frequencies(grid, count);
+  std::vector<double> values;
+  for (const double k : grid.k) values.push_back(inner(spectrum, k));
+  return make_spectrum(grid, values);
 }
 
 double evaluate(const Spectrum& spectrum, double k) {

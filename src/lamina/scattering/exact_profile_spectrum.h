@@ -34,6 +34,9 @@ struct Spectrum {
 };
 [[nodiscard]] Spectrum make_spectrum(const FrequencyGrid& grid, std::span<const double> values);
 
+/// The spectrum that fewer frequencies would have found, the function being as it is.
+[[nodiscard]] Spectrum resampled(const Spectrum& spectrum, int count);
+
 /// The function at k >= 0 [1/mm].
 [[nodiscard]] double evaluate(const Spectrum& spectrum, double k);
 

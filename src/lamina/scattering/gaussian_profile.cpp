@@ -10,6 +10,10 @@
 namespace lamina {
 namespace {
 
+/// Of the widest Gaussian, times the square of the slowest effective transport coefficient. Far out
+/// light falls as exp(-sigma_tr r) / r²; the Gaussians that make it up are narrower than that.
+constexpr double widest_variance = 16.0;
+
 /// Variances in a geometric series from the finest to the widest scale of the stacks, and 0.
 std::vector<double> fitting_variances(std::span<const LayerStack> stacks, int count) {
   double densest = 0.0, slowest = INFINITY;
@@ -19,7 +23,7 @@ std::vector<double> fitting_variances(std::span<const LayerStack> stacks, int co
     slowest = std::min(slowest, 2.0 * grid.scale);
   }
   const double first = 0.25 / (densest * densest);
-  const double last = std::max(1.0 / (slowest * slowest), 4.0 * first);
+  const double last = std::max(widest_variance / (slowest * slowest), 4.0 * first);
   std::vector<double> variances{0.0};
   for (int i = 0; i < count; ++i)
     variances.push_back(first * std::pow(last / first, count > 1 ? i / (count - 1.0) : 0.5));

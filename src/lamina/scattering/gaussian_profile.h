@@ -20,7 +20,7 @@ struct GaussianProfile {
 /// no transform comes between.
 ///
 /// The narrowest Gaussian is as wide as half a mean free path in the densest layer of all bands,
-/// each next one by the same factor wider, up to where light has come to in the clearest band.
+/// each next one by the same factor wider, up to four lateral decay lengths in the clearest band.
 ///
 /// @param count  of Gaussians besides that of variance 0, >= 1.
 /// @throws InvalidInput as `exact_profile`.

@@ -1,0 +1,52 @@
+# A fingerprint changes with every file that results follow from, however it is included, and with
+# no other.
+cmake_policy(VERSION 3.25)
+set(root ${WORK}/src)
+set(folder ${root}/lamina/scattering)
+file(REMOVE_RECURSE ${WORK})
+file(WRITE ${folder}/solver.cpp "#include \"lamina/scattering/solver.h\"\n")
+file(WRITE ${folder}/solver.h "#include <vector>\n#include \"lamina/optics/ray.h\"\n")
+file(WRITE ${root}/lamina/optics/ray.h "#include \"lamina/scattering/solver.h\"  // a circle\n")
+file(WRITE ${root}/lamina/optics/ray.cpp "#include \"lamina/optics/deep.h\"\n")
+file(WRITE ${root}/lamina/optics/deep.h "")
+file(WRITE ${root}/lamina/optics/other.h "")
+
+function(fingerprint out)
+  execute_process(COMMAND ${CMAKE_COMMAND} -D SOURCES=${folder}/solver.cpp -D ROOT=${root}
+    -D NAME=F -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
+  file(READ ${WORK}/f.h text)
+  if(NOT text MATCHES "^#define F \"[0-9a-f]+\"\n$")
+    message(FATAL_ERROR "not a fingerprint: ${text}")
+  endif()
+  set(${out} ${text} PARENT_SCOPE)
+endfunction()
+
+fingerprint(before)
+foreach(file IN ITEMS scattering/solver.cpp scattering/solver.h optics/ray.h optics/ray.cpp
+    optics/deep.h)
+  file(APPEND ${root}/lamina/${file} "// changed\n")
+  fingerprint(after)
+  if(after STREQUAL before)
+    message(FATAL_ERROR "${file} changed, but the fingerprint did not")
+  endif()
+  set(before ${after})
+endforeach()
+file(APPEND ${root}/lamina/optics/other.h "// changed\n")
+fingerprint(after)
+if(NOT after STREQUAL before)
+  message(FATAL_ERROR "the fingerprint follows a file that nothing includes")
+endif()
+
+# Of the solver itself: what lies in private headers.
+file(GLOB sources ${SOURCE}/lamina/scattering/exact_profile*.cpp)
+execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
+  -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
+file(READ ${WORK}/f.d files)
+foreach(file IN ITEMS scattering/straight_ray.h scattering/bessel.cpp scattering/hankel.cpp
+    scattering/exact_profile_band.h scattering/adding_doubling_matrix.cpp optics/fresnel.h
+    optics/phase_function.cpp core/quadrature.cpp)
+  string(FIND "${files}" "/lamina/${file}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "the fingerprint of exact profiles lacks ${file}")
+  endif()
+endforeach()
