@@ -257,6 +257,14 @@ TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
 TEST(ExactProfile, RefusesWhatItCannotDo) {
   const std::vector<LayerStack> clear = {LayerStack({layer(1.0, 0.0, 0.0, 1.4, 1.0)})};
   EXPECT_THROW((void)exact_profile(clear), InvalidInput);
+  for (const char* name : {"cover glass", "air gap"}) {
+    try {
+      (void)exact_profile(std::vector{named(name)});
+      ADD_FAILURE() << name << " not refused";
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("does not scatter"), std::string::npos);
+    }
+  }
   const std::vector<LayerStack> slab = {LayerStack({layer(1.0, 9.0, 0.0, 1.4, 1.0)})};
   EXPECT_THROW((void)exact_profile(slab, {}, {.accuracy = 1.0}), InvalidInput);
   EXPECT_THROW((void)exact_profile(slab, {.first = 0.0}), InvalidInput);

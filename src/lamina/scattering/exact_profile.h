@@ -48,7 +48,9 @@ struct ExactProfile {
 /// entry and one at the exit needs: see docs/exact_profiles.md.
 ///
 /// @param stacks  [band], at least one; every band must scatter.
-/// @throws InvalidInput naming a rough boundary, a wrong grid, or a stack without a lower side.
+/// @throws InvalidInput naming a rough boundary, a wrong grid, a stack without a lower side, or a
+/// plate that neither scatters nor absorbs nine tenths: its reflections throw rings far out, which
+/// frequencies do not resolve.
 ///
 /// Source: docs/exact_profiles.md.
 [[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,

@@ -1,6 +1,4 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/exact_profile_band.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/exact_profile_band.h"
 #include "lamina/scattering/exact_profile_diffuse.h"
 #include "lamina/scattering/exact_profile_frequency.h"
 #include "lamina/scattering/exact_profile_single.h"
@@ -92,6 +91,10 @@ class BandSolver {
   template <class StepUp, class Before, class Left>
   double refine(Resolution& resolution, double bound, Curves& error, double give_up,
                 const StepUp& step_up, const Before& before, const Left& left_of);
+
+  [[nodiscard]] std::vector<double> left_after(const std::vector<double>& change,
+                                               const std::vector<double>& before,
+                                               double share) const;
 
   /// Scattering by the forward peak that the nodes do not see, the largest of all layers [1/mm].
   [[nodiscard]] double unseen_peak(std::size_t node_step) const;
@@ -213,28 +216,55 @@ double BandSolver::unseen_peak(std::size_t node_step) const {
   return most;
 }
 
+/// The error left after a step that changed this much, over all radii: `share` of it, or half as
+/// much again as the next step would change if this one, within a third of a decade, is over half
+/// the last one. So it is where rays of discrete directions stand out: they change sign from step
+/// to step (photons, through a thin matched slab: within 30 %).
+std::vector<double> BandSolver::left_after(const std::vector<double>& change,
+                                           const std::vector<double>& before, double share) const {
+  std::vector<double> left(change.size());
+  const auto nearby = [&](const std::vector<double>& values, std::size_t i) {
+    double most = 0.0;
+    for (std::size_t j = i; j-- > 0 && plan_.r[j] > plan_.r[i] / 1.5;)
+      most = std::max(most, values[j]);
+    for (std::size_t j = i; j < values.size() && plan_.r[j] < plan_.r[i] * 1.5; ++j)
+      most = std::max(most, values[j]);
+    return most;
+  };
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    const double last = before.empty() ? 0.0 : nearby(before, i);
+    const double ratio = last > 0.0 ? std::min(nearby(change, i) / last, 1.0) : 0.0;
+    left[i] = change[i] * (ratio > 0.5 ? std::max(share, 1.5 * ratio) : share);
+  }
+  return left;
+}
+
 template <class StepUp, class Before, class Left>
 double BandSolver::refine(Resolution& resolution, double bound, Curves& error, double give_up,
                           const StepUp& step_up, const Before& before, const Left& left_of) {
   const std::size_t radii = plan_.r.size();
-  Curves left;
+  Curves left, before_it;  ///< the latter of nodes alone, whose errors stand out as rays
   double worst = 0.0, worst_change = std::numeric_limits<double>::infinity();
   while (true) {
     const Resolution last = resolution;
     if (!step_up(resolution)) break;
     const Curves& fine = all(resolution);
     const Curves coarse = before(last, resolution);
-    const double share = left_of(resolution);
-    left = fine;
+    Curves change{std::vector<double>(radii), std::vector<double>(radii)};
     for (std::size_t i = 0; i < radii; ++i) {
-      left.reflectance[i] = share * std::abs(fine.reflectance[i] - coarse.reflectance[i]);
-      left.transmittance[i] = share * std::abs(fine.transmittance[i] - coarse.transmittance[i]);
+      change.reflectance[i] = std::abs(fine.reflectance[i] - coarse.reflectance[i]);
+      change.transmittance[i] = std::abs(fine.transmittance[i] - coarse.transmittance[i]);
     }
+    const double share = left_of(resolution);
+    left.reflectance = left_after(change.reflectance, before_it.reflectance, share);
+    left.transmittance = left_after(change.transmittance, before_it.transmittance, share);
     worst = std::max(largest(left.reflectance, fine.reflectance),
                      largest(left.transmittance, fine.transmittance));
-    const double change = worst / share;
-    if (worst <= bound || change > give_up * worst_change) break;
-    worst_change = change;
+    const double most = std::max(largest(change.reflectance, fine.reflectance),
+                                 largest(change.transmittance, fine.transmittance));
+    if (worst <= bound || most > give_up * worst_change) break;
+    worst_change = most;
+    if (last.node_step != resolution.node_step) before_it = std::move(change);
   }
   for (std::size_t i = 0; i < radii; ++i) {
     error.reflectance[i] += left.reflectance[i];
