@@ -20,7 +20,7 @@ void render_scene(benchmark::State& state, const std::string& name) {
     cpu_seconds += statistics.cpu_seconds;
   }
   state.counters["cpu_s"] = cpu_seconds / static_cast<double>(state.iterations());
-  state.counters["noise_percent"] = 100.0 * statistics.relative_noise;
+  state.counters["noise_percent"] = 100.0 * statistics.relative_noise.value_or(0.0);
   state.counters["peak_mib"] = statistics.peak_memory_mib;
 }
 

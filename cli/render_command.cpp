@@ -182,17 +182,18 @@ void run_render(const RenderCommandOptions& options) {
   if (!s.is_complete && fs::exists(checkpoint))
     fmt::print(stderr, "lamina: stopped early; the same command with --resume goes on from {}\n",
                checkpoint.string());
+  const std::string noise =
+      s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   print(options.common,
-        fmt::format("{}{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {:.2f} % noise, "
-                    "{:.0f} MiB\n",
+        fmt::format("{}{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
                     s.is_complete ? "" : "stopped early: ", written, s.wall_seconds, s.cpu_seconds,
-                    s.samples_per_pixel, 100.0 * s.relative_noise, s.peak_memory_mib));
+                    s.samples_per_pixel, noise, s.peak_memory_mib));
   nlohmann::ordered_json json = make_result("render");
   json["method"] = name_of(scene.render.method);
   json["wall_seconds"] = s.wall_seconds;
   json["cpu_seconds"] = s.cpu_seconds;
   json["samples_per_pixel"] = s.samples_per_pixel;
-  json["relative_noise"] = s.relative_noise;
+  if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
   json["peak_memory_mib"] = s.peak_memory_mib;
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;

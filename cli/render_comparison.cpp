@@ -117,13 +117,15 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
     const RenderStatistics& s = result.render.statistics;
     const bool is_slowest = &result == &slowest;
     const MethodError error = error_against(result.render.image, slowest.render.image);
-    table += fmt::format("{:<14}{:>9.1f}{:>9.4g}{:>10.2f}", result.method, s.cpu_seconds,
-                         s.samples_per_pixel, 100.0 * s.relative_noise);
+    const std::string noise =
+        s.relative_noise ? fmt::format("{:.2f}", 100.0 * *s.relative_noise) : "-";
+    table += fmt::format("{:<14}{:>9.1f}{:>9.4g}{:>10}", result.method, s.cpu_seconds,
+                         s.samples_per_pixel, noise);
     nlohmann::ordered_json row = {{"method", result.method},
                                   {"wall_seconds", s.wall_seconds},
                                   {"cpu_seconds", s.cpu_seconds},
-                                  {"samples_per_pixel", s.samples_per_pixel},
-                                  {"relative_noise", s.relative_noise}};
+                                  {"samples_per_pixel", s.samples_per_pixel}};
+    if (s.relative_noise) row["relative_noise"] = *s.relative_noise;
     if (is_slowest) {
       table += "        -   the reference\n";
     } else {

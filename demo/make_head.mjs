@@ -51,7 +51,7 @@ const isHead = (quad) => {
 const uvAt = (i) => [eyes.uvs[2 * i], eyes.uvs[2 * i + 1]];
 const isCornea = (quad) => quad.uvs.every((i) => uvAt(i)[0] > 0.85 && uvAt(i)[1] < 0.15);
 
-const lines = ['# CC0 base mesh, target, eyes, brows and lashes of MakeHuman; unit: decimetre'];
+const lines = ['# Base mesh, target, eyes, brows and lashes of MakeHuman; license: NOTICE of lamina; unit: decimetre'];
 let vertexCount = 0, uvCount = 0;
 function write(part, positions, uvs, quads) {
   const vertexOf = new Map(), uvOf = new Map();

@@ -32,6 +32,7 @@ expect 0 'only.png' "$scene" "${small[@]}" -o only.png
 
 for name in leaves bust rough_plate; do
   expect 0 "$name.png" "$scenes/$name.json" "${small[@]}" -o "$name.png"
+  ! grep -q ' 0.00 % noise' output || fail "$name: noise measured where there is nothing to measure"
 done
 
 expect 0 '' "$scene" "${small[@]}" -o dipole.exr --profile dipole

@@ -245,7 +245,7 @@ TEST(Hierarchy, HasNoNoiseUnderTheSurface) {
   scene.film = {.width = 48, .height = 48};
   scene.lights = {RectangleLight{
       .center = {8, 0, 8}, .edge_u = {0, 4, 0}, .edge_v = {3, 0, -3}, .radiance = {10, 10, 10}}};
-  EXPECT_LT(render(scene).statistics.relative_noise, 0.01);
+  EXPECT_LT(render(scene).statistics.relative_noise.value(), 0.01);
 }
 
 }  // namespace

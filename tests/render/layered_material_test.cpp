@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sstream>
 
 #include "lamina/core/error.h"
 #include "lamina/optics/fresnel.h"
@@ -169,6 +171,36 @@ TEST(LayeredMaterial, MapsSetTheirQuantities) {
   EXPECT_NEAR(mean_of(render(thin).image, 0), thin_wanted, 2e-3 * thin_wanted);
 }
 
+// Numbers of a recipe of skin, between the rows of the table; the tops of layers stay as they are.
+TEST(LayeredMaterial, MapsVaryNumbersOfSkin) {
+  const auto recipe = [](double melanin, double thickness) {
+    std::ostringstream text;
+    text << R"({ "lamina": "material", "version": 1, "length_unit": "mm", "bands": [470, 550, 620],
+      "surface": { "roughness": 0.3 }, "skin": { "melanin": )"
+         << melanin << R"(, "epidermis_thickness": )" << thickness << " } }";
+    return parse_material(text.str(), "test");
+  };
+  const Scene expected = plate(recipe(0.033, 0.1), 0.7, 0.5);
+  Scene mapped = plate(recipe(0.4, 0.3), 0.7, 0.5);
+  mapped.images = {make_image(2, 1, {"R", "G", "B"})};
+  for (int c = 0; c < 3; ++c) mapped.images[0].at(1, 0)[c] = 1.0f;
+  mapped.meshes[0].uvs.assign(4, {0.25f + 0.5f * 0.33f, 0.5f});
+  const auto number = [](std::string_view name) {
+    const auto ranges = skin_parameter_ranges();
+    const auto found = std::ranges::find(ranges, name, &SkinParameterRange::name);
+    return static_cast<std::size_t>(found - ranges.begin());
+  };
+  surface_of(mapped).maps = {{.quantity = LayerMap::Quantity::skin,
+                              .part = number("melanin"),
+                              .terms = {{.value = 0.1f, .map = TextureMap{.source = ImageMap{}}}}},
+                             {.quantity = LayerMap::Quantity::skin,
+                              .part = number("epidermis_thickness"),
+                              .terms = {{.value = 0.1f}}}};
+  const Image a = render(mapped).image, b = render(expected).image;
+  for (std::size_t band = 0; band < 3; ++band)
+    EXPECT_NEAR(mean_of(a, band), mean_of(b, band), 5e-3 * mean_of(b, band)) << band;
+}
+
 // An oily coat takes the place of the surface: what it reflects does not get in.
 TEST(LayeredMaterial, CoatReflectsBeforeTheLayers) {
   Scene scene = plate(skin(0.02), 0.7, 0.5);
@@ -202,7 +234,8 @@ TEST(LayeredMaterial, WhatItCannotDoIsRefused) {
   EXPECT_NE(refusal(scene).find("maps are for method \"layered_bsdf\""), std::string::npos);
   scene = plate(skin(0.02), 0.7, 0.5);
   surface_of(scene).material.layers[1].top.roughness = 0.2;
-  EXPECT_NE(refusal(scene).find("layer 1"), std::string::npos);
+  EXPECT_NE(refusal(scene).find("material \"skin\": layer 1: first order needs smooth boundaries"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -68,7 +68,11 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);
   EXPECT_EQ(scene.render.hierarchy.error, 0.1F);
 
-  ASSERT_EQ(scene.materials.size(), 8U);
+  EXPECT_EQ(scene.render.orders, LayeredOrders::first);
+  EXPECT_TRUE(scene.render.factors.seeliger && scene.render.factors.phase);
+  EXPECT_FALSE(scene.render.factors.fresnel || scene.render.factors.depth);
+
+  ASSERT_EQ(scene.materials.size(), 9U);
   EXPECT_EQ(scene.images.size(), 3U);  // the checker as sRGB and as linear, and the studio
   const auto& skin = std::get<SubsurfaceSurface>(scene.materials[0].surface);
   EXPECT_EQ(scene.materials[0].name, "skin");
@@ -105,6 +109,26 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(glass.roughness.value, 0.1F);
   EXPECT_EQ(glass.distribution, MicrofacetDistribution::ggx);
   EXPECT_EQ(glass.scattering, FacetScattering::multiple);
+  const auto& freckles = std::get<SubsurfaceSurface>(scene.materials[7].surface);
+  using Quantity = LayerMap::Quantity;
+  ASSERT_EQ(freckles.maps.size(), 4U);
+  EXPECT_EQ(freckles.maps[0].quantity, Quantity::fraction);
+  EXPECT_EQ(freckles.maps[0].layer, 0U);
+  ASSERT_EQ(freckles.maps[0].terms.size(), 2U);
+  EXPECT_EQ(freckles.maps[0].terms[0].value, 0.01F);
+  EXPECT_EQ(freckles.maps[0].terms[1].map->low, 0.0F);
+  EXPECT_EQ(freckles.maps[0].terms[1].map->high, 1.0F);
+  EXPECT_EQ(freckles.maps[1].quantity, Quantity::fraction);
+  EXPECT_EQ(freckles.maps[1].layer, 1U);
+  EXPECT_EQ(freckles.maps[1].terms[0].map->scale, 0.1F);
+  EXPECT_EQ(freckles.maps[2].quantity, Quantity::thickness);
+  EXPECT_EQ(freckles.maps[2].terms[0].value, 0.1F);
+  EXPECT_EQ(freckles.maps[3].quantity, Quantity::sigma_s);
+  EXPECT_EQ(freckles.maps[3].layer, 1U);
+  const auto& arm = std::get<SubsurfaceSurface>(scene.materials[8].surface);
+  ASSERT_EQ(arm.maps.size(), 1U);
+  EXPECT_EQ(arm.maps[0].quantity, Quantity::skin);
+  EXPECT_EQ(skin_parameter_ranges()[arm.maps[0].part].name, "melanin");
 
   ASSERT_EQ(scene.meshes.size(), 8U);
   const Mesh& triangle =

@@ -42,13 +42,21 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
   }
   if (const auto oiliness = object.optional("oiliness"))
     material.oiliness = recipe_number(*oiliness, between(0.0, 1.0));
-  std::vector<LayerStack> bands;
-  for (const double wavelength : context.wavelengths)
-    bands.push_back(skin_layer_stack(skin, wavelength));
-  material.layers = material_layers(bands, skin_layer_names(skin));
+  material.layers = skin_layers(skin, context.wavelengths);
   said.oiliness = material.oiliness;
   material.skin = std::move(said);
   add_to_source(material, "melanin: Jacques 1998; constants: " + constants);
 }
 
 }  // namespace lamina::material_file
+
+namespace lamina {
+
+std::vector<MaterialLayer> skin_layers(const SkinParameters& skin,
+                                       std::span<const double> wavelengths) {
+  std::vector<LayerStack> bands;
+  for (const double wavelength : wavelengths) bands.push_back(skin_layer_stack(skin, wavelength));
+  return material_file::material_layers(bands, skin_layer_names(skin));
+}
+
+}  // namespace lamina

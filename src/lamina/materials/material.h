@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,11 @@ enum class RecipeMaps { refused, allowed };
 /// @param band  less than material.bands.size().
 /// @throws InvalidInput as LayerStack does, or if a vector has not a number for the band.
 [[nodiscard]] LayerStack layer_stack(const Material& material, std::size_t band);
+
+/// The layers of a recipe of skin at some wavelengths [nm].
+/// @throws InvalidInput as skin_layer_stack.
+[[nodiscard]] std::vector<MaterialLayer> skin_layers(const SkinParameters& skin,
+                                                     std::span<const double> wavelengths);
 
 /// Reads a material file; docs/materials.md has the format.
 /// @throws FileError if it is missing or unreadable; InvalidInput with file, line and field if what

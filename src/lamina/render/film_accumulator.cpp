@@ -86,12 +86,14 @@ Image FilmAccumulator::image() const {
   return image;
 }
 
-std::vector<bool> FilmAccumulator::subsurface_pixels() const {
-  std::vector<bool> is_subsurface;
-  is_subsurface.reserve(pixels_.size());
-  for (const Pixel& pixel : pixels_)
+std::vector<bool> FilmAccumulator::measured_pixels() const {
+  std::vector<bool> is_subsurface, is_surface;
+  for (const Pixel& pixel : pixels_) {
     is_subsurface.push_back(pixel.samples > 0 && pixel.subsurface_hits == pixel.samples);
-  return is_subsurface;
+    is_surface.push_back(pixel.samples > 0 && pixel.hits == pixel.samples);
+  }
+  const bool has_subsurface = std::ranges::find(is_subsurface, true) != is_subsurface.end();
+  return has_subsurface ? is_subsurface : is_surface;
 }
 
 double FilmAccumulator::mean_samples() const {
@@ -100,15 +102,15 @@ double FilmAccumulator::mean_samples() const {
   return total / static_cast<double>(pixels_.size());
 }
 
-double relative_noise(const Image& image, const std::vector<bool>& is_subsurface) {
+std::optional<double> relative_noise(const Image& image, const std::vector<bool>& is_measured) {
   const int w = image.width, h = image.height;
   const auto value = [&](int x, int y) {
     const float* p = image.at(x, y);
     return static_cast<double>(luminance({p[0], p[1], p[2]}));
   };
   const auto is_inside = [&](int x, int y) {
-    return is_subsurface[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                         static_cast<std::size_t>(x)];
+    return is_measured[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                       static_cast<std::size_t>(x)];
   };
   struct Residual {
     double mean, relative;
@@ -130,7 +132,7 @@ double relative_noise(const Image& image, const std::vector<bool>& is_subsurface
   const double threshold =
       0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
   std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
-  if (residuals.empty()) return 0.0;
+  if (residuals.empty()) return std::nullopt;
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end(),
                    [](const Residual& a, const Residual& b) { return a.relative < b.relative; });

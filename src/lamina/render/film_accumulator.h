@@ -21,8 +21,9 @@ class FilmAccumulator {
   /// The means, with the channels that RenderResult lists.
   [[nodiscard]] Image image() const;
 
-  /// [y][x], whether all samples of a pixel met a translucent surface.
-  [[nodiscard]] std::vector<bool> subsurface_pixels() const;
+  /// [y][x], whether a pixel tells of the noise: all its samples met a translucent surface or, if
+  /// no pixel is like that, any surface.
+  [[nodiscard]] std::vector<bool> measured_pixels() const;
 
   [[nodiscard]] double mean_samples() const;
 

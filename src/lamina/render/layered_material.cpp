@@ -14,11 +14,15 @@ namespace {
 
 using Quantity = LayerMap::Quantity;
 
-constexpr std::size_t most_parameters = 4;
-
 /// What a quantity can be.
-std::pair<float, float> limits(Quantity quantity) {
-  switch (quantity) {
+std::pair<float, float> limits(const LayerMap& map) {
+  switch (map.quantity) {
+    case Quantity::skin: {
+      const SkinParameterRange& range = skin_parameter_ranges()[map.part];
+      // Without absorption the junction is no layer, but the number of layers must stay.
+      const bool is_junction = range.value == &SkinParameters::junction_absorption;
+      return {is_junction ? 1e-6f : static_cast<float>(range.low), static_cast<float>(range.high)};
+    }
     case Quantity::fraction:
       return {0.0f, 1.0f};
     case Quantity::thickness:
@@ -30,45 +34,6 @@ std::pair<float, float> limits(Quantity quantity) {
 
 /// Makes room where the parts of a mixture ask for more than all of it.
 float crowding(float total) { return total > 1.0f ? 1.0f / total : 1.0f; }
-
-/// The material with its mapped quantities at given values.
-Material with_values(Material material, std::span<const LayerMap> maps,
-                     std::span<const double> values) {
-  for (std::size_t p = 0; p < maps.size(); ++p) {
-    MaterialLayer& layer = material.layers[maps[p].layer];
-    switch (maps[p].quantity) {
-      case Quantity::thickness:
-        layer.thickness = values[p];
-        break;
-      case Quantity::sigma_a:
-        for (double& sigma : layer.sigma_a) sigma *= values[p];
-        for (MixturePart& part : layer.mixture)
-          for (double& sigma : part.sigma_a) sigma *= values[p];
-        break;
-      case Quantity::sigma_s:
-        for (double& sigma : layer.sigma_s) sigma *= values[p];
-        for (MixturePart& part : layer.mixture)
-          for (double& sigma : part.sigma_s) sigma *= values[p];
-        break;
-      case Quantity::fraction:
-        layer.mixture[maps[p].part].fraction = values[p];
-        break;
-    }
-  }
-  for (MaterialLayer& layer : material.layers) {
-    double total = 0.0;
-    for (const MixturePart& part : layer.mixture) total += part.fraction;
-    if (total > 1.0)
-      for (MixturePart& part : layer.mixture) part.fraction /= total;
-  }
-  return material;
-}
-
-/// Values at which the table has rows crowd at the low end: reflectance goes with roots.
-double row_value(float low, float high, int row, int rows) {
-  const double t = rows > 1 ? static_cast<double>(row) / (rows - 1) : 0.0;
-  return static_cast<double>(low) + t * t * static_cast<double>(high - low);
-}
 
 template <int N>
 BandValues<N> to_bands(const std::vector<double>& values) {
@@ -91,11 +56,11 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
     if (!holds)
       throw InvalidInput("material \"" + scene.scene->materials[material].name + "\": " + rule);
   };
-  require(surface_.maps.size() <= most_parameters, "at most 4 of its parameters can be mapped");
+  require(surface_.maps.size() <= most_mapped, "at most 4 of its parameters can be mapped");
   require(surface_.color_use != SubsurfaceSurface::ColorUse::invert,
           "color_use \"invert\" is not for method \"layered_bsdf\"");
   for (const LayerMap& map : surface_.maps) {
-    const auto [least, most] = limits(map.quantity);
+    const auto [least, most] = limits(map);
     auto [low, high] = range_of(scene.scene->images, map.terms);
     low = std::clamp(low, least, most);
     high = std::clamp(high, low, most);
@@ -108,7 +73,11 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
         mean_color_[c] =
             std::max(surface_.color.map->offset + surface_.color.map->scale * mean[c], 1e-4f);
     }
-  make_stack();
+  try {
+    make_stack();
+  } catch (const InvalidInput& error) {
+    require(false, error.what());
+  }
   require(stack_.has_one_ior || orders_ != LayeredOrders::random_walk,
           "orders \"random_walk\" need refractive indices that are the same in all bands");
   make_table();
@@ -120,7 +89,7 @@ void LayeredMaterial<N>::make_stack() {
   std::vector<LayerStack> bands;
   for (std::size_t b = 0; b < material.bands.size(); ++b) bands.push_back(layer_stack(material, b));
   stack_ = make_first_order<N>(bands);
-  if (parameters_.empty()) return;
+  if (parameters_.empty() || has_skin_maps()) return;
 
   // Every part keeps its own lobe, since its share varies.
   std::size_t lobes = 0;
@@ -157,30 +126,6 @@ void LayeredMaterial<N>::make_stack() {
 }
 
 template <int N>
-void LayeredMaterial<N>::make_table() {
-  const Material& material = surface_.material;
-  constexpr std::array<int, most_parameters + 1> rows_for = {1, 17, 9, 6, 4};
-  rows_ = rows_for[parameters_.size()];
-  std::size_t entries = 1;
-  for (std::size_t p = 0; p < parameters_.size(); ++p) entries *= static_cast<std::size_t>(rows_);
-  table_.resize(entries);
-  parallel_for(entries, [&](std::size_t entry) {
-    std::vector<double> values;
-    std::size_t rest = entry;
-    for (const Parameter& parameter : parameters_) {
-      const int row = static_cast<int>(rest % static_cast<std::size_t>(rows_));
-      rest /= static_cast<std::size_t>(rows_);
-      values.push_back(row_value(parameter.low, parameter.high, row, rows_));
-    }
-    const Material here = with_values(material, surface_.maps, values);
-    std::vector<HigherOrders> bands;
-    for (std::size_t b = 0; b < material.bands.size(); ++b)
-      bands.push_back(make_higher_orders(layer_stack(here, b), 3e-4));
-    table_[entry] = make_higher_order_bands<N>(bands);
-  });
-}
-
-template <int N>
 float LayeredMaterial<N>::value_of(const Parameter& parameter, const SurfacePoint& point) const {
   float value = 0.0f;
   for (const ScalarParameter& term : parameter.map->terms)
@@ -190,6 +135,7 @@ float LayeredMaterial<N>::value_of(const Parameter& parameter, const SurfacePoin
 
 template <int N>
 FirstOrderStack<BandValues<N>> LayeredMaterial<N>::stack_of(std::span<const float> values) const {
+  if (!stacks_.empty()) return stack_between(values);
   FirstOrderStack<Bands> stack = stack_;
   for (std::size_t k = 0; k < layers_.size(); ++k) {
     const MixedLayer& mixed = layers_[k];
@@ -227,42 +173,6 @@ FirstOrderStack<BandValues<N>> LayeredMaterial<N>::stack_of(std::span<const floa
 }
 
 template <int N>
-HigherOrderBands<N> LayeredMaterial<N>::higher_of(std::span<const float> values) const {
-  std::array<std::size_t, most_parameters> row{};
-  std::array<float, most_parameters> blend{};
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    const auto& [map, low, high] = parameters_[p];
-    const float t = high > low ? std::sqrt(std::max(values[p] - low, 0.0f) / (high - low)) : 0.0f;
-    const float x = t * static_cast<float>(rows_ - 1);
-    const int i = std::clamp(static_cast<int>(x), 0, rows_ - 2);
-    row[p] = static_cast<std::size_t>(i);
-    // Linear in the value, between rows that are not.
-    const auto at = [&](int r) { return static_cast<float>(row_value(low, high, r, rows_)); };
-    blend[p] =
-        high > low ? std::clamp((values[p] - at(i)) / (at(i + 1) - at(i)), 0.0f, 1.0f) : 0.0f;
-  }
-  HigherOrderBands<N> result;  // of light from above; nothing leaves below
-  for (std::size_t corner = 0; corner < (std::size_t{1} << values.size()); ++corner) {
-    std::size_t entry = 0, stride = 1;
-    float weight = 1.0f;
-    for (std::size_t p = 0; p < values.size(); ++p) {
-      const bool is_next = (corner >> p) & 1u;
-      weight *= is_next ? blend[p] : 1.0f - blend[p];
-      entry += stride * (row[p] + (is_next ? 1 : 0));
-      stride *= static_cast<std::size_t>(rows_);
-    }
-    if (weight == 0.0f) continue;
-    const HigherOrderBands<N>& from = table_[entry];
-    for (std::size_t a = 0; a < result.above.size(); ++a) {
-      result.above[a] += weight * from.above[a];
-      result.reflected[a] += weight * from.reflected[a];
-    }
-    result.mean_above += weight * from.mean_above;
-  }
-  return result;
-}
-
-template <int N>
 std::unique_ptr<LayeredPoint<N>> LayeredMaterial<N>::at(const SurfacePoint& point,
                                                         const SurfaceBoundary& boundary,
                                                         const Vec3f& wo) const {
@@ -275,7 +185,7 @@ std::unique_ptr<LayeredPoint<N>> LayeredMaterial<N>::at(const SurfacePoint& poin
     layers.stack = stack_;
     layers.higher = &table_.front();
   } else {
-    std::array<float, most_parameters> values{};
+    std::array<float, most_mapped> values{};
     for (std::size_t p = 0; p < parameters_.size(); ++p)
       values[p] = value_of(parameters_[p], point);
     const std::span<const float> used(values.data(), parameters_.size());

@@ -67,6 +67,8 @@ class LayeredPoint {
   Bands reflectance_;
 };
 
+inline constexpr std::size_t most_mapped = 4;  ///< quantities of one material
+
 /// A material with layers as a BSDF: method layered_bsdf. Its parameters may follow maps; the first
 /// order is worked out for the values at a point, the higher orders come from a table over them.
 template <int N>
@@ -101,10 +103,16 @@ class LayeredMaterial {
     const LayerMap* map;
     float low, high;
   };
+  /// Whether numbers of a recipe are mapped, so that the table holds the layers, too.
+  [[nodiscard]] bool has_skin_maps() const;
   void make_stack();
   void make_table();
   [[nodiscard]] float value_of(const Parameter& parameter, const SurfacePoint& point) const;
   [[nodiscard]] FirstOrderStack<Bands> stack_of(std::span<const float> values) const;
+  [[nodiscard]] FirstOrderStack<Bands> stack_between(std::span<const float> values) const;
+  /// take(entry, weight) for the entries of the table around the values, multilinear.
+  template <class Take>
+  void for_corners(std::span<const float> values, const Take& take) const;
   [[nodiscard]] HigherOrderBands<N> higher_of(std::span<const float> values) const;
 
   const RenderScene& scene_;
@@ -114,8 +122,9 @@ class LayeredMaterial {
   FirstOrderStack<Bands> stack_;
   std::vector<MixedLayer> layers_;
   std::vector<Parameter> parameters_;
-  int rows_ = 1;                            ///< of the table, in each parameter
-  std::vector<HigherOrderBands<N>> table_;  ///< [last parameter] ... [first parameter]
+  int rows_ = 1;                                ///< of the table, in each parameter
+  std::vector<HigherOrderBands<N>> table_;      ///< [last parameter] ... [first parameter]
+  std::vector<FirstOrderStack<Bands>> stacks_;  ///< likewise, where numbers of a recipe are mapped
   Vec3f mean_color_{1, 1, 1};
 };
 

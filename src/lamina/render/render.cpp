@@ -233,7 +233,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
                           : trace_passes<16>(prepared, bands, options, progress, film);
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();
-  statistics.relative_noise = relative_noise(result.image, film.subsurface_pixels());
+  statistics.relative_noise = relative_noise(result.image, film.measured_pixels());
   statistics.cpu_seconds = cpu_seconds() - cpu_before;
   statistics.peak_memory_mib = peak_memory_mib();
   statistics.wall_seconds =

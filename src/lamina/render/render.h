@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <vector>
 
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
@@ -36,11 +38,11 @@ struct RenderOptions {
 
 struct RenderStatistics {
   double wall_seconds = 0.0;
-  double cpu_seconds = 0.0;        ///< of all threads of the process while rendering
-  double samples_per_pixel = 0.0;  ///< mean; fewer than asked for after an early stop
-  double relative_noise = 0.0;     ///< see relative_noise()
-  double peak_memory_mib = 0.0;    ///< of the process so far
-  bool is_complete = true;         ///< false if progress asked to stop
+  double cpu_seconds = 0.0;              ///< of all threads of the process while rendering
+  double samples_per_pixel = 0.0;        ///< mean; fewer than asked for after an early stop
+  std::optional<double> relative_noise;  ///< see relative_noise()
+  double peak_memory_mib = 0.0;          ///< of the process so far
+  bool is_complete = true;               ///< false if progress asked to stop
 };
 
 struct RenderResult {
@@ -63,11 +65,13 @@ struct RenderResult {
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options = {},
                                   const Progress& progress = {});
 
-/// Median over lit pixels of translucent surfaces of |pixel - mean of its 4 neighbours| over that
-/// mean, in luminance. Fine texture counts as noise. 0 if there is no such pixel.
+/// Median over lit pixels of |pixel - mean of its 4 neighbours| over that mean, in luminance. Fine
+/// texture counts as noise. Absent if there is no such pixel.
 ///
-/// @param image          an image as render() makes it
-/// @param is_subsurface  [y][x], whether all of a pixel shows a translucent surface
-[[nodiscard]] double relative_noise(const Image& image, const std::vector<bool>& is_subsurface);
+/// @param image        an image as render() makes it
+/// @param is_measured  [y][x], whether a pixel counts: render() takes those that show nothing but
+///                     translucent surfaces, or, where there are none, nothing but surfaces
+[[nodiscard]] std::optional<double> relative_noise(const Image& image,
+                                                   const std::vector<bool>& is_measured);
 
 }  // namespace lamina

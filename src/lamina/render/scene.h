@@ -67,17 +67,18 @@ struct ScalarParameter {
   std::optional<TextureMap> map;
 };
 
-/// A quantity of one layer that varies over a surface.
+/// A quantity of one layer, or of a recipe of skin, that varies over a surface.
 struct LayerMap {
   enum class Quantity {
     thickness,  ///< [mm]
     sigma_a,
     sigma_s,   ///< factors of the layer's coefficients
     fraction,  ///< volume fraction of a part of its mixture
+    skin,      ///< a number of the recipe, whatever it does to the layers
   };
   std::size_t layer = 0;  ///< index into Material::layers
   Quantity quantity = Quantity::fraction;
-  std::size_t part = 0;                ///< index into the layer's mixture
+  std::size_t part = 0;  ///< index into the layer's mixture, or into skin_parameter_ranges
   std::vector<ScalarParameter> terms;  ///< the value is their sum
 };
 

@@ -30,12 +30,25 @@ LayerMap find_quantity(const JsonInput& value, const std::string& key, const Mat
     known.push_back(prefix + "sigma_a");
     known.push_back(prefix + "sigma_s");
   }
+  if (material.skin)
+    for (const SkinParameterRange& range : skin_parameter_ranges())
+      if (std::isfinite(material.skin->skin.*range.value)) known.emplace_back(range.name);
   const auto refuse = [&]() {
     std::string list;
     for (const std::string& name : known) list += (list.empty() ? "\"" : ", \"") + name + "\"";
     const std::vector<std::string_view> names(known.begin(), known.end());
     value.fail("names no quantity of the material, which has " + list + did_you_mean(key, names));
   };
+  if (material.skin)
+    for (std::size_t i = 0; i < skin_parameter_ranges().size(); ++i) {
+      const SkinParameterRange& range = skin_parameter_ranges()[i];
+      if (range.name != key) continue;
+      if (std::isinf(material.skin->skin.*range.value)) value.fail("the layer is infinitely thick");
+      if (range.value == &SkinParameters::junction_absorption &&
+          !(material.skin->skin.junction_absorption > 0.0))
+        value.fail("the recipe has no junction, whose absorption it gives as 0");
+      return {.quantity = LayerMap::Quantity::skin, .part = i};
+    }
   const std::size_t dot = key.rfind('.');
   if (dot == std::string::npos) refuse();
   const std::string quantity = key.substr(dot + 1);
