@@ -47,7 +47,8 @@ fetch_head() {
   mv "$work/head.obj" "$assets/head.obj"
   rm -rf "$work"
 }
-[ -e "$assets/lash.png" ] || rm -f "$assets/head.obj"  # of a demo before brows and lashes
+# Of a demo before brows and lashes, with its pictures.
+[ -e "$assets/lash.png" ] || rm -f "$assets/head.obj" "$out"/{head,dipole,lambert,ear,comparison}.png
 make_once "$assets/head.obj" fetch_head
 
 # The light: one CC0 map out of Blender's data; without it the scene's procedural studio stands in.
