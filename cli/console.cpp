@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,8 @@
 
 namespace lamina::cli {
 namespace {
+
+constexpr const char* file_type = "FILE";  // of all options that name a file to read or write
 
 std::atomic<bool> interrupted{false};
 
@@ -84,13 +87,33 @@ void require_writable(const std::string& file) {
   if (access(is_device ? file.c_str() : folder.c_str(), W_OK) != 0) fail("no permission");
 }
 
+void require_different(const std::vector<NamedFile>& files) {
+  namespace fs = std::filesystem;
+  std::map<fs::path, std::string> option_of;
+  for (const auto& [option, file] : files) {
+    std::error_code error;
+    if (file.empty() || file == "-") continue;
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error)) continue;  // /dev/null
+    const auto [place, is_new] = option_of.try_emplace(fs::weakly_canonical(file, error), option);
+    if (!is_new)
+      throw InvalidInput(fmt::format("{} and {}: must be different files, but both are {}",
+                                     place->second, option, file));
+  }
+}
+
 CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::string& file,
                              const std::string& text) {
-  const auto check = [](const std::string& given) {
+  const auto check = [&command](const std::string& given) {
     if (given != "-") require_writable(given);
+    std::vector<NamedFile> files;
+    for (const CLI::Option* option : command.get_options())
+      if (option->get_type_name() == file_type)
+        for (const std::string& used : option->results())
+          files.push_back({option->get_name(), used});
+    require_different(files);
     return std::string();
   };
-  return command.add_option(name, file, text)->type_name("FILE")->check(check, "");
+  return command.add_option(name, file, text)->type_name(file_type)->check(check, "");
 }
 
 void refuse_unused(const CLI::App& command, const std::string& method,

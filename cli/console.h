@@ -34,6 +34,15 @@ CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::st
 /// Before the work: whether a file can be written, as far as can be told. @throws WriteError
 void require_writable(const std::string& file);
 
+/// A file that an option names; "" and "-" are none.
+struct NamedFile {
+  std::string option, file;
+};
+
+/// Before the work: that no result overwrites another, or what the work reads. Options that
+/// add_output_file made are looked at already. @throws InvalidInput
+void require_different(const std::vector<NamedFile>& files);
+
 /// An option that only some methods read.
 struct MethodOption {
   std::string name;

@@ -87,6 +87,11 @@ void run_patch(const PatchOptions& options) {
   if (const fs::path folder = name.has_parent_path() ? name.parent_path() : ".";
       !fs::is_directory(folder))
     throw FileError(folder.string() + ": there is no such folder to write to");
+  require_different({{"--output", name.string() + ".exr"},
+                     {"--output", name.string() + ".png"},
+                     {"--json", options.common.json},
+                     {"--fit-plot", options.fit_plot},
+                     {"the patch", options.patch}});
 
   const auto start = std::chrono::steady_clock::now();
   const SkinPatchResult result =

@@ -148,6 +148,8 @@ void check_options(const CLI::App& command, const PhotonsOptions& options) {
       refuse(name, "must be left out for a .mci file, which says what to count");
   else
     refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
+  if (read_shard(options.shard).count > 1 && options.common.json.empty())
+    refuse("--shard", "needs --json FILE, which keeps the part for `lamina merge`");
   const std::vector<MethodOption> needs = {{"--r-bins", {"r", "rz", "fluence"}},
                                            {"--dr", {"r", "rz", "fluence"}},
                                            {"--z-bins", {"rz", "fluence"}},

@@ -149,6 +149,11 @@ void run_comparison(const RenderCommandOptions& options, const OutputFiles& file
 void run_render(const RenderCommandOptions& options) {
   if (options.common.threads > 0) set_thread_count(options.common.threads);
   const OutputFiles files = output_files(options);
+  require_different({{"--output", files.exr.string()},
+                     {"--output", files.png.string()},
+                     {"--json", options.common.json},
+                     {"--cache", options.cache},
+                     {"the scene", options.scene}});
   require_writable(files.exr);
   require_writable(files.png);
   Scene scene = load_scene(options.scene);

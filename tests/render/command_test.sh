@@ -55,6 +55,7 @@ if [ "$(id -u)" != 0 ]; then
   mkdir locked; chmod a-w locked
   expect 2 'not writable' "$scene" "${endless[@]}" -o locked/x.png
 fi
+expect 2 'must be different files' "$scene" "${endless[@]}" -o same.png --json same.png
 expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
 expect 2 'method' "$scene" --method shadow_map
