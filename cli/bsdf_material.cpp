@@ -132,15 +132,18 @@ Named solve(const BsdfOptions& options, const Material& material, const Angles& 
   Named result{method, std::vector<StackBsdf>(material.bands.size())};
   const double theta_i = options.theta_i_deg * degree;
   const std::vector<double> theta_o = in_radians(angles.theta), phi_o = in_radians(angles.phi);
+  if (method == "adding_doubling") {
+    std::vector<LayerStack> stacks;
+    for (std::size_t band = 0; band < material.bands.size(); ++band)
+      stacks.push_back(layer_stack(material, band));
+    result.bands = stack_bsdf(stacks, theta_i, theta_o, phi_o, {.accuracy = options.accuracy});
+    return result;
+  }
   parallel_for(result.bands.size(), [&](std::size_t band) {
-    const LayerStack stack = layer_stack(material, band);
-    if (method == "adding_doubling")
-      result.bands[band] =
-          stack_bsdf(stack, theta_i, theta_o, phi_o, {.accuracy = options.accuracy});
-    else
-      result.bands[band] = layered_bsdf(
-          stack, method == "first_order" ? ScatteringOrders::first : ScatteringOrders::all, theta_i,
-          theta_o, phi_o);
+    result.bands[band] =
+        layered_bsdf(layer_stack(material, band),
+                     method == "first_order" ? ScatteringOrders::first : ScatteringOrders::all,
+                     theta_i, theta_o, phi_o);
   });
   return result;
 }

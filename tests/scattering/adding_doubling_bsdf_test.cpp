@@ -11,6 +11,7 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/photon_tracing.h"
 #include "reference/stack_table.h"
 
 namespace lamina {
@@ -158,6 +159,101 @@ TEST(StackBsdf, SeesThePeakReflectedInside) {
   const LayerStack slab({layer(0.0, 1.0, 0.95, 1.5, 0.2)});
   const StackBsdf bsdf = stack_bsdf(slab, 0.7, std::vector{0.7}, std::vector{0.0, pi});
   EXPECT_GT(bsdf.brdf[1], 20.0 * bsdf.brdf[0]);
+}
+
+/// Means over cells of equal solid angle, [cosine][azimuth from that of the light, over 180
+/// degrees], by a product rule in each cell, weighted as flux is.
+struct Cells {
+  static constexpr int rows = 3, columns = 4, points = 2;
+  Quadrature rule = gauss_legendre(points, 0.0, 1.0);
+  std::vector<double> theta, phi;
+
+  Cells() {
+    for (int k = 0; k < rows * points; ++k)
+      theta.push_back(std::acos((k / points + rule.nodes[k % points]) / rows));
+    for (int k = 0; k < columns * points; ++k)
+      phi.push_back(pi * (k / points + rule.nodes[k % points]) / columns);
+  }
+  [[nodiscard]] double mean(const std::vector<double>& bsdf, int row, int column) const {
+    double sum = 0.0, all = 0.0;
+    for (int i = 0; i < points; ++i)
+      for (int j = 0; j < points; ++j) {
+        const std::size_t a = row * points + i, b = column * points + j;
+        const double weight = std::cos(theta[a]) * rule.weights[i] * rule.weights[j];
+        sum += weight * bsdf[a * phi.size() + b];
+        all += weight;
+      }
+    return sum / all;
+  }
+};
+
+// Photons walk from facet to facet one by one, and know neither grids nor modes.
+TEST(RoughStackBsdf, AgreesWithPhotons) {
+  const Interface beckmann{.roughness = 0.4};
+  const Interface ggx{.roughness = 0.6, .distribution = MicrofacetDistribution::ggx};
+  const auto rough = [](Layer of, const Interface& top) {
+    of.top = top;
+    return of;
+  };
+  const std::vector<LayerStack> stacks{
+      LayerStack({rough(layer(0.5, 9.0, 0.5, 1.5, 0.3), beckmann)}),
+      LayerStack({layer(0.2, 5.0, 0.7, 1.4, 0.2), rough(layer(0.1, 5.0, 0.3, 1.6, 0.2), ggx)})};
+  const Cells cells;
+  const double theta_i = 0.9;
+  double chi_square = 0.0;
+  int count = 0;
+  for (const LayerStack& stack : stacks) {
+    const StackBsdf exact =
+        stack_bsdf(stack, theta_i, cells.theta, cells.phi, {.accuracy = 0.02, .max_nodes = 13});
+    const MonteCarloResult photons = trace_photons(
+        stack, {.photons = 60'000,
+                .seed = 5,
+                .incidence = {.theta = theta_i},
+                .tallies = {.bsdf_cosines = Cells::rows, .bsdf_azimuths = 2 * Cells::columns}});
+    for (const bool is_above : {true, false})
+      for (int i = 0; i < Cells::rows; ++i)
+        for (int j = 0; j < Cells::columns; ++j) {
+          const auto& tally = is_above ? photons.bsdf.reflection : photons.bsdf.transmission;
+          const Estimate& left = tally[2 * Cells::columns * i + Cells::columns - 1 - j];
+          const Estimate& right = tally[2 * Cells::columns * i + Cells::columns + j];
+          const double value = cells.mean(is_above ? exact.brdf : exact.btdf, i, j);
+          const double error = 0.5 * std::hypot(left.standard_error, right.standard_error);
+          const double deviation = (0.5 * (left.value + right.value) - value) / error;
+          EXPECT_LT(std::abs(deviation), 4.0) << is_above << " " << i << " " << j << " " << value;
+          chi_square += deviation * deviation;
+          ++count;
+        }
+  }
+  EXPECT_LT(std::abs(chi_square - count), 4.0 * std::sqrt(2.0 * count)) << chi_square;
+}
+
+// Facets alone: what meets one has a closed form, and the rest comes back as it went.
+TEST(RoughStackBsdf, IsReciprocal) {
+  const Interface ggx{.roughness = 0.5, .distribution = MicrofacetDistribution::ggx};
+  Layer glass = layer(0.3, 2.0, 0.6, 1.5, 0.3);
+  glass.top = ggx;
+  const LayerStack stack({glass}, 1.0, 1.2);
+  const std::vector<double> thetas{0.4, 1.2}, phis{0.0, 1.0, pi};
+  const StackBsdfOptions options{.accuracy = 0.01, .max_nodes = 13};
+  const StackBsdf from_first = stack_bsdf(stack, thetas[0], thetas, phis, options);
+  const StackBsdf from_second = stack_bsdf(stack, thetas[1], thetas, phis, options);
+  const StackBsdf from_below = stack_bsdf(flipped(stack), thetas[1], thetas, phis, options);
+  for (std::size_t j = 0; j < 3; ++j) {
+    EXPECT_NEAR(from_first.brdf[3 + j], from_second.brdf[j], 0.004 * from_second.brdf[j]);
+    EXPECT_NEAR(from_first.btdf[3 + j] / 1.44, from_below.btdf[j], 0.004 * from_below.btdf[j]);
+  }
+}
+
+TEST(RoughStackBsdf, RefusesLobesTooNarrowForIt) {
+  Layer glass = layer(0.0, 0.0, 0.0, 1.5, 1.0);
+  glass.top.roughness = 0.02;
+  try {
+    (void)stack_bsdf(LayerStack({glass}, 1.0, 1.0, {.top = {.roughness = 0.02}}), 0.5,
+                     std::vector{0.45, 0.5}, std::vector{pi}, {.max_nodes = 13});
+    FAIL() << "values of lobes that the grid cannot resolve";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("roughness: 0.02"), std::string::npos) << error.what();
+  }
 }
 
 TEST(StackBsdf, RefusesWhatItCannotDo) {

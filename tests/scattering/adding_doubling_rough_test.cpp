@@ -81,7 +81,7 @@ TEST(RoughBoundary, IsReciprocal) {
   const DirectionGrid grid = make_direction_grid(indices, 16);
   for (const auto distribution : {beckmann, ggx})
     for (const int m : {0, 2}) {
-      const auto made = detail::rough_boundary(grid, {0.4, distribution}, 1.0, 1.4, m);
+      const auto made = detail::rough_boundary_modes(grid, {0.4, distribution}, 1.0, 1.4, m, 1)[0];
       EXPECT_NEAR(bilinear(grid, made.reflection_above, f, g),
                   bilinear(grid, made.reflection_above, g, f), 5e-4);
       EXPECT_NEAR(bilinear(grid, made.reflection_below, f, g),
@@ -122,8 +122,8 @@ TEST(RoughBoundary, SendsLightWhereWalksBetweenFacetsGo) {
                    (by_cosine ? cosine(grid, i, index) : 1.0);
         return total;
       };
-      const auto mode0 = detail::rough_boundary(grid, boundary, 1.0, 1.5, 0);
-      const auto mode1 = detail::rough_boundary(grid, boundary, 1.0, 1.5, 1);
+      const auto modes = detail::rough_boundary_modes(grid, boundary, 1.0, 1.5, 0, 2);
+      const auto &mode0 = modes[0], &mode1 = modes[1];
       const auto& back = from_below ? mode0.reflection_below : mode0.reflection_above;
       const auto& through = from_below ? mode0.transmission_up : mode0.transmission_down;
       constexpr double four_errors = 4.0 * 0.5 / 200.0;  // of a fraction, at most
@@ -151,6 +151,23 @@ TEST(RoughAddingDoubling, AgreesWithPhotons) {
     agree(exact.transmittance, photons.transmittance);
     for (std::size_t k = 0; k < exact.absorptance.size(); ++k)
       agree(exact.absorptance[k], photons.absorptance[k]);
+  }
+}
+
+// One solution of the boundary serves all bands.
+TEST(RoughAddingDoubling, BandsThatShareTheirBoundariesAreAsAlone) {
+  const Interface rough{.roughness = 0.4};
+  const std::vector<LayerStack> bands{LayerStack({layer(0.5, 10.0, 0.5, 1.5, 0.3, rough)}),
+                                      LayerStack({layer(2.0, 3.0, 0.8, 1.5, 0.3, rough)}),
+                                      LayerStack({layer(2.0, 3.0, 0.8, 1.4, 0.3, rough)})};
+  EXPECT_EQ(detail::groups_of_equal_boundaries(bands).size(), 2u);
+  const AddingDoublingOptions options{.accuracy = 1e-2};
+  const auto together = adding_doubling(bands, oblique(40.0), options);
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    const auto alone = adding_doubling(bands[b], oblique(40.0), options);
+    EXPECT_EQ(together[b].totals.diffuse_reflectance, alone.totals.diffuse_reflectance);
+    EXPECT_EQ(together[b].totals.transmittance, alone.totals.transmittance);
+    EXPECT_EQ(together[b].nodes, alone.nodes);
   }
 }
 

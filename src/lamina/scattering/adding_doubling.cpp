@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -71,21 +72,16 @@ AddingDoublingTotals totals_of(const GridStack& on_grid, const StackOperators& o
 }
 
 /// [incidence]. Diffuse ones take no beam on the grid.
-std::vector<AddingDoublingTotals> totals_on_grid(const LayerStack& stack,
-                                                 std::span<const Incidence> incidences, int nodes) {
-  std::vector<double> beams;
-  for (const Incidence& incidence : incidences)
-    if (!incidence.is_diffuse) beams.push_back(stack.ior_above() * std::sin(incidence.theta));
-  const GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
-  const StackOperators operators = detail::stack_operators(on_grid, 0);
+std::vector<AddingDoublingTotals> totals_on_grid(const GridStack& on_grid,
+                                                 std::span<const Incidence> incidences,
+                                                 const detail::RoughBoundaries& rough) {
+  const StackOperators operators = detail::stack_operators(on_grid, 0, rough);
   std::vector<AddingDoublingTotals> results;
   std::size_t beam = 0;
-  for (const Incidence& incidence : incidences) {
+  for (const Incidence& incidence : incidences)
     results.push_back(totals_of(on_grid, operators,
                                 incidence.is_diffuse ? incident_state(on_grid, std::nullopt)
                                                      : incident_state(on_grid, beam++)));
-    results.back().nodes = nodes;
-  }
   return results;
 }
 
@@ -114,6 +110,49 @@ void check(const AddingDoublingOptions& options) {
                        std::to_string(options.max_nodes));
 }
 
+/// Refines the grid until all is accurate, [stack][incidence]. The stacks have equal boundaries, so
+/// rough ones are made once for all of them.
+std::vector<std::vector<AddingDoublingTotals>> solve_group(
+    std::span<const LayerStack* const> stacks, std::span<const Incidence> incidences,
+    const AddingDoublingOptions& options) {
+  constexpr int coarsest = 6;
+  std::vector<double> beams;
+  for (const Incidence& incidence : incidences)
+    if (!incidence.is_diffuse) beams.push_back(stacks[0]->ior_above() * std::sin(incidence.theta));
+  const double least_error = is_smooth(*stacks[0]) ? 0.0 : detail::rough_boundary_error;
+  const auto is_coarse = [&](const AddingDoublingTotals& result) {
+    return result.estimated_error > std::max(options.accuracy, least_error);
+  };
+  std::vector<std::vector<AddingDoublingTotals>> results(stacks.size());
+  std::vector<std::size_t> coarse(stacks.size());
+  std::iota(coarse.begin(), coarse.end(), 0);
+  int nodes = std::min(coarsest, options.max_nodes);
+  while (true) {
+    std::vector<GridStack> on_grid;
+    for (const std::size_t k : coarse)
+      on_grid.push_back(detail::make_grid_stack(*stacks[k], nodes, beams));
+    const detail::RoughBoundaries rough = detail::rough_boundaries(on_grid[0], 0, 1).front();
+    parallel_for(coarse.size(), [&](std::size_t c) {
+      std::vector<AddingDoublingTotals>& last = results[coarse[c]];
+      std::vector<AddingDoublingTotals> finer = totals_on_grid(on_grid[c], incidences, rough);
+      for (std::size_t i = 0; i < finer.size(); ++i) {
+        finer[i].nodes = nodes;
+        finer[i].estimated_error = 1.0;
+        if (last.empty()) continue;
+        // Two grids may agree by chance; then the step before has its say.
+        finer[i].estimated_error = std::max({largest_difference(finer[i].totals, last[i].totals),
+                                             least_error, 0.02 * last[i].estimated_error});
+        finer[i].is_accurate = finer[i].estimated_error <= options.accuracy;
+      }
+      last = std::move(finer);
+    });
+    std::erase_if(coarse,
+                  [&](std::size_t k) { return std::ranges::none_of(results[k], is_coarse); });
+    if (coarse.empty() || nodes >= options.max_nodes) return results;
+    nodes = std::min(nodes * 3 / 2, options.max_nodes);
+  }
+}
+
 }  // namespace
 
 std::vector<AddingDoublingTotals> adding_doubling_by_angle(const LayerStack& stack,
@@ -121,39 +160,27 @@ std::vector<AddingDoublingTotals> adding_doubling_by_angle(const LayerStack& sta
                                                            const AddingDoublingOptions& options) {
   for (const Incidence& incidence : incidences) check(incidence);
   check(options);
-  constexpr int coarsest = 6;
-  const double least_error = is_smooth(stack) ? 0.0 : detail::rough_boundary_error;
-  int nodes = std::min(coarsest, options.max_nodes);
-  std::vector<AddingDoublingTotals> results = totals_on_grid(stack, incidences, nodes);
-  for (AddingDoublingTotals& result : results) result.estimated_error = 1.0;
-  const auto is_coarse = [&](const AddingDoublingTotals& result) {
-    return result.estimated_error > std::max(options.accuracy, least_error);
-  };
-  while (std::ranges::any_of(results, is_coarse) && nodes < options.max_nodes) {
-    nodes = std::min(nodes * 3 / 2, options.max_nodes);
-    std::vector<AddingDoublingTotals> finer = totals_on_grid(stack, incidences, nodes);
-    for (std::size_t i = 0; i < finer.size(); ++i) {
-      // Two grids may agree by chance; then the step before has its say.
-      finer[i].estimated_error = std::max({largest_difference(finer[i].totals, results[i].totals),
-                                           least_error, 0.02 * results[i].estimated_error});
-      finer[i].is_accurate = finer[i].estimated_error <= options.accuracy;
-    }
-    results = std::move(finer);
-  }
-  return results;
+  const LayerStack* const alone = &stack;
+  return solve_group({&alone, 1}, incidences, options).front();
 }
 
 AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidence,
                                      const AddingDoublingOptions& options) {
-  return adding_doubling_by_angle(stack, std::span(&incidence, 1), options).front();
+  return adding_doubling_by_angle(stack, {&incidence, 1}, options).front();
 }
 
 std::vector<AddingDoublingTotals> adding_doubling(std::span<const LayerStack> bands,
                                                   Incidence incidence,
                                                   const AddingDoublingOptions& options) {
+  check(incidence);
+  check(options);
   std::vector<AddingDoublingTotals> results(bands.size());
-  parallel_for(bands.size(), [&](std::size_t band) {
-    results[band] = adding_doubling(bands[band], incidence, options);
+  const auto groups = detail::groups_of_equal_boundaries(bands);
+  parallel_for(groups.size(), [&](std::size_t g) {
+    std::vector<const LayerStack*> stacks;
+    for (const std::size_t band : groups[g]) stacks.push_back(&bands[band]);
+    const auto solved = solve_group(stacks, {&incidence, 1}, options);
+    for (std::size_t k = 0; k < stacks.size(); ++k) results[groups[g][k]] = solved[k].front();
   });
   return results;
 }

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling_single.h"
 #include "lamina/scattering/adding_doubling_stack.h"
 
@@ -18,9 +21,11 @@ using detail::Matrix;
 
 /// One side of the stack: the nodes to look from, and light scattered once towards each of them.
 struct Side {
+  bool is_above = true;
   double ior = 1.0;
   std::vector<std::size_t> nodes;                             ///< [theta_o]
   std::vector<std::vector<detail::SingleScattering>> single;  ///< [theta_o][layer]
+  std::vector<detail::SingleFacet> facet;                     ///< [theta_o]
 };
 
 void check_angle(double angle, const std::string& name) {
@@ -31,7 +36,7 @@ void check_angle(double angle, const std::string& name) {
 /// The grid has the node of the beam first among its extra nodes, then those to look from above,
 /// then those from below.
 Side make_side(const GridStack& stack, bool is_above, std::size_t count) {
-  Side side{.ior = is_above ? stack.ior.front() : stack.ior.back()};
+  Side side{.is_above = is_above, .ior = is_above ? stack.ior.front() : stack.ior.back()};
   const std::size_t beam = stack.grid.extra[0];
   const auto arriving = detail::unscattered_from_above(stack, beam);
   for (std::size_t k = 0; k < count; ++k) {
@@ -39,6 +44,7 @@ Side make_side(const GridStack& stack, bool is_above, std::size_t count) {
     const auto leaving = is_above ? detail::unscattered_from_above(stack, node)
                                   : detail::unscattered_from_below(stack, node);
     side.nodes.push_back(node);
+    side.facet.push_back(detail::single_facet(stack, beam, node, is_above));
     auto& layers = side.single.emplace_back();
     for (std::size_t l = 0; l < stack.layers.size(); ++l)
       layers.push_back(
@@ -89,71 +95,113 @@ double radiance_factor(double ior) {
   return ior * ior / (std::numbers::pi * std::sqrt(extra_node_etendue));
 }
 
-struct Values {
-  std::vector<double> brdf, btdf;
+/// Angles of light and view [rad].
+struct Angles {
+  double theta_i;
+  std::span<const double> theta_o, phi_o;
 };
 
-StackBsdf bsdf_on_grid(const LayerStack& stack, double theta_i, std::span<const double> theta_o,
-                       std::span<const double> phi_o, int nodes, double accuracy) {
-  std::vector<double> extra{stack.ior_above() * std::sin(theta_i)};
-  for (const double ior : {stack.ior_above(), stack.ior_below()})
-    for (const double theta : theta_o) extra.push_back(ior * std::sin(theta));
-  const GridStack on_grid = detail::make_grid_stack(stack, nodes, extra);
-  const std::size_t beam = on_grid.grid.extra[0];
-  const std::size_t thetas = theta_o.size(), phis = phi_o.size();
-  const bool has_below = !on_grid.is_semi_infinite && on_grid.ground_reflectance == 0.0;
-  std::vector<Side> sides{make_side(on_grid, true, thetas)};
-  if (has_below) sides.push_back(make_side(on_grid, false, thetas));
+/// One band on one grid, with the sum over the azimuthal modes so far.
+struct BandOnGrid {
+  GridStack stack;
+  std::vector<Side> sides;  ///< above, and below where light leaves there
+  StackBsdf result;
+  int most_modes = 1;
+  double largest = 0.0;  ///< amplitude of a mode
+  int negligible = 0;    ///< last modes
 
-  StackBsdf result{.brdf = std::vector<double>(thetas * phis),
-                   .btdf = std::vector<double>(thetas * phis),
-                   .nodes = nodes};
-  const auto values_of = [&](std::size_t side) -> std::vector<double>& {
-    return side == 0 ? result.brdf : result.btdf;
-  };
-  // Azimuth of propagation: light travels towards phi + pi of where it comes from.
-  const auto azimuth = [&](std::size_t j) { return phi_o[j] - std::numbers::pi; };
-
-  std::size_t most_modes = 1;
-  for (const detail::GridLayer& layer : on_grid.layers)
-    most_modes = std::max(most_modes, layer.moments.size());
-  double largest = 0.0;
-  int negligible = 0;
-  for (int m = 0; m < static_cast<int>(most_modes) && negligible < 2; ++m) {
-    const detail::StackOperators operators = detail::stack_operators(on_grid, m);
-    std::vector<double> down(active_count(on_grid.grid, on_grid.ior.front()), 0.0);
-    down[beam] = 1.0 / std::sqrt(extra_node_etendue);
-    const std::vector<double> up = detail::product(operators.reflection, down);
-    for (const detail::Crossing& crossing : operators.crossings)
-      down = detail::product(crossing.pass, down);
-    double mode_largest = 0.0;
-    for (std::size_t s = 0; s < sides.size(); ++s) {
-      const std::vector<double>& state = s == 0 ? up : down;
-      const double factor = radiance_factor(sides[s].ior);
-      for (std::size_t i = 0; i < thetas; ++i) {
-        const double single = single_on_grid(on_grid, sides[s], i, m);
-        const double rest = state[sides[s].nodes[i]] - single / std::sqrt(extra_node_etendue);
-        const double amplitude = (m == 0 ? 1.0 : 2.0) * factor * rest;
-        mode_largest = std::max(mode_largest, std::abs(amplitude));
-        for (std::size_t j = 0; j < phis; ++j)
-          values_of(s)[i * phis + j] += amplitude * std::cos(m * azimuth(j));
-      }
-    }
-    largest = std::max(largest, mode_largest);
-    negligible = mode_largest <= 0.03 * accuracy * largest ? negligible + 1 : 0;
-    result.modes = m + 1;
+  [[nodiscard]] bool is_done() const { return negligible >= 2 || result.modes >= most_modes; }
+  [[nodiscard]] std::vector<double>& values(const Side& side) {
+    return side.is_above ? result.brdf : result.btdf;
   }
-  for (std::size_t s = 0; s < sides.size(); ++s)
-    for (std::size_t i = 0; i < thetas; ++i)
-      for (std::size_t j = 0; j < phis; ++j)
-        values_of(s)[i * phis + j] +=
-            radiance_factor(sides[s].ior) / std::sqrt(extra_node_etendue) *
-            single_exact(stack, on_grid, sides[s], i, std::cos(azimuth(j)));
+};
 
-  const auto unscattered = detail::unscattered_flux(on_grid, beam, detail::Unscattered::by_medium);
-  result.unscattered_reflectance = unscattered.reflectance;
-  result.unscattered_transmittance = unscattered.down.back();
-  return result;
+BandOnGrid put_on_grid(const LayerStack& stack, const Angles& angles, int nodes) {
+  std::vector<double> extra{stack.ior_above() * std::sin(angles.theta_i)};
+  for (const double ior : {stack.ior_above(), stack.ior_below()})
+    for (const double theta : angles.theta_o) extra.push_back(ior * std::sin(theta));
+  const std::size_t thetas = angles.theta_o.size(), count = thetas * angles.phi_o.size();
+  BandOnGrid band{
+      .stack = detail::make_grid_stack(stack, nodes, extra),
+      .result = {
+          .brdf = std::vector<double>(count), .btdf = std::vector<double>(count), .nodes = nodes}};
+  band.sides.push_back(make_side(band.stack, true, thetas));
+  if (!band.stack.is_semi_infinite && band.stack.ground_reflectance == 0.0)
+    band.sides.push_back(make_side(band.stack, false, thetas));
+  for (const detail::GridLayer& layer : band.stack.layers)
+    band.most_modes = std::max(band.most_modes, static_cast<int>(layer.moments.size()));
+  if (!is_smooth(stack)) band.most_modes = std::max(band.most_modes, 2 * nodes);
+  return band;
+}
+
+/// Azimuth of propagation: light travels towards phi + pi of where it comes from.
+double travel_azimuth(double phi_o) { return phi_o - std::numbers::pi; }
+
+void add_mode(BandOnGrid& band, const Angles& angles, const detail::RoughBoundaries& rough,
+              double accuracy) {
+  const GridStack& stack = band.stack;
+  const int m = band.result.modes++;
+  const detail::StackOperators operators = detail::stack_operators(stack, m, rough);
+  std::vector<double> down(active_count(stack.grid, stack.ior.front()), 0.0);
+  down[stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
+  const std::vector<double> up = detail::product(operators.reflection, down);
+  for (const detail::Crossing& crossing : operators.crossings)
+    down = detail::product(crossing.pass, down);
+  const std::size_t phis = angles.phi_o.size();
+  double mode_largest = 0.0;
+  for (const Side& side : band.sides) {
+    const std::vector<double>& state = side.is_above ? up : down;
+    for (std::size_t i = 0; i < angles.theta_o.size(); ++i) {
+      const double single = single_on_grid(stack, side, i, m);
+      const double rest = state[side.nodes[i]] - single / std::sqrt(extra_node_etendue);
+      const double amplitude = (m == 0 ? 1.0 : 2.0) * radiance_factor(side.ior) * rest;
+      mode_largest = std::max(mode_largest, std::abs(amplitude));
+      for (std::size_t j = 0; j < phis; ++j)
+        band.values(side)[i * phis + j] +=
+            amplitude * std::cos(m * travel_azimuth(angles.phi_o[j]));
+    }
+  }
+  band.largest = std::max(band.largest, mode_largest);
+  band.negligible = mode_largest <= 0.03 * accuracy * band.largest ? band.negligible + 1 : 0;
+}
+
+/// What the modes leave out: light scattered once by a layer or by a facet.
+void add_single(BandOnGrid& band, const LayerStack& layers, const Angles& angles) {
+  const GridStack& stack = band.stack;
+  const std::size_t phis = angles.phi_o.size(), beam = stack.grid.extra[0];
+  for (const Side& side : band.sides)
+    for (std::size_t i = 0; i < angles.theta_o.size(); ++i)
+      for (std::size_t j = 0; j < phis; ++j) {
+        const double phi = angles.phi_o[j];
+        band.values(side)[i * phis + j] +=
+            radiance_factor(side.ior) / std::sqrt(extra_node_etendue) *
+                single_exact(layers, stack, side, i, std::cos(travel_azimuth(phi))) +
+            detail::facet_radiance(stack, side.facet[i], beam, side.nodes[i], side.is_above, phi);
+      }
+  const auto unscattered = detail::unscattered_flux(stack, beam, detail::Unscattered::by_medium);
+  band.result.unscattered_reflectance = unscattered.reflectance;
+  band.result.unscattered_transmittance = unscattered.down.back();
+}
+
+/// All bands on one grid. Their boundaries are equal, so rough ones are made once.
+std::vector<StackBsdf> bsdf_on_grid(std::span<const LayerStack* const> stacks, const Angles& angles,
+                                    int nodes, double accuracy) {
+  constexpr int modes_at_once = 8;
+  std::vector<BandOnGrid> bands;
+  for (const LayerStack* stack : stacks) bands.push_back(put_on_grid(*stack, angles, nodes));
+  for (int first = 0; !std::ranges::all_of(bands, &BandOnGrid::is_done); first += modes_at_once) {
+    const auto rough = detail::rough_boundaries(bands[0].stack, first, modes_at_once);
+    parallel_for(bands.size(), [&](std::size_t b) {
+      for (const detail::RoughBoundaries& boundaries : rough)
+        if (!bands[b].is_done()) add_mode(bands[b], angles, boundaries, accuracy);
+    });
+  }
+  std::vector<StackBsdf> results;
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    add_single(bands[b], *stacks[b], angles);
+    results.push_back(std::move(bands[b].result));
+  }
+  return results;
 }
 
 double relative_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -166,10 +214,64 @@ double relative_difference(const std::vector<double>& a, const std::vector<doubl
   return largest;
 }
 
+/// Refines the grid until all bands are accurate. Their boundaries are equal.
+std::vector<StackBsdf> solve_group(std::span<const LayerStack* const> stacks, const Angles& angles,
+                                   const StackBsdfOptions& options) {
+  constexpr int coarsest = 9;
+  constexpr int finest_rough = 42;  // a minute or two
+  constexpr double hopeless = 0.5;  // the next grid will not come right
+  const bool is_rough = !is_smooth(*stacks[0]);
+  const int finest = is_rough ? std::min(options.max_nodes, finest_rough) : options.max_nodes;
+  const double least_error = is_rough ? rough_bsdf_error : 0.0;
+  const double accuracy = std::max(options.accuracy, least_error);
+  std::vector<StackBsdf> results(stacks.size());
+  std::vector<std::size_t> coarse(stacks.size());
+  std::iota(coarse.begin(), coarse.end(), 0);
+  int nodes = std::min(coarsest, finest);
+  while (true) {
+    std::vector<const LayerStack*> refined;
+    for (const std::size_t k : coarse) refined.push_back(stacks[k]);
+    std::vector<StackBsdf> finer = bsdf_on_grid(refined, angles, nodes, accuracy);
+    for (std::size_t c = 0; c < coarse.size(); ++c) {
+      StackBsdf& last = results[coarse[c]];
+      finer[c].estimated_error =
+          last.nodes == 0 ? 1.0
+                          : std::max({relative_difference(finer[c].brdf, last.brdf),
+                                      relative_difference(finer[c].btdf, last.btdf), least_error});
+      finer[c].is_accurate = finer[c].estimated_error <= options.accuracy;
+      last = std::move(finer[c]);
+    }
+    std::erase_if(coarse, [&](std::size_t k) {
+      const double error = results[k].estimated_error;
+      return error <= accuracy || (is_rough && nodes > 2 * coarsest && error > hopeless);
+    });
+    if (coarse.empty() || nodes >= finest) return results;
+    nodes = std::min(nodes * 3 / 2, finest);
+  }
+}
+
+/// A grid that cannot resolve the lobes of rough boundaries gives no picture of the light.
+void require_resolved(const LayerStack& stack, const StackBsdf& result) {
+  constexpr double most = 0.1;
+  if (is_smooth(stack) || result.estimated_error <= most) return;
+  double roughness = 1.0;
+  for (const Layer& layer : stack.layers())
+    if (layer.top.roughness > 0.0) roughness = std::min(roughness, layer.top.roughness);
+  if (stack.ground().top.roughness > 0.0)
+    roughness = std::min(roughness, stack.ground().top.roughness);
+  throw InvalidInput("roughness: " + std::to_string(roughness) +
+                     " has lobes too narrow for a BRDF by adding-doubling, which with " +
+                     std::to_string(result.nodes) + " directions and " +
+                     std::to_string(result.modes) + " azimuthal modes is still off by " +
+                     std::to_string(std::lround(100.0 * result.estimated_error)) +
+                     " %; photon Monte Carlo takes it");
+}
+
 }  // namespace
 
-StackBsdf stack_bsdf(const LayerStack& stack, double theta_i, std::span<const double> theta_o,
-                     std::span<const double> phi_o, const StackBsdfOptions& options) {
+std::vector<StackBsdf> stack_bsdf(std::span<const LayerStack> bands, double theta_i,
+                                  std::span<const double> theta_o, std::span<const double> phi_o,
+                                  const StackBsdfOptions& options) {
   check_angle(theta_i, "angle of incidence");
   for (const double theta : theta_o) check_angle(theta, "angle to look from");
   for (const double phi : phi_o)
@@ -181,23 +283,23 @@ StackBsdf stack_bsdf(const LayerStack& stack, double theta_i, std::span<const do
   if (!(4 <= options.max_nodes && options.max_nodes <= 1000))
     throw InvalidInput("max_nodes: must lie in [4, 1000], but is " +
                        std::to_string(options.max_nodes));
-  detail::require_smooth(stack, "a BRDF by adding-doubling");
+  std::vector<StackBsdf> results(bands.size());
+  const auto groups = detail::groups_of_equal_boundaries(bands);
+  parallel_for(groups.size(), [&](std::size_t g) {
+    std::vector<const LayerStack*> stacks;
+    for (const std::size_t band : groups[g]) stacks.push_back(&bands[band]);
+    std::vector<StackBsdf> solved = solve_group(stacks, {theta_i, theta_o, phi_o}, options);
+    for (std::size_t k = 0; k < stacks.size(); ++k) {
+      require_resolved(*stacks[k], solved[k]);
+      results[groups[g][k]] = std::move(solved[k]);
+    }
+  });
+  return results;
+}
 
-  constexpr int coarsest = 9;
-  const auto solve = [&](int nodes) {
-    return bsdf_on_grid(stack, theta_i, theta_o, phi_o, std::min(nodes, options.max_nodes),
-                        options.accuracy);
-  };
-  StackBsdf result = solve(coarsest);
-  result.estimated_error = 1.0;
-  while (!result.is_accurate && result.nodes < options.max_nodes) {
-    StackBsdf finer = solve(result.nodes * 3 / 2);
-    finer.estimated_error = std::max(relative_difference(finer.brdf, result.brdf),
-                                     relative_difference(finer.btdf, result.btdf));
-    finer.is_accurate = finer.estimated_error <= options.accuracy;
-    result = std::move(finer);
-  }
-  return result;
+StackBsdf stack_bsdf(const LayerStack& stack, double theta_i, std::span<const double> theta_o,
+                     std::span<const double> phi_o, const StackBsdfOptions& options) {
+  return std::move(stack_bsdf({&stack, 1}, theta_i, theta_o, phi_o, options).front());
 }
 
 }  // namespace lamina

@@ -9,8 +9,8 @@ namespace lamina::detail {
 
 /// A rough boundary on a direction grid, for one azimuthal mode and from both sides.
 ///
-/// Beams and directions to look from do not see one another directly: as two extra nodes have no
-/// flux to exchange, these entries are 0.
+/// From one extra node to another (a beam, a direction to look from) only light counts that meets
+/// two facets or more: what a single one sends there has a closed form for each azimuth.
 struct RoughBoundary {
   Matrix reflection_above, transmission_down;  ///< of light from above
   Matrix reflection_below, transmission_up;    ///< of light from below
@@ -27,11 +27,14 @@ inline constexpr double rough_boundary_error = 1e-4;
 /// Nothing is lost: in mode 0 what leaves equals what arrives to rounding.
 ///
 /// Heights are Gauss nodes in u, the share of lower facets. Directions are the nodes of the grid,
-/// up and down; the narrow lobe of a facet is shared out among them by Lagrange's polynomials, so
-/// that its integral with smooth radiance is exact however narrow it is.
+/// up and down.
+///
+/// @return  for `count` azimuthal modes from `first` on, [mode]; one after the other costs more.
 ///
 /// Source: [Heitz2016] for the walk; its solution on a grid is lamina's (docs/adding_doubling.md).
-[[nodiscard]] RoughBoundary rough_boundary(const DirectionGrid& grid, const Interface& boundary,
-                                           double ior_above, double ior_below, int m);
+[[nodiscard]] std::vector<RoughBoundary> rough_boundary_modes(const DirectionGrid& grid,
+                                                              const Interface& boundary,
+                                                              double ior_above, double ior_below,
+                                                              int first, int count);
 
 }  // namespace lamina::detail

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/optics/rough_interface.h"
+
 namespace lamina::detail {
 namespace {
 
@@ -56,6 +58,40 @@ SingleScattering single_scattering(const GridLayer& layer, std::size_t in,
                        (arriving.down * leaving.up + arriving.up * leaving.down),
           .opposite_side = strength * along(a, b, d) *
                            (arriving.down * leaving.down + arriving.up * leaving.up)};
+}
+
+SingleFacet single_facet(const GridStack& stack, std::size_t beam, std::size_t out,
+                         bool leaves_above) {
+  const std::size_t layers = stack.layers.size();
+  std::size_t k = 0;
+  while (k <= layers && !is_rough(stack.interfaces[k], stack.ior[k], stack.ior[k + 1])) ++k;
+  if (k > layers) return {};
+  // What arrives at interface k from outside; by reciprocity also what leaves from there.
+  const auto arriving = [](const GridStack& seen, std::size_t node, std::size_t interface) {
+    if (interface == 0) return 1.0;
+    return unscattered_flux(seen, node, Unscattered::on_grid).down[2 * interface - 1];
+  };
+  const double leaving =
+      leaves_above ? arriving(stack, out, k) : arriving(turned_over(stack), out, layers - k);
+  const double ior_inside = stack.ior[leaves_above ? k : k + 1];
+  const double ratio = (leaves_above ? stack.ior.front() : stack.ior.back()) / ior_inside;
+  return {.interface = k, .weight = arriving(stack, beam, k) * leaving * ratio * ratio};
+}
+
+double facet_radiance(const GridStack& stack, const SingleFacet& facet, std::size_t beam,
+                      std::size_t out, bool leaves_above, double phi) {
+  if (facet.weight == 0.0) return 0.0;
+  const double before = stack.ior[facet.interface], behind = stack.ior[facet.interface + 1];
+  const auto interface =
+      make_rough_interface<double>(stack.interfaces[facet.interface], before, behind);
+  const auto direction = [&](std::size_t node, double ior, double azimuth) {
+    const double sine = stack.grid.p[node] / ior;
+    return Vec3{sine * std::cos(azimuth), sine * std::sin(azimuth), cosine(stack.grid, node, ior)};
+  };
+  const Vec3 from = direction(beam, before, 0.0);
+  Vec3 to = direction(out, leaves_above ? before : behind, phi);
+  if (!leaves_above) to.z = -to.z;
+  return facet.weight * bsdf(interface, from, to);
 }
 
 }  // namespace lamina::detail

@@ -36,4 +36,20 @@ struct LayerFlux {
                                                  const LayerFlux& arriving, std::size_t out,
                                                  const LayerFlux& leaving);
 
+/// Light that meets one facet of a rough boundary and is scattered nowhere else: the first rough
+/// boundary that a beam from above comes to, or none.
+struct SingleFacet {
+  std::size_t interface = 0;
+  double weight = 0.0;  ///< radiance outside per radiance from the facet and unit flux of the beam
+};
+
+/// For light from the node of a beam above that leaves above or below by the node `out`.
+[[nodiscard]] SingleFacet single_facet(const GridStack& stack, std::size_t beam, std::size_t out,
+                                       bool leaves_above);
+
+/// Its radiance outside per irradiance [1/sr]; `phi` is the azimuth from that of the light.
+[[nodiscard]] double facet_radiance(const GridStack& stack, const SingleFacet& facet,
+                                    std::size_t beam, std::size_t out, bool leaves_above,
+                                    double phi);
+
 }  // namespace lamina::detail

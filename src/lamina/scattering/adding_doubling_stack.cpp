@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/adding_doubling_rough.h"
 
 namespace lamina::detail {
 namespace {
@@ -111,7 +110,46 @@ double node_fresnel(const DirectionGrid& grid, std::size_t node, double ior_a, d
   return 0.5 * (r_s * r_s + r_p * r_p);
 }
 
+std::vector<RoughBoundaries> rough_boundaries(const GridStack& stack, int first, int count) {
+  std::vector<RoughBoundaries> modes(static_cast<std::size_t>(count),
+                                     RoughBoundaries(stack.interfaces.size()));
+  for (std::size_t k = 0; k < stack.interfaces.size(); ++k) {
+    if (!is_rough(stack.interfaces[k], stack.ior[k], stack.ior[k + 1])) continue;
+    auto boundary = rough_boundary_modes(stack.grid, stack.interfaces[k], stack.ior[k],
+                                         stack.ior[k + 1], first, count);
+    for (std::size_t m = 0; m < modes.size(); ++m) modes[m][k] = std::move(boundary[m]);
+  }
+  return modes;
+}
+
+std::vector<std::vector<std::size_t>> groups_of_equal_boundaries(
+    std::span<const LayerStack> stacks) {
+  const auto boundaries = [](const LayerStack& stack) {
+    std::vector<Interface> interfaces;
+    for (const Layer& layer : stack.layers()) interfaces.push_back(layer.top);
+    interfaces.push_back(stack.ground().top);
+    return std::pair(merged_indices(stack), std::move(interfaces));
+  };
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < stacks.size(); ++k) {
+    const auto has_equal = [&](const std::vector<std::size_t>& group) {
+      return boundaries(stacks[group.front()]) == boundaries(stacks[k]);
+    };
+    const auto group =
+        is_smooth(stacks[k]) ? groups.end() : std::ranges::find_if(groups, has_equal);
+    if (group != groups.end())
+      group->push_back(k);
+    else
+      groups.push_back({k});
+  }
+  return groups;
+}
+
 StackOperators stack_operators(const GridStack& stack, int m) {
+  return stack_operators(stack, m, rough_boundaries(stack, m, 1).front());
+}
+
+StackOperators stack_operators(const GridStack& stack, int m, const RoughBoundaries& rough) {
   StackOperators operators;
   const auto take = [&](Covered covered) {
     operators.crossings.push_back(std::move(covered.crossing));
@@ -124,10 +162,8 @@ StackOperators stack_operators(const GridStack& stack, int m) {
       return take(
           cover_by_smooth_interface(stack.grid, before, behind, std::move(operators.reflection)));
     }
-    const RoughBoundary boundary =
-        rough_boundary(stack.grid, stack.interfaces[k], before, behind, m);
-    if (k == 0) operators.first_reflection = boundary.reflection_above;
-    take(cover_by_rough_interface(boundary, std::move(operators.reflection)));
+    if (k == 0) operators.first_reflection = rough[0].reflection_above;
+    take(cover_by_rough_interface(rough[k], std::move(operators.reflection)));
   };
   operators.reflection = ground_reflection(stack, m);
   for (std::size_t k = stack.layers.size(); k-- > 0;) {

@@ -9,6 +9,7 @@
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_layer.h"
 #include "lamina/scattering/adding_doubling_matrix.h"
+#include "lamina/scattering/adding_doubling_rough.h"
 #include "lamina/scattering/direction_grid.h"
 
 namespace lamina::detail {
@@ -56,9 +57,28 @@ struct StackOperators {
   Matrix first_reflection;          ///< of the top surface alone
 };
 
+/// The rough boundaries of a stack for one azimuthal mode, [interface]; smooth ones are empty. They
+/// depend on the indices and interfaces alone: stacks with equal ones may share them.
+using RoughBoundaries = std::vector<RoughBoundary>;
+
+/// For `count` azimuthal modes from `first` on, [mode].
+[[nodiscard]] std::vector<RoughBoundaries> rough_boundaries(const GridStack& stack, int first,
+                                                            int count);
+
+/// Stacks whose rough boundaries are equal, by their places in `stacks`. A smooth stack stands
+/// alone.
+[[nodiscard]] std::vector<std::vector<std::size_t>> groups_of_equal_boundaries(
+    std::span<const LayerStack> stacks);
+
 /// Adds up the stack from the bottom.
 ///
+/// @param rough  of this stack or of one with equal boundaries, for mode m.
+///
 /// Source: [Plass1973], with an interface as one more layer.
+[[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m,
+                                             const RoughBoundaries& rough);
+
+/// The same for a stack that is used once.
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m);
 
 /// @throws InvalidInput naming the layer whose boundary is rough; `method` names who refuses.
