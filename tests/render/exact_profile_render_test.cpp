@@ -87,8 +87,10 @@ TEST(SubsurfaceFurnace, ExactProfileReturnsTheSlabTotal) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 8, .height = 8};
-  scene.render = {
-      .profile = RenderSettings::Profile::exact, .samples_per_pixel = 256, .max_bounces = 0};
+  scene.render = {.method = RenderSettings::Method::profile,
+                  .profile = RenderSettings::Profile::exact,
+                  .samples_per_pixel = 256,
+                  .max_bounces = 0};
   scene.materials = {
       {.name = "slab",
        .surface = SubsurfaceSurface{.material = slab(), .thickness = {.value = 0.0f}}}};

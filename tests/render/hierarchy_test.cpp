@@ -62,6 +62,25 @@ TEST(SurfaceCells, ShareOutTheWholeSurface) {
   EXPECT_LT(largest, 2.5 * 0.16);  // blue noise: no cell is much larger than the others
 }
 
+// A black ball inside takes light away, most where it is near; a white one takes none, and one
+// outside has nothing to do with the light inside.
+TEST(Hierarchy, OpaqueObjectsInsideStopLight) {
+  const auto brightness = [](float reflectance, float center) {
+    Scene scene = scene_of(make_sphere(6.0f, 24), half_space({0.02, 0.02, 0.02}, 1.0, 1.3));
+    scene.materials.push_back(diffuse_material(reflectance));
+    Mesh ball = make_sphere(2.0f, 16, 1);
+    for (Vec3f& p : ball.positions) p.z += center;
+    scene.meshes.push_back(ball);
+    return mean_of(render(scene).image, 1);
+  };
+  const double without = brightness(0.0f, -40.0f), far = brightness(0.0f, -2.0f);
+  EXPECT_NEAR(brightness(1.0f, 3.0f), without, 1e-4 * without);
+  EXPECT_LT(far, 0.999 * without);
+  const double near = brightness(0.0f, 3.0f);
+  EXPECT_LT(near, 0.97 * far);
+  EXPECT_GT(near, 0.2 * without);
+}
+
 TEST(SurfaceCells, DoNotReachAroundAnEdge) {
   // A plate thinner than the spacing: front and back keep cells of their own.
   Mesh plate = make_square(10.0f);

@@ -173,6 +173,8 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   const std::vector<float> areas = balanced_areas(points_, grid_, blur);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);
+  stopped_ = {};
+  stopped_ = IrradianceTree<N>(stopped_light(cloud.spacing));
   exitance_ = LazyValues<BandValues<N>>(points_.size());
 }
 
@@ -269,6 +271,11 @@ BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, cons
                  }
                  total += spread * node.power;
                });
+  stopped_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
+                  [&](const auto& node, const Bands&, const Vec3f&, float d2) {
+                    total += -1.0f * (thick.reflectance.at(d2) * node.power);
+                  });
+  for (int b = 0; b < N; ++b) total[b] = std::max(total[b], 0.0f);  // where more was taken
   return total * local.scale;
 }
 

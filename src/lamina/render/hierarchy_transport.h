@@ -29,7 +29,11 @@ namespace lamina {
 /// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
 /// colour is kept.
 ///
-/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample.
+/// An opaque object inside stops light: the light that would come to its surface is found as if
+/// that were where light leaves, and what it would bring to other points is taken from the sum.
+///
+/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample, §5.2 for objects
+/// inside. Departure: there it is left open which light stands at their samples.
 template <int N>
 class HierarchyTransport final : public SubsurfaceTransport<N> {
  public:
@@ -68,6 +72,9 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   /// By a sum over all samples within reach.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;
+  /// Light that opaque objects inside, bones say, take from that on its way: where it meets them.
+  [[nodiscard]] std::vector<IrradianceSample<N>> stopped_light(float spacing) const;
+  [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
   /// The same at a sample, over what the surface's colour there makes of it.
   [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
   [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
@@ -78,7 +85,7 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   std::uint32_t material_;
   bool is_printed_exit_;
   ProfileTransport<N> profiles_;
-  IrradianceTree<N> tree_;
+  IrradianceTree<N> tree_, stopped_;
   std::vector<GatherTable<N>> by_thickness_, by_absorption_;
   float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
   std::vector<CloudPoint> points_;

@@ -88,6 +88,15 @@ class PixelSamples {
     return detail::unit_fraction(detail::reverse_bits(x));
   }
 
+  /// The samples of one of several paths that start where this sample has come to. Over all
+  /// samples of the pixel the paths are stratified together.
+  [[nodiscard]] PixelSamples branch(std::uint32_t path, std::uint32_t paths) const {
+    PixelSamples own = *this;
+    own.sample_reversed_ =
+        detail::reverse_bits(detail::reverse_bits(sample_reversed_) * paths + path);
+    return own;
+  }
+
  private:
   std::uint32_t next_index() {
     key_ += 0x9e3779b9u;

@@ -80,7 +80,62 @@ void collect_hit(const RTCFilterFunctionNArguments* arguments) {
       .triangle = triangle};
 }
 
+constexpr float nearest_slack = 0.1f;
+
+struct NearestQuery {
+  const std::vector<Mesh>* meshes;
+  std::optional<std::uint32_t> material;
+  Hit nearest;
+};
+
+bool keep_nearer(RTCPointQueryFunctionArguments* arguments) {
+  auto& query = *static_cast<NearestQuery*>(arguments->userPtr);
+  const Mesh& mesh = (*query.meshes)[arguments->geomID];
+  if (mesh.triangles.empty()) return false;
+  if (query.material && mesh.material[arguments->primID] != *query.material) return false;
+  const auto& [i0, i1, i2] = mesh.triangles[arguments->primID];
+  const Vec3f p{arguments->query->x, arguments->query->y, arguments->query->z};
+  const Vec2f at =
+      nearest_on_triangle(p, mesh.positions[i0], mesh.positions[i1], mesh.positions[i2]);
+  const Vec3f offset = (1.0f - at.x - at.y) * mesh.positions[i0] + at.x * mesh.positions[i1] +
+                       at.y * mesh.positions[i2] - p;
+  const float distance = length(offset);
+  if (!(distance < arguments->query->radius)) return false;
+  arguments->query->radius = distance * (1.0f - nearest_slack);
+  query.nearest = {.distance = distance,
+                   .u = at.x,
+                   .v = at.y,
+                   .mesh = arguments->geomID,
+                   .triangle = arguments->primID};
+  return true;
+}
+
 }  // namespace
+
+Vec2f nearest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const Vec3f e1 = b - a, e2 = c - a, d = p - a;
+  const float e11 = dot(e1, e1), e12 = dot(e1, e2), e22 = dot(e2, e2);
+  const float d1 = dot(d, e1), d2 = dot(d, e2);
+  const float determinant = e11 * e22 - e12 * e12;
+  // Above the triangle the foot of the perpendicular is the nearest point.
+  if (determinant > 0.0f) {
+    const float u = (d1 * e22 - d2 * e12) / determinant, v = (d2 * e11 - d1 * e12) / determinant;
+    if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f) return {u, v};
+  }
+  // Else the nearest is on an edge.
+  const auto along = [](float projection, float squared) {
+    return squared > 0.0f ? std::clamp(projection / squared, 0.0f, 1.0f) : 0.0f;
+  };
+  const float s1 = along(d1, e11), s2 = along(d2, e22);
+  const Vec3f e3 = c - b;
+  const float s3 = along(dot(p - b, e3), dot(e3, e3));
+  const std::array<Vec2f, 3> candidates = {Vec2f{s1, 0.0f}, {0.0f, s2}, {1.0f - s3, s3}};
+  const auto distance2 = [&](const Vec2f& at) {
+    const Vec3f offset = at.x * e1 + at.y * e2 - d;
+    return dot(offset, offset);
+  };
+  return *std::ranges::min_element(candidates, {}, distance2);
+}
 
 struct RayGeometry::Traversal {
   RTCDevice device = nullptr;
@@ -161,6 +216,17 @@ bool RayGeometry::is_blocked(const Ray& ray, float t_near, float t_far) const {
   RTCRay query = make_ray(ray, t_near, t_far);
   occlude(traversal_->scene, query);
   return query.tfar < 0.0f;  // Embree's sign for a hit
+}
+
+Hit RayGeometry::closest_point(const Vec3f& position, float radius,
+                               std::optional<std::uint32_t> material) const {
+  NearestQuery nearest{traversal_->meshes, material, {}};
+  RTCPointQuery query = {
+      .x = position.x, .y = position.y, .z = position.z, .time = 0.0f, .radius = radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(traversal_->scene, &query, &context, keep_nearer, &nearest);
+  return nearest.nearest;
 }
 
 void RayGeometry::all_hits(const Ray& ray, float length, std::uint32_t material,

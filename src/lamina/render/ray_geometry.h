@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "lamina/core/vec.h"
@@ -35,6 +36,10 @@ struct ProbeHits {
   }
 };
 
+/// The barycentric weights of b and c at the point of triangle abc that is nearest to p.
+[[nodiscard]] Vec2f nearest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b,
+                                        const Vec3f& c);
+
 /// The triangles of a scene, ready for rays. Safe to use from any thread.
 class RayGeometry {
  public:
@@ -53,6 +58,11 @@ class RayGeometry {
 
   /// All hits with triangles of a material within the length of a segment: one traversal.
   void all_hits(const Ray& ray, float length, std::uint32_t material, ProbeHits& found) const;
+
+  /// The point of a surface nearest to a position, within a radius: of triangles of one material,
+  /// all, or one at most a ninth farther. `Hit::distance` is the distance to it.
+  [[nodiscard]] Hit closest_point(const Vec3f& position, float radius,
+                                  std::optional<std::uint32_t> material = std::nullopt) const;
 
   /// Smallest box around everything; both corners 0 if there is nothing.
   [[nodiscard]] Vec3f box_low() const { return box_low_; }

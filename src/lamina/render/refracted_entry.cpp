@@ -94,10 +94,10 @@ std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, cons
 
 std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
                                                    std::uint32_t material, float ior,
-                                                   const LightSample& light) {
+                                                   const LightSample& light, const Vec3f& first) {
   const bool is_far = !std::isfinite(light.distance);
   const Vec3f light_position = is_far ? Vec3f{} : inside + light.distance * light.direction;
-  auto found = meet_boundary(scene, inside, light.direction, material);
+  auto found = meet_boundary(scene, inside, first, material);
   for (int step = 0; found && step < most_steps; ++step) {
     const SurfacePoint& point = found->point;
     const Vec3f offset = light_position - point.position;

@@ -48,8 +48,9 @@ struct RefractedEntry {
                                                                 const LightSample& light);
 
 /// The entry on the path that Snell's law takes, with the focusing of the curved boundary: Newton's
-/// method on the smooth normals, from the straight entry on. For a light at a finite distance the
-/// change of its own cosine along the way is left out, second order in depth over distance.
+/// method on the smooth normals, from where a ray towards `first` leaves. For a light at a finite
+/// distance the change of its own cosine along the way is left out, second order in depth over
+/// distance.
 ///
 /// @return  nothing if it does not converge. The same arguments give the same result.
 ///
@@ -58,6 +59,7 @@ struct RefractedEntry {
 [[nodiscard]] std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene,
                                                                  const Vec3f& inside,
                                                                  std::uint32_t material, float ior,
-                                                                 const LightSample& light);
+                                                                 const LightSample& light,
+                                                                 const Vec3f& first);
 
 }  // namespace lamina

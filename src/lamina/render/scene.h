@@ -211,7 +211,7 @@ struct LayeredFactors {
 
 struct RenderSettings {
   enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
-  Method method = Method::profile;
+  Method method = Method::hierarchy;
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
   /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the

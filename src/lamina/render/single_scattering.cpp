@@ -121,9 +121,10 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
   const LightSample lamp = scene_.lights.sample_light(event.inside, u_light, u);
   const bool is_sky = !lamp.is_delta && !std::isfinite(lamp.distance);
   if (!(lamp.pdf > 0.0f) || is_sky) return {};
-  const auto entry = is_refracted_
-                         ? find_refracted_entry(scene_, event.inside, material_, ior_, lamp)
-                         : find_straight_entry(scene_, event.inside, material_, ior_, lamp);
+  const auto entry =
+      is_refracted_
+          ? find_refracted_entry(scene_, event.inside, material_, ior_, lamp, lamp.direction)
+          : find_straight_entry(scene_, event.inside, material_, ior_, lamp);
   if (!entry) return {};
   const float entering = 1.0f - reflectance(boundary_at(scene_, entry->point), entry->cos_outside);
   const Bands way_in =
