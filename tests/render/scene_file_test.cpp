@@ -13,6 +13,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/render/scene.h"
 #include "lamina/render/studio_environment.h"
+#include "lamina/scattering/dipole.h"
 #include "render/mesh_samples.h"
 
 namespace lamina {
@@ -253,6 +254,19 @@ TEST(SceneFile, TheExampleOfThePageLoads) {
       load_text(text.str().substr(begin + fence.size(), end - begin - fence.size()), "page");
   EXPECT_EQ(scene.meshes.size(), 2U);
   EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(SceneFile, LookHasItsColorAndSpread) {
+  const Scene scene = load_scene(reference / "scenes_good/look.json");
+  const auto& surface = std::get<SubsurfaceSurface>(scene.materials[0].surface);
+  const double color[3] = {0.8, 0.5, 0.3}, spread[3] = {3.0, 1.0, 0.5};  // [mm]
+  for (std::size_t b = 0; b < 3; ++b) {
+    const LayerStack stack = layer_stack(surface.material, b);
+    const Medium& medium = stack.layers()[0].medium;
+    EXPECT_NEAR(medium.g, 0.5, 1e-12);
+    EXPECT_NEAR(total_reflectance(make_dipole(medium, 1.0)), color[b], 1e-9);
+    EXPECT_NEAR(sigma_tr(medium) * spread[b], 1.0, 1e-9);
+  }
 }
 
 TEST(SceneFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
