@@ -65,9 +65,9 @@ TEST(ExactDiffuseProfile, IsRefusedBesideSingleScattering) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 2, .height = 2};
-  scene.render = {.profile = RenderSettings::Profile::exact,
-                  .single_scattering = RenderSettings::SingleScattering::straight,
-                  .samples_per_pixel = 1};
+  scene.render.profile = RenderSettings::Profile::exact;
+  scene.render.single_scattering = RenderSettings::SingleScattering::straight;
+  scene.render.samples_per_pixel = 1;
   scene.materials = {{.name = "slab", .surface = SubsurfaceSurface{.material = slab()}}};
   scene.meshes = {make_square(60.0f)};
   scene.lights = {EnvironmentLight{}};

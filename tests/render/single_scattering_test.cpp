@@ -145,7 +145,7 @@ TEST(RefractedEntry, ObeysSnellsLawAndFocusesAsNeighbouringRaysDo) {
                             .radiance = {1, 1, 1},
                             .pdf = 1.0f,
                             .is_delta = true};
-    const auto entry = find_refracted_entry(prepared, inside, 0, ior, light);
+    const auto entry = find_refracted_entry(prepared, inside, 0, ior, light, direction);
     ASSERT_TRUE(entry.has_value());
     const Vec3f n = normalize(entry->point.position);
     const Vec3f t = normalize(inside - entry->point.position);  // the light's way inside

@@ -92,26 +92,29 @@ TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
   EXPECT_NE(message_of(folded).find("overlap"), std::string::npos);
 }
 
-// Two solvers of the same uniform skin, one by texels and one by a cloud of samples.
+// Two solvers of uniform skin, one by texels and one by a cloud of samples. Their closed forms
+// start light in the epidermis at different depths, so each is taken over its own reflectance.
 TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
   Scene scene = lit_scene(make_sphere(10.0f, 48), uniform_skin(), 14.0);
   const Image by_texels = render(scene).image;
   scene.render.method = RenderSettings::Method::hierarchy;
   scene.render.hierarchy = {.spacing = 0.3f, .irradiance_samples = 8};
   const Image by_points = render(scene).image;
-  for (const char* name : {"subsurface.R", "subsurface.G", "subsurface.B"}) {
-    const std::size_t channel = *channel_index(by_points, name);
+  for (const std::string name : {"R", "G", "B"}) {
+    const std::size_t channel = *channel_index(by_points, "subsurface." + name);
+    const std::size_t albedo = *channel_index(by_points, "albedo." + name);
+    const double scale = mean_of(by_points, albedo) / mean_of(by_texels, albedo);
     double square = 0.0, mean = 0.0;
     const double pixels = by_points.width * by_points.height;
     for (int y = 0; y < by_points.height; ++y)
       for (int x = 0; x < by_points.width; ++x) {
-        const auto a = static_cast<double>(by_texels.at(x, y)[channel]);
+        const double a = scale * static_cast<double>(by_texels.at(x, y)[channel]);
         const auto b = static_cast<double>(by_points.at(x, y)[channel]);
         square += (a - b) * (a - b) / pixels;
         mean += b / pixels;
       }
     EXPECT_GT(mean, 0.01);
-    EXPECT_LT(std::sqrt(square) / mean, 0.15) << name;
+    EXPECT_LT(std::sqrt(square) / mean, 0.06) << name;
   }
 }
 

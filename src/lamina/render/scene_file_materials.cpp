@@ -195,7 +195,7 @@ class MaterialDecoder {
 
   /// A built-in material by name, a material file by path, or a material file as an object.
   static Material decode_layers_of(const JsonInput& value) {
-    if (value.peek("diffuse_color")) return decode_look(value);
+    if (value.is_object() && value.peek("diffuse_color")) return decode_look(value);
     if (value.is_object()) return decode_material(value, RecipeMaps::allowed);
     if (!value.is_string())
       value.refuse("must be a built-in material, a material file, or what one says");

@@ -10,6 +10,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/adding_doubling_lobes.h"
 #include "lamina/scattering/adding_doubling_single.h"
 #include "lamina/scattering/adding_doubling_stack.h"
 
@@ -217,11 +218,20 @@ double relative_difference(const std::vector<double>& a, const std::vector<doubl
 /// Refines the grid until all bands are accurate. Their boundaries are equal.
 std::vector<StackBsdf> solve_group(std::span<const LayerStack* const> stacks, const Angles& angles,
                                    const StackBsdfOptions& options) {
-  constexpr int coarsest = 9;
   constexpr int finest_rough = 42;  // a minute or two
-  constexpr double hopeless = 0.5;  // the next grid will not come right
   const bool is_rough = !is_smooth(*stacks[0]);
   const int finest = is_rough ? std::min(options.max_nodes, finest_rough) : options.max_nodes;
+  int coarsest = 9;
+  for (const LayerStack* stack : stacks) {
+    const detail::NarrowestLobe lobe = detail::narrowest_lobe(*stack);
+    if (lobe.nodes > finest)
+      throw InvalidInput(lobe.where + ": the lobes of roughness " + std::to_string(lobe.roughness) +
+                         " need " + std::to_string(lobe.nodes) + " directions and " +
+                         std::to_string(2 * lobe.nodes) +
+                         " azimuthal modes, but adding-doubling takes at most " +
+                         std::to_string(finest) + " directions; photon Monte Carlo takes them");
+    coarsest = std::max(coarsest, (2 * lobe.nodes + 2) / 3);  // the next one resolves it
+  }
   const double least_error = is_rough ? rough_bsdf_error : 0.0;
   const double accuracy = std::max(options.accuracy, least_error);
   std::vector<StackBsdf> results(stacks.size());
@@ -241,30 +251,10 @@ std::vector<StackBsdf> solve_group(std::span<const LayerStack* const> stacks, co
       finer[c].is_accurate = finer[c].estimated_error <= options.accuracy;
       last = std::move(finer[c]);
     }
-    std::erase_if(coarse, [&](std::size_t k) {
-      const double error = results[k].estimated_error;
-      return error <= accuracy || (is_rough && nodes > 2 * coarsest && error > hopeless);
-    });
+    std::erase_if(coarse, [&](std::size_t k) { return results[k].estimated_error <= accuracy; });
     if (coarse.empty() || nodes >= finest) return results;
     nodes = std::min(nodes * 3 / 2, finest);
   }
-}
-
-/// A grid that cannot resolve the lobes of rough boundaries gives no picture of the light.
-void require_resolved(const LayerStack& stack, const StackBsdf& result) {
-  constexpr double most = 0.1;
-  if (is_smooth(stack) || result.estimated_error <= most) return;
-  double roughness = 1.0;
-  for (const Layer& layer : stack.layers())
-    if (layer.top.roughness > 0.0) roughness = std::min(roughness, layer.top.roughness);
-  if (stack.ground().top.roughness > 0.0)
-    roughness = std::min(roughness, stack.ground().top.roughness);
-  throw InvalidInput("roughness: " + std::to_string(roughness) +
-                     " has lobes too narrow for a BRDF by adding-doubling, which with " +
-                     std::to_string(result.nodes) + " directions and " +
-                     std::to_string(result.modes) + " azimuthal modes is still off by " +
-                     std::to_string(std::lround(100.0 * result.estimated_error)) +
-                     " %; photon Monte Carlo takes it");
 }
 
 }  // namespace
@@ -289,10 +279,7 @@ std::vector<StackBsdf> stack_bsdf(std::span<const LayerStack> bands, double thet
     std::vector<const LayerStack*> stacks;
     for (const std::size_t band : groups[g]) stacks.push_back(&bands[band]);
     std::vector<StackBsdf> solved = solve_group(stacks, {theta_i, theta_o, phi_o}, options);
-    for (std::size_t k = 0; k < stacks.size(); ++k) {
-      require_resolved(*stacks[k], solved[k]);
-      results[groups[g][k]] = std::move(solved[k]);
-    }
+    for (std::size_t k = 0; k < stacks.size(); ++k) results[groups[g][k]] = std::move(solved[k]);
   });
   return results;
 }

@@ -13,8 +13,7 @@ inline constexpr double rough_bsdf_error = 2e-3;
 
 struct StackBsdfOptions {
   double accuracy = 1e-3;  ///< asked of each value, relative to it or to the mean if that is larger
-  int max_nodes =
-      72;  ///< of the direction grid's first segment, >= 4; where refining stops; rough: at 42
+  int max_nodes = 72;      ///< of the direction grid's first segment, >= 4; 42 if rough
 };
 
 /// How a stack scatters a beam: radiance per irradiance [1/sr], for one angle of incidence.
@@ -38,15 +37,16 @@ struct StackBsdf {
 /// added by the phase function itself, so that forward peaks stay sharp and nothing rings. So is
 /// light that meets one facet of a rough boundary and nothing else.
 ///
-/// With rough boundaries values are good to rough_bsdf_error, and light that meets facets twice
-/// without scattering in between must be resolved by the grid.
+/// With rough boundaries values are good to rough_bsdf_error. Light that meets two boundaries with
+/// nothing to scatter it in between must be resolved by the grid.
 ///
 /// @param theta_i  angle of incidence outside [rad], in [0, pi/2).
 /// @param theta_o  angles from the normal of the side that light leaves on [rad], in [0, pi/2).
 /// @param phi_o    azimuths from that of the light [rad]: 0 looks along the incident beam, pi is
 ///                 the side of the mirror direction.
-/// @throws InvalidInput for angles out of range, and for rough boundaries whose lobes are so narrow
-///                      that the finest grid is off by more than 10 %.
+/// @throws InvalidInput for angles out of range, and for rough boundaries whose lobes are too
+/// narrow
+///                      for the finest grid.
 ///
 /// Source: [Nakajima1988] for the single scattering, extended to the ladder of reflections.
 [[nodiscard]] StackBsdf stack_bsdf(const LayerStack& stack, double theta_i,

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/exact_profile_band.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
-#include "lamina/scattering/exact_profile_band.h"
 #include "lamina/scattering/exact_profile_diffuse.h"
 #include "lamina/scattering/exact_profile_frequency.h"
 #include "lamina/scattering/exact_profile_single.h"
