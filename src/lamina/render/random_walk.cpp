@@ -110,7 +110,8 @@ RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& con
     least = std::min(least, sigma_t_[b]);
     most = std::max(most, sigma_t_[b]);
   }
-  for (int b = 0; b < bands_; ++b) sigma_t_over_least_[b] = sigma_t_[b] - least;
+  // Lanes beyond the bands are copies of the last, and decay as it does.
+  for (int b = 0; b < N; ++b) sigma_t_over_least_[b] = sigma_t_[b] - least;
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Vec3f low{infinity, infinity, infinity}, high = -low;
   for (const Mesh& mesh : scene.scene->meshes)
