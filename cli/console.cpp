@@ -94,7 +94,8 @@ void require_different(const std::vector<NamedFile>& files) {
     std::error_code error;
     if (file.empty() || file == "-") continue;
     if (fs::exists(file, error) && !fs::is_regular_file(file, error)) continue;  // /dev/null
-    const auto [place, is_new] = option_of.try_emplace(fs::weakly_canonical(file, error), option);
+    const auto [place, is_new] =
+        option_of.try_emplace(fs::weakly_canonical(fs::absolute(file), error), option);
     if (!is_new)
       throw InvalidInput(fmt::format("{} and {}: must be different files, but both are {}",
                                      place->second, option, file));
