@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/materials/skin_features.h"
+#include "lamina/render/surface_skin_maps.h"
 
 namespace lamina::cli {
 namespace {
@@ -37,30 +38,57 @@ std::string_view name_of(SkinConstants constants) {
   return "calibrated";
 }
 
-/// A patch file that uses the maps.
-nlohmann::ordered_json patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
+/// The recipe "skin" that uses the maps.
+nlohmann::ordered_json skin_json(const SkinMaps& base, const std::vector<SkinMap>& maps) {
   nlohmann::ordered_json skin;
-  skin["constants"] = name_of(recipe.base.constants);
+  skin["constants"] = name_of(base.constants);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const std::string name(range.name);
-    const double value = recipe.base.skin.*range.value;
+    const double value = base.skin.*range.value;
     if (std::ranges::any_of(maps, [&](const SkinMap& map) { return map.name == name; }))
       skin[name] = {{"map", name + ".exr"}};
     else if (std::isfinite(value))
       skin[name] = value;
   }
+  return skin;
+}
+
+/// A patch file that uses the maps.
+nlohmann::ordered_json patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
   return {{"lamina", "patch"},
           {"version", 1},
           {"mm_per_pixel", recipe.mm_per_texel},
           {"width", recipe.width},
           {"height", recipe.height},
-          {"skin", skin}};
+          {"skin", skin_json(recipe.base, maps)}};
+}
+
+/// A material file that uses the maps of a surface.
+nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
+                                     const std::vector<SkinMap>& maps) {
+  return {{"lamina", "material"},
+          {"version", 1},
+          {"length_unit", "mm"},
+          {"skin", skin_json(recipe.base, maps)}};
 }
 
 void run_maps(const MapsOptions& options) {
-  SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
-  if (options.seed->count() > 0) recipe.seed = options.common.seed;
-  const std::vector<SkinMap> maps = make_skin_maps(recipe);
+  const bool has_seed = options.seed->count() > 0;
+  std::vector<SkinMap> maps;
+  std::string user;  // of the maps: a file to render
+  nlohmann::ordered_json user_json;
+  if (auto on_mesh = load_surface_map_recipe(options.recipe)) {
+    if (has_seed) on_mesh->seed = options.common.seed;
+    maps = make_surface_maps(*on_mesh);
+    user = "material";
+    user_json = material_json(*on_mesh, maps);
+  } else {
+    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
+    if (has_seed) recipe.seed = options.common.seed;
+    maps = make_skin_maps(recipe);
+    user = "patch";
+    user_json = patch_json(recipe, maps);
+  }
   const fs::path folder =
       options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
   std::error_code error;
@@ -77,10 +105,10 @@ void run_maps(const MapsOptions& options) {
     json["maps"].push_back(
         {{"file", file.string()}, {"parameter", map.name}, {"lowest", low}, {"highest", high}});
   }
-  const fs::path patch = folder / "patch.json";
-  write_file(patch.string(), patch_json(recipe, maps).dump(1) + "\n");
-  text += patch.string() + "\n";
-  json["patch"] = patch.string();
+  const fs::path user_file = folder / (user + ".json");
+  write_file(user_file.string(), user_json.dump(1) + "\n");
+  text += user_file.string() + "\n";
+  json[user] = user_file.string();
   print(options.common, text);
   write_json(json, options.common);
 }
@@ -93,8 +121,10 @@ void add_maps_command(CLI::App& app) {
       "maps", "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos.");
   command->add_option("recipe", options->recipe, "maps file")->type_name("MAPS")->required();
   command
-      ->add_option("-o,--output", options->output,
-                   "folder for an EXR per parameter, and patch.json that uses them")
+      ->add_option(
+          "-o,--output", options->output,
+          "folder for an EXR per parameter, and patch.json that uses them; of a recipe on a mesh "
+          "material.json")
       ->type_name("FOLDER");
   add_common_options(*command, options->common);
   options->seed = command->get_option("--seed");

@@ -122,5 +122,55 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
   for (const auto& value : left) ASSERT_NEAR(value[1], uniform.reflected.values[0], 2e-4);
 }
 
+// A fold of skin lit from one side: the two sheets of its surface, against its three layers at
+// once.
+TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
+  constexpr int size = 32;
+  constexpr float h = 0.5f;
+  for (const double sigma_a : {0.05, 0.25}) {
+    const double dermis = 2.0;
+    const MappedStack fold{
+        1.0, {{16.0, 0.77, 1.4, 0.25}, {8.0, 0.77, 1.38, dermis}, {16.0, 0.77, 1.4, 0.25}}, 1.0};
+    const StackTables three = make_stack_tables(fold, OperatorTotals::diffusion, {}, small_grid());
+    const auto plane = [&](double value) { return make_plane(8, 8, static_cast<float>(value)); };
+    const TransportResult wanted =
+        transport(make_heterogeneous_layers(three, {plane(0.3), plane(sigma_a), plane(0.3)},
+                                            {plane(0.05), plane(0.05)}, 0.5),
+                  plane(1.0), {.terms = 6});
+    Sheet sheet = cut_sheet(size, h);
+    const auto count = static_cast<std::uint32_t>(sheet.cells.size());
+    Sheet back = cut_sheet(size, h);
+    for (GraphCell cell : back.cells) {
+      cell.chart += 2;
+      cell.position.z = -2.5f;
+      sheet.cells.push_back(cell);
+    }
+    for (const CellLink& link : back.links)
+      sheet.links.push_back({link.from + count, link.to + count, link.conductance});
+    const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 25.0);
+    const StackTables two =
+        make_stack_tables(green_stack, OperatorTotals::diffusion, {}, small_grid());
+    std::vector<FarSide> far(sheet.cells.size());
+    for (std::uint32_t i = 0; i < far.size(); ++i)
+      far[i] = {
+          .thickness = 2.5f, .cell = {(i + count) % (2 * count)}, .weight = {1.0f}, .count = 1};
+    SurfaceLayers<4> layers = make_surface_layers<4>(graph);
+    layers.thin = make_thin_parts<4>(graph, far, 0.25);
+    const std::vector<float> lower(far.size(), static_cast<float>(sigma_a));
+    layers.add_band(
+        0, two,
+        {std::vector<float>(far.size(), 0.3f), lower, std::vector<float>(far.size(), 0.05f)});
+    add_band<4>(0, green_stack.layers[1], lower, 0.25, 1.4, layers.thin);
+    CellField<4> light(far.size());
+    for (std::size_t i = 0; i < count; ++i) light[i][0] = 1.0f;
+    const CellField<4> left = transport(layers, light, 6);
+    const std::size_t middle = size / 2 * size + size / 2;
+    const float r = wanted.reflected.values[0], t = wanted.transmitted.values[0];
+    EXPECT_GT(t, 0.005f);
+    EXPECT_NEAR(left[middle][0], r, 0.05f * r) << sigma_a;
+    EXPECT_NEAR(left[middle + count][0], t, 0.1f * t) << sigma_a;
+  }
+}
+
 }  // namespace
 }  // namespace lamina

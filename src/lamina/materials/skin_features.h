@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -77,6 +78,10 @@ struct SkinMapRecipe {
   SkinMaps base;                      ///< numbers only
   std::vector<SkinFeature> features;  ///< one after the other
 };
+
+/// Decodes a feature of a kind, as a recipe names it: "freckles", "moles", "veins", "blotches",
+/// "tattoo", "pressed", "unevenness". @throws InvalidInput
+[[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
 
 /// Reads a recipe; docs/heterogeneous_skin.md has the format. @throws FileError, InvalidInput
 [[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file);

@@ -114,24 +114,28 @@ SkinFeature decode_unevenness(const JsonInput& value) {
 }
 
 SkinFeature decode_feature(const JsonInput& value) {
+  (void)value.object({"freckles", "moles", "veins", "blotches", "tattoo", "pressed", "unevenness"});
+  const auto entries = value.entries();
+  if (entries.size() != 1) value.fail("must have exactly one key, the kind of the feature");
+  return decode_skin_feature(entries.front().first, entries.front().second);
+}
+
+}  // namespace
+
+SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value) {
   constexpr MelaninSpots mole{.density = 0.5,
                               .diameter = {1.5, 3.5},
                               .melanin = {0.08, 0.2},
                               .melanin_blend = 0.8,
                               .rim = 0.25};
-  const JsonObject object =
-      value.object({"freckles", "moles", "veins", "blotches", "tattoo", "pressed", "unevenness"});
-  if (value.entries().size() != 1) value.fail("must have exactly one key, the kind of the feature");
-  if (const auto it = object.optional("freckles")) return decode_spots(*it, {});
-  if (const auto it = object.optional("moles")) return decode_spots(*it, mole);
-  if (const auto it = object.optional("veins")) return decode_veins(*it);
-  if (const auto it = object.optional("blotches")) return decode_blotches(*it);
-  if (const auto it = object.optional("tattoo")) return decode_tattoo(*it);
-  if (const auto it = object.optional("pressed")) return decode_pressed(*it);
-  return decode_unevenness(object.required("unevenness"));
+  if (kind == "freckles") return decode_spots(value, {});
+  if (kind == "moles") return decode_spots(value, mole);
+  if (kind == "veins") return decode_veins(value);
+  if (kind == "blotches") return decode_blotches(value);
+  if (kind == "tattoo") return decode_tattoo(value);
+  if (kind == "pressed") return decode_pressed(value);
+  return decode_unevenness(value);
 }
-
-}  // namespace
 
 SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file) {
   const JsonDocument document = load_json(file);

@@ -62,6 +62,8 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
 
  private:
   [[nodiscard]] Bands looked_up(const CellField<N>& field, const SurfacePoint& point) const;
+  /// What lies opposite each texel, if it is near.
+  [[nodiscard]] std::vector<FarSide> far_sides() const;
   /// Adds the border texels to a field of texels.
   void extend(CellField<N>& field) const;
 

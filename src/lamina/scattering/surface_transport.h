@@ -7,6 +7,7 @@
 
 #include "lamina/scattering/cell_blurs.h"
 #include "lamina/scattering/gaussian_tables.h"
+#include "lamina/scattering/thin_parts.h"
 
 namespace lamina {
 
@@ -27,6 +28,7 @@ struct SurfaceLayers {
   };
   Layer upper, lower;
   CellField<N> junction;  ///< what a crossing leaves
+  ThinParts<N> thin;      ///< where light comes through from another side
 
   /// Adds a band; the next lane is its.
   void add_band(int band, const StackTables& tables, const CellAbsorption& absorption,

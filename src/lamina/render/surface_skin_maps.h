@@ -1,0 +1,90 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "lamina/image/image.h"
+#include "lamina/materials/skin_features.h"
+#include "lamina/render/scene.h"
+
+namespace lamina {
+
+/// Where on a surface a feature is: around points, less and less up to their radius. No points:
+/// everywhere.
+struct SurfacePlaces {
+  struct Place {
+    Vec3f at;  ///< [mm]
+    float radius = 10.0f;
+  };
+  std::vector<Place> places;
+  /// In [0, 1].
+  [[nodiscard]] float weight(const Vec3f& position) const;
+};
+
+/// More of something around some places: a flush, lips, shadows under the eyes.
+struct Flush {
+  double melanin = 0.0, hemoglobin_epidermis = 0.0, hemoglobin_dermis = 0.0;  ///< added
+};
+
+/// A net of vessels, where smooth noise in space passes 0.
+struct VesselNet {
+  double size = 12.0;        ///< typical width of a mesh of the net [mm]
+  double width = 0.8;        ///< of a vessel as it is seen [mm]
+  double hemoglobin = 0.03;  ///< of the dermis, added at its middle
+  double saturation = 0.45;  ///< of that blood
+};
+
+/// Melanin and blood that make uniform skin look like an image of the surface.
+struct ColorOfSkin {
+  Image image;
+};
+
+/// A feature on a surface.
+struct SurfaceFeature {
+  std::variant<MelaninSpots, VesselNet, Flush, Unevenness, ColorOfSkin> kind;
+  SurfacePlaces where;
+};
+
+/// What `lamina maps` makes maps of, on a mesh: images over its texture coordinates.
+struct SurfaceMapRecipe {
+  int width = 1024, height = 1024;
+  std::uint64_t seed = 0;
+  std::vector<Mesh> meshes;  ///< one, of one material
+  SkinMaps base;             ///< numbers only
+  std::vector<SurfaceFeature> features;
+};
+
+/// Reads a recipe with "surface"; docs/heterogeneous_skin.md has the format. Absent: the file has
+/// none, it is for a flat patch.
+/// @throws FileError, InvalidInput
+[[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
+    const std::filesystem::path& file);
+
+/// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
+[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe);
+
+/// Melanin and blood of the dermis for a color, by adding-doubling of uniform skin in eight bands.
+class SkinOfColor {
+ public:
+  explicit SkinOfColor(const SkinParameters& base);
+  struct Value {
+    double melanin, hemoglobin_dermis;
+  };
+  /// The nearest that skin gets to a reflectance, linear Rec.709, of all shares of
+  /// melanin from .002 to .45 and of blood from .0008 to .09.
+  [[nodiscard]] Value at(const Vec3f& reflectance) const;
+
+ private:
+  struct Look {
+    double luminance, redness, blueness;  ///< logarithms; the last two over green
+  };
+  /// Between the nodes, for places in [0, nodes - 1].
+  [[nodiscard]] Look look_at(double melanin, double blood) const;
+  std::vector<Look> looks_;  ///< [melanin][blood], of nodes in even steps of their logarithms
+};
+
+}  // namespace lamina

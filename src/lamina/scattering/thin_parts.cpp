@@ -1,0 +1,120 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/thin_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lamina/core/parallel.h"
+#include "lamina/scattering/diffuse_boundary.h"
+#include "lamina/scattering/layer_response.h"
+#include "lamina/scattering/multipole.h"
+
+namespace lamina {
+namespace {
+
+/// Gaussians that stand for all others, what lies between by its logarithm [mm²].
+constexpr std::array<double, 6> variances = {0.16, 0.4, 1.0, 2.5, 6.3, 16.0};
+constexpr double ratio = 2.5;
+
+/// Place of a variance among the Gaussians, 0 at the first.
+float place_of(double variance) {
+  const double place = std::log(variance / variances.front()) / std::log(ratio);
+  return static_cast<float>(std::clamp(place, 0.0, static_cast<double>(variances.size() - 1)));
+}
+
+}  // namespace
+
+template <int N>
+ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
+                             double upper_thickness) {
+  ThinParts<N> thin;
+  if (std::ranges::none_of(far, [&](const FarSide& side) {
+        return static_cast<double>(side.thickness) > 2.0 * upper_thickness;
+      }))
+    return thin;
+  thin.far = std::move(far);
+  thin.spread.resize(thin.far.size());
+  thin.transmittance.resize(thin.far.size());
+  thin.reflectance.assign(thin.far.size(), BandValues<N>::filled(1.0f));
+  const std::vector<double> rungs = cell_rungs_of_gaussians(graph, variances);
+  const std::size_t count = rung_count(graph);
+  for (std::size_t v = 0; v < variances.size(); ++v) {
+    CellOperator<N>& blur = thin.blurs.emplace_back();
+    blur.powers = 1;
+    for (std::size_t j = 0; j < count; ++j)
+      blur.weights.push_back(BandValues<N>::filled(static_cast<float>(rungs[v * count + j])));
+    blur.totals = {BandValues<N>::filled(1.0f)};
+  }
+  return thin;
+}
+
+template <int N>
+void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a,
+              double upper_thickness, double ior_above, ThinParts<N>& thin) {
+  const double inside = diffuse_reflectance_inside({}, lower.ior, ior_above, DiffuseFresnel::exact);
+  const auto slab_at = [&](double absorption, double thickness, double k) {
+    return spread_source_response(
+        make_multipole({absorption, lower.sigma_s, lower.g, lower.ior}, thickness, inside, inside),
+        k);
+  };
+  for (std::size_t i = 0; i < thin.far.size(); ++i) {
+    const double thickness = static_cast<double>(thin.far[i].thickness) - 2.0 * upper_thickness;
+    if (!(thickness > 0.0)) continue;
+    const auto absorption = static_cast<double>(sigma_a[i]);
+    const LayerResponse slab = slab_at(absorption, thickness, 0.0);
+    const LayerResponse thick = slab_at(absorption, std::numeric_limits<double>::infinity(), 0.0);
+    constexpr double step = 0.01;  // [1/mm], a low frequency
+    const double falling =
+        slab_at(absorption, thickness, step).transmission_down / slab.transmission_down;
+    const double variance = -2.0 * std::log(falling) / (step * step);
+    thin.spread[i][band] = place_of(variance);
+    thin.transmittance[i][band] = static_cast<float>(slab.transmission_down);
+    thin.reflectance[i][band] = static_cast<float>(slab.reflection_above / thick.reflection_above);
+  }
+}
+
+template <int N>
+void pass_through(const CellGraph& graph, const ThinParts<N>& thin, const CellField<N>& down,
+                  CellField<N>& up) {
+  if (thin.far.empty()) return;
+  CellField<N> through(down.size());
+  for (std::size_t v = 0; v < thin.blurs.size(); ++v) {
+    const std::array<const CellOperator<N>*, 1> operators = {&thin.blurs[v]};
+    const CellField<N> blurred = std::move(apply<N>(graph, down, thin.spread, operators)[0]);
+    for (std::size_t i = 0; i < through.size(); ++i)
+      for (int b = 0; b < N; ++b) {
+        const float share = 1.0f - std::abs(thin.spread[i][b] - static_cast<float>(v));
+        if (share > 0.0f) through[i][b] += share * thin.transmittance[i][b] * blurred[i][b];
+      }
+  }
+  constexpr std::size_t chunk = 8192;
+  parallel_for((up.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    for (std::size_t i = c * chunk; i < std::min(up.size(), (c + 1) * chunk); ++i) {
+      up[i] *= thin.reflectance[i];
+      for (int k = 0; k < thin.far[i].count; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        up[i] += thin.far[i].weight[at] * through[thin.far[i].cell[at]];
+      }
+    }
+  });
+}
+
+template ThinParts<4> make_thin_parts<4>(const CellGraph&, std::vector<FarSide>, double);
+template ThinParts<8> make_thin_parts<8>(const CellGraph&, std::vector<FarSide>, double);
+template ThinParts<16> make_thin_parts<16>(const CellGraph&, std::vector<FarSide>, double);
+template void add_band<4>(int, const MappedLayer&, std::span<const float>, double, double,
+                          ThinParts<4>&);
+template void add_band<8>(int, const MappedLayer&, std::span<const float>, double, double,
+                          ThinParts<8>&);
+template void add_band<16>(int, const MappedLayer&, std::span<const float>, double, double,
+                           ThinParts<16>&);
+template void pass_through<4>(const CellGraph&, const ThinParts<4>&, const CellField<4>&,
+                              CellField<4>&);
+template void pass_through<8>(const CellGraph&, const ThinParts<8>&, const CellField<8>&,
+                              CellField<8>&);
+template void pass_through<16>(const CellGraph&, const ThinParts<16>&, const CellField<16>&,
+                               CellField<16>&);
+
+}  // namespace lamina
