@@ -111,8 +111,17 @@ make_strip() {
 }
 make_once "$out/comparison.png" make_strip
 
+# The head again, with no texture of colors: maps of melanin and blood, light spread in texture space.
+make_maps() {
+  say "making maps of melanin and blood"
+  "$lamina" maps demo/maps.json -o "$assets/maps"
+}
+make_once "$assets/maps/material.json" make_maps
+fit <demo/head_of_maps.json >demo/out-maps.json
+make_once "$out/maps.png" render maps
+
 say "done. The pictures:"
-for file in head.png comparison.png ear.png profile.png; do
+for file in head.png comparison.png ear.png profile.png maps.png; do
   echo "        $PWD/$out/$file"
 done
 echo "        (all channels: $out/*.exr; your own: $lamina render SCENE, see docs/scene.md)"
