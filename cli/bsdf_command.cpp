@@ -1,5 +1,4 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "bsdf_options.h"
@@ -11,66 +10,65 @@ namespace lamina::cli {
 
 void add_bsdf_command(CLI::App& app) {
   auto options = std::make_shared<BsdfOptions>();
-  CLI::App* command =
-      app.add_subcommand("bsdf", "Where light from one direction is scattered to: BRDF and BTDF.");
-  command->add_option("MATERIAL", options->material, "a file, or the name of a built-in material");
-  command->add_option("--model", options->model, "in place of a material: rough_transmission")
-      ->check(CLI::IsMember({"rough_transmission"}));
-  command->add_option("--method", options->method,
-                      "of a material: adding_doubling (default), first_order (closed form), "
-                      "layered_bsdf (first order, the rest without shape) or monte_carlo; of "
-                      "rough_transmission: analytic (default), monte_carlo or height_field");
-  command->add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
-      ->capture_default_str();
-  add_output_file(*command, "--plot", options->plot,
-                  "draw the lobes in the plane of incidence as SVG");
+  const Command command(app, "bsdf",
+                        "Where light from one direction is scattered to: BRDF and BTDF.");
+  command.add_option("MATERIAL", options->material, "a file, or the name of a built-in material");
+  command.add_option("--model", options->model, "in place of a material: rough_transmission")
+      .one_of({"rough_transmission"});
+  command.add_option("--method", options->method,
+                     "of a material: adding_doubling (default), first_order (closed form), "
+                     "layered_bsdf (first order, the rest without shape) or monte_carlo; of "
+                     "rough_transmission: analytic (default), monte_carlo or height_field");
+  command.add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
+      .show_default();
+  command.add_output_file("--plot", options->plot,
+                          "draw the lobes in the plane of incidence as SVG");
   const std::string layered = "Layered materials";
+  command.add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
+      .group(layered)
+      .range(1e-8, 0.1)
+      .show_default();
+  command.add_option("--step", options->step_deg, "between the angles to look from, in degrees")
+      .group(layered)
+      .range(0.5, 45.0)
+      .show_default();
+  command.add_option("--cosines", options->cosines, "of monte_carlo: rows of equal solid angle")
+      .group(layered)
+      .range(1, 10000)
+      .show_default();
+  command.add_option("--azimuths", options->azimuths, "of monte_carlo: cells of a row, even")
+      .group(layered)
+      .range(2, 10000)
+      .show_default();
   command
-      ->add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
-      ->group(layered)
-      ->check(CLI::Range(1e-8, 0.1))
-      ->capture_default_str();
-  command->add_option("--step", options->step_deg, "between the angles to look from, in degrees")
-      ->group(layered)
-      ->check(CLI::Range(0.5, 45.0))
-      ->capture_default_str();
-  command->add_option("--cosines", options->cosines, "of monte_carlo: rows of equal solid angle")
-      ->group(layered)
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--azimuths", options->azimuths, "of monte_carlo: cells of a row, even")
-      ->group(layered)
-      ->check(CLI::Range(2, 10000))
-      ->capture_default_str();
-  command
-      ->add_flag("--orders", options->orders,
-                 "of monte_carlo: light by the number of times that it was scattered")
-      ->group(layered);
-  add_effort_options(*command, options->effort);
+      .add_flag("--orders", options->orders,
+                "of monte_carlo: light by the number of times that it was scattered")
+      .group(layered);
+  add_effort_options(command, options->effort);
   const std::string rough = "Rough transmission";
-  command->add_option("--eta", options->eta, "index beyond the surface over that before it")
-      ->group(rough)
-      ->capture_default_str();
+  command.add_option("--eta", options->eta, "index beyond the surface over that before it")
+      .group(rough)
+      .show_default();
   command
-      ->add_option("--smoothness", options->smoothness,
-                   "correlation length over RMS height; roughness alpha is 2 / smoothness")
-      ->group(rough)
-      ->capture_default_str();
+      .add_option("--smoothness", options->smoothness,
+                  "correlation length over RMS height; roughness alpha is 2 / smoothness")
+      .group(rough)
+      .show_default();
   command
-      ->add_option("--visibility", options->visibility,
-                   "of monte_carlo: xu_sun, as published, or smith, which loses no energy")
-      ->group(rough)
-      ->check(CLI::IsMember({"xu_sun", "smith"}))
-      ->capture_default_str();
-  command->add_option("--realizations", options->realizations, "surfaces made by height_field")
-      ->group(rough)
-      ->type_name("N")
-      ->check(CLI::Range(2, 1000))
-      ->capture_default_str();
-  command->add_flag("--compare", options->compare,
-                    "all methods side by side, with the light that each misplaces");
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_option("--visibility", options->visibility,
+                  "of monte_carlo: xu_sun, as published, or smith, which loses no energy")
+      .group(rough)
+      .one_of({"xu_sun", "smith"})
+      .show_default();
+  command.add_option("--realizations", options->realizations, "surfaces made by height_field")
+      .group(rough)
+      .type_name("N")
+      .range(2, 1000)
+      .show_default();
+  command.add_flag("--compare", options->compare,
+                   "all methods side by side, with the light that each misplaces");
+  add_common_options(command, options->common);
+  command.footer(
       "Example: how skin scatters light from 45 degrees\n"
       "  lamina bsdf donner_jensen_skin --theta-i 45 --json skin.json\n"
       "Its first order in closed form, drawn, and how far the approximations are off\n"
@@ -84,7 +82,7 @@ void add_bsdf_command(CLI::App& app) {
       "lobes.svg\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --compare --plot b.svg");
-  command->callback([options, command] {
+  command.callback([options, command] {
     set_thread_count(options->common.threads);
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
@@ -94,12 +92,12 @@ void add_bsdf_command(CLI::App& app) {
     const std::vector<std::string> of_the_model = {"--eta", "--smoothness", "--visibility",
                                                    "--realizations"};
     for (const std::string& name : is_material ? of_the_model : of_materials)
-      if (command->get_option(name)->count() > 0)
+      if (command.is_given(name))
         throw InvalidInput(name + (is_material ? ": is read with --model rough_transmission only"
                                                : ": is read with a MATERIAL only"));
     if (!is_material) {
       if (!options->compare)
-        refuse_unused(*command, options->method.empty() ? "analytic" : options->method,
+        refuse_unused(command, options->method.empty() ? "analytic" : options->method,
                       {{"--photons", {"monte_carlo", "height_field"}},
                        {"--visibility", {"monte_carlo"}},
                        {"--realizations", {"height_field"}}});
@@ -107,7 +105,7 @@ void add_bsdf_command(CLI::App& app) {
     }
     if (options->compare && !options->method.empty())
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
-    refuse_unused(*command, options->method.empty() ? "adding_doubling" : options->method,
+    refuse_unused(command, options->method.empty() ? "adding_doubling" : options->method,
                   {{"--accuracy", {"adding_doubling"}},
                    {"--step", {"adding_doubling", "first_order", "layered_bsdf"}},
                    {"--cosines", {"monte_carlo"}},

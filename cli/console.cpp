@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -22,8 +21,6 @@
 
 namespace lamina::cli {
 namespace {
-
-constexpr const char* file_type = "FILE";  // of all options that name a file to read or write
 
 std::atomic<bool> interrupted{false};
 
@@ -64,13 +61,13 @@ class Bar {
 
 }  // namespace
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
-  add_output_file(command, "--json", options.json,
-                  "write the result as JSON to FILE, or - for stdout");
+void add_common_options(const Command& command, CommonOptions& options) {
+  command.add_output_file("--json", options.json,
+                          "write the result as JSON to FILE, or - for stdout");
   command.add_option("--threads", options.threads, "threads to use; 0 for all")
-      ->type_name("N")
-      ->check(CLI::Range(0, 4096));
-  command.add_option("--seed", options.seed, "seed of everything random")->type_name("N");
+      .type_name("N")
+      .range(0, 4096);
+  command.add_option("--seed", options.seed, "seed of everything random").type_name("N");
 }
 
 void require_writable(const std::string& file) {
@@ -102,25 +99,10 @@ void require_different(const std::vector<NamedFile>& files) {
   }
 }
 
-CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::string& file,
-                             const std::string& text) {
-  const auto check = [&command](const std::string& given) {
-    if (given != "-") require_writable(given);
-    std::vector<NamedFile> files;
-    for (const CLI::Option* option : command.get_options())
-      if (option->get_type_name() == file_type)
-        for (const std::string& used : option->results())
-          files.push_back({option->get_name(), used});
-    require_different(files);
-    return std::string();
-  };
-  return command.add_option(name, file, text)->type_name(file_type)->check(check, "");
-}
-
-void refuse_unused(const CLI::App& command, const std::string& method,
+void refuse_unused(const Command& command, const std::string& method,
                    const std::vector<MethodOption>& options) {
   for (const auto& [name, methods] : options) {
-    if (command.get_option(name)->count() == 0 || std::ranges::count(methods, method) > 0) continue;
+    if (!command.is_given(name) || std::ranges::count(methods, method) > 0) continue;
     throw InvalidInput(fmt::format("{}: is read by --method {} only, but the method is {}", name,
                                    fmt::join(methods, ", "), method));
   }

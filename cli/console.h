@@ -7,12 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "command.h"
 #include "lamina/core/progress.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
 
 namespace lamina::cli {
 
@@ -24,12 +20,7 @@ struct CommonOptions {
 };
 
 /// Adds --json, --threads and --seed; `options` must outlive the parse.
-void add_common_options(CLI::App& command, CommonOptions& options);
-
-/// An option for a file to be written, which is refused before the work if it cannot be. "-"
-/// passes: --json takes it for standard output.
-CLI::Option* add_output_file(CLI::App& command, const std::string& name, std::string& file,
-                             const std::string& text);
+void add_common_options(const Command& command, CommonOptions& options);
 
 /// Before the work: whether a file can be written, as far as can be told. @throws WriteError
 void require_writable(const std::string& file);
@@ -40,7 +31,7 @@ struct NamedFile {
 };
 
 /// Before the work: that no result overwrites another, or what the work reads. Options that
-/// add_output_file made are looked at already. @throws InvalidInput
+/// Command::add_output_file made are looked at already. @throws InvalidInput
 void require_different(const std::vector<NamedFile>& files);
 
 /// An option that only some methods read.
@@ -51,7 +42,7 @@ struct MethodOption {
 
 /// @throws InvalidInput if an option was given that `method` does not read: nothing that a user
 /// asks for is passed over in silence.
-void refuse_unused(const CLI::App& command, const std::string& method,
+void refuse_unused(const Command& command, const std::string& method,
                    const std::vector<MethodOption>& options);
 
 /// A result object that starts with "lamina": VERSION and "command": name.

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -23,7 +22,7 @@ namespace fs = std::filesystem;
 struct MapsOptions {
   CommonOptions common;
   std::string recipe, output;
-  CLI::Option* seed = nullptr;
+  Option seed;
 };
 
 std::string_view name_of(SkinConstants constants) {
@@ -73,7 +72,7 @@ nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
 }
 
 void run_maps(const MapsOptions& options) {
-  const bool has_seed = options.seed->count() > 0;
+  const bool has_seed = options.seed.is_given();
   std::vector<SkinMap> maps;
   std::string user;  // of the maps: a file to render
   nlohmann::ordered_json user_json;
@@ -117,22 +116,23 @@ void run_maps(const MapsOptions& options) {
 
 void add_maps_command(CLI::App& app) {
   auto options = std::make_shared<MapsOptions>();
-  CLI::App* command = app.add_subcommand(
-      "maps", "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos.");
-  command->add_option("recipe", options->recipe, "maps file")->type_name("MAPS")->required();
+  const Command command(
+      app, "maps",
+      "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos.");
+  command.add_option("recipe", options->recipe, "maps file").type_name("MAPS").required();
   command
-      ->add_option(
+      .add_option(
           "-o,--output", options->output,
           "folder for an EXR per parameter, and patch.json that uses them; of a recipe on a mesh "
           "material.json")
-      ->type_name("FOLDER");
-  add_common_options(*command, options->common);
-  options->seed = command->get_option("--seed");
-  command->footer(
+      .type_name("FOLDER");
+  add_common_options(command, options->common);
+  options->seed = command.option("--seed");
+  command.footer(
       "docs/heterogeneous_skin.md has the file format.\n"
       "Example: lamina maps examples/skin/freckles.json -o freckles && lamina patch "
       "freckles/patch.json");
-  command->callback([options] { run_maps(*options); });
+  command.callback([options] { run_maps(*options); });
 }
 
 }  // namespace lamina::cli

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -67,18 +66,17 @@ void show_material(const std::string& name, const CommonOptions& options) {
 
 void add_materials_command(CLI::App& app) {
   auto options = std::make_shared<MaterialsOptions>();
-  CLI::App* command =
-      app.add_subcommand("materials", "List the built-in materials, or print the file of one");
+  const Command command(app, "materials", "List the built-in materials, or print the file of one");
   command
-      ->add_option("name", options->name,
-                   "a built-in material, or a file to check and print in mm; without it, all "
-                   "built-in materials are listed")
-      ->type_name("NAME");
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_option("name", options->name,
+                  "a built-in material, or a file to check and print in mm; without it, all "
+                  "built-in materials are listed")
+      .type_name("NAME");
+  add_common_options(command, options->common);
+  command.footer(
       "Example: a material of your own, starting from a built-in one\n"
       "  lamina materials jade > my_jade.json");
-  command->callback([options] {
+  command.callback([options] {
     if (options->name.empty())
       list_materials(options->common);
     else

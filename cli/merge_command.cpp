@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <set>
 
@@ -72,19 +71,19 @@ void run_merge(const MergeOptions& options) {
 
 void add_merge_command(CLI::App& app) {
   auto options = std::make_shared<MergeOptions>();
-  CLI::App* command =
-      app.add_subcommand("merge", "Adds the shards of a photon run; all of them make the whole.");
-  command->add_option("files", options->files, "what `lamina photons --shard I/N --json` wrote")
-      ->required()
-      ->type_name("FILE");
-  add_output_file(*command, "--plot", options->plot, "plot of R(r), or of R(angle), as SVG");
-  add_common_options(*command, options->common);
-  command->footer(
+  const Command command(app, "merge",
+                        "Adds the shards of a photon run; all of them make the whole.");
+  command.add_option("files", options->files, "what `lamina photons --shard I/N --json` wrote")
+      .required()
+      .type_name("FILE");
+  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG");
+  add_common_options(command, options->common);
+  command.footer(
       "Example: two machines share a run\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 0/2 --json a.json\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 1/2 --json b.json\n"
       "  lamina merge a.json b.json --json all.json");
-  command->callback([options] { run_merge(*options); });
+  command.callback([options] { run_merge(*options); });
 }
 
 }  // namespace lamina::cli

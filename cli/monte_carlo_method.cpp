@@ -3,28 +3,27 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "lamina/core/error.h"
 
 namespace lamina::cli {
 
-void add_effort_options(CLI::App& command, MonteCarloEffort& effort) {
+void add_effort_options(const Command& command, MonteCarloEffort& effort) {
   const std::string group = "Monte Carlo";
   command.add_option("--photons", effort.photons, "photons per band; 1e6 if nothing is said")
-      ->type_name("N")
-      ->group(group);
+      .type_name("N")
+      .group(group);
   command
       .add_option("--relative-error", effort.relative_error,
                   "stop when reflectance and transmittance are known to this fraction")
-      ->type_name("E")
-      ->check(CLI::Range(1e-9, 1.0))
-      ->group(group);
+      .type_name("E")
+      .range(1e-9, 1.0)
+      .group(group);
   command.add_option("--time", effort.seconds, "stop after so many seconds")
-      ->type_name("S")
-      ->check(CLI::Range(1e-3, 1e9))
-      ->group(group);
+      .type_name("S")
+      .range(1e-3, 1e9)
+      .group(group);
 }
 
 MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const CommonOptions& common) {

@@ -20,7 +20,7 @@ struct MonteCarloEffort {
 };
 
 /// Adds the three options; `effort` must outlive the parse.
-void add_effort_options(CLI::App& command, MonteCarloEffort& effort);
+void add_effort_options(const Command& command, MonteCarloEffort& effort);
 
 /// @throws InvalidInput if --photons is no number of photons.
 [[nodiscard]] MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort,

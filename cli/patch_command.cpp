@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -141,27 +140,27 @@ void run_patch(const PatchOptions& options) {
 
 void add_patch_command(CLI::App& app) {
   auto options = std::make_shared<PatchOptions>();
-  CLI::App* command = app.add_subcommand(
-      "patch", "A flat piece of skin whose pigments are maps, under a pattern of light.");
-  command->add_option("patch", options->patch, "patch file")->type_name("PATCH")->required();
+  const Command command(app, "patch",
+                        "A flat piece of skin whose pigments are maps, under a pattern of light.");
+  command.add_option("patch", options->patch, "patch file").type_name("PATCH").required();
   command
-      ->add_option("-o,--output", options->output,
-                   "where to write NAME.exr, a channel per band and R, G, B, and NAME.png")
-      ->type_name("NAME");
-  command->add_option("--exposure", options->exposure, "stops, for the PNG only")
-      ->type_name("EV")
-      ->check(CLI::Range(-50.0, 50.0));
-  command->add_option("--fit-plot", options->fit_plot, "plot of the error of the tables")
-      ->type_name("FILE.svg");
-  command->add_flag("--no-cache", options->uses_no_cache,
-                    "make the tables anew and do not keep them");
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_option("-o,--output", options->output,
+                  "where to write NAME.exr, a channel per band and R, G, B, and NAME.png")
+      .type_name("NAME");
+  command.add_option("--exposure", options->exposure, "stops, for the PNG only")
+      .type_name("EV")
+      .range(-50.0, 50.0);
+  command.add_option("--fit-plot", options->fit_plot, "plot of the error of the tables")
+      .type_name("FILE.svg");
+  command.add_flag("--no-cache", options->uses_no_cache,
+                   "make the tables anew and do not keep them");
+  add_common_options(command, options->common);
+  command.footer(
       "Mirror reflection is left out. docs/heterogeneous_skin.md has the file format.\n"
       "Example: a patch with freckles and a vein, from maps made on the spot\n"
       "  lamina maps examples/skin/freckles.json -o freckles && lamina patch "
       "freckles/patch.json");
-  command->callback([options] {
+  command.callback([options] {
     set_thread_count(options->common.threads);
     run_patch(*options);
   });

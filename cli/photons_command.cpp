@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -136,10 +135,8 @@ bool is_mcml(const PhotonsOptions& options) {
 }
 
 /// @throws InvalidInput if an option was given that nothing would read.
-void check_options(const CLI::App& command, const PhotonsOptions& options) {
-  const auto is_given = [&](const std::string& name) {
-    return command.get_option(name)->count() > 0;
-  };
+void check_options(const Command& command, const PhotonsOptions& options) {
+  const auto is_given = [&](const std::string& name) { return command.is_given(name); };
   const auto refuse = [&](const std::string& name, const std::string& reason) {
     if (is_given(name)) throw InvalidInput(name + ": " + reason);
   };
@@ -253,44 +250,45 @@ void run_photons(const PhotonsOptions& options) {
 
 void add_photons_command(CLI::App& app) {
   auto options = std::make_shared<PhotonsOptions>();
-  CLI::App* command = app.add_subcommand(
-      "photons", "Photon Monte Carlo through flat layers, with all tallies; reads MCML's files.");
+  const Command command(
+      app, "photons",
+      "Photon Monte Carlo through flat layers, with all tallies; reads MCML's files.");
   command
-      ->add_option("material", options->material, "built-in material, material file or MCML's .mci")
-      ->required()
-      ->type_name("MATERIAL|FILE.mci");
-  add_effort_options(*command, options->effort);
-  command->add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
-      ->type_name("I/N");
-  command->add_option("--max-events", options->max_events, "give a photon up after so many events")
-      ->type_name("N")
-      ->check(CLI::Range(1u, 4'000'000'000u))
-      ->capture_default_str();
+      .add_option("material", options->material, "built-in material, material file or MCML's .mci")
+      .required()
+      .type_name("MATERIAL|FILE.mci");
+  add_effort_options(command, options->effort);
+  command.add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
+      .type_name("I/N");
+  command.add_option("--max-events", options->max_events, "give a photon up after so many events")
+      .type_name("N")
+      .range(1u, 4'000'000'000u)
+      .show_default();
   const std::string light = "Light";
-  command->add_option("--incidence", options->incidence, "normal, diffuse or an angle in degrees")
-      ->group(light)
-      ->capture_default_str();
-  command->add_option("--beam", options->beam, "pencil, gaussian or flat")
-      ->group(light)
-      ->check(CLI::IsMember({"pencil", "gaussian", "flat"}))
-      ->capture_default_str();
-  command->add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
-      ->group(light);
+  command.add_option("--incidence", options->incidence, "normal, diffuse or an angle in degrees")
+      .group(light)
+      .show_default();
+  command.add_option("--beam", options->beam, "pencil, gaussian or flat")
+      .group(light)
+      .one_of({"pencil", "gaussian", "flat"})
+      .show_default();
+  command.add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
+      .group(light);
   const std::string tallies = "Tallies";
   command
-      ->add_option("--tally", options->tallies,
-                   "r, angle, rz, fluence, log_r, bsdf, orders, path; separated by commas")
-      ->delimiter(',')
-      ->group(tallies);
+      .add_option("--tally", options->tallies,
+                  "r, angle, rz, fluence, log_r, bsdf, orders, path; separated by commas")
+      .delimiter(',')
+      .group(tallies);
   const auto bins = [&](const char* name, int& value, const char* text) {
-    command->add_option(name, value, text)
-        ->type_name("N")
-        ->check(CLI::Range(1, 1'000'000'000))
-        ->group(tallies)
-        ->capture_default_str();
+    command.add_option(name, value, text)
+        .type_name("N")
+        .range(1, 1'000'000'000)
+        .group(tallies)
+        .show_default();
   };
   const auto width = [&](const char* name, double& value, const char* text) {
-    command->add_option(name, value, text)->type_name("MM")->group(tallies)->capture_default_str();
+    command.add_option(name, value, text).type_name("MM").group(tallies).show_default();
   };
   bins("--r-bins", options->r_bins, "rings of r");
   width("--dr", options->dr, "width of a ring");
@@ -298,42 +296,41 @@ void add_photons_command(CLI::App& app) {
   width("--dz", options->dz, "height of a layer");
   bins("--angle-bins", options->angles, "bins over 90 degrees");
   bins("--log-bins", options->log_bins, "bins of log_r");
-  command->add_option("--log-range", options->log_r, "lowest and highest radius of log_r [mm]")
-      ->expected(2)
-      ->group(tallies)
-      ->capture_default_str();
+  command.add_option("--log-range", options->log_r, "lowest and highest radius of log_r [mm]")
+      .expected(2)
+      .group(tallies)
+      .show_default();
   bins("--bsdf-cosines", options->cosines, "rows of bsdf");
   bins("--bsdf-azimuths", options->azimuths, "columns of bsdf");
   bins("--path-bins", options->path_bins, "bins of path length");
   width("--dl", options->dl, "width of a bin of path length");
-  command->add_option("--detector", options->detectors, "distances of ring detectors [mm]")
-      ->delimiter(',')
-      ->group(tallies);
+  command.add_option("--detector", options->detectors, "distances of ring detectors [mm]")
+      .delimiter(',')
+      .group(tallies);
   width("--detector-width", options->detector_width, "width of their rings");
   command
-      ->add_option(
-          "--direction", options->directions,
-          "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
-      ->group(tallies);
+      .add_option("--direction", options->directions,
+                  "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
+      .group(tallies);
   const std::string output = "Output";
-  command->add_option("-o,--output", options->output, "folder of the .mco files of a .mci file")
-      ->type_name("DIR")
-      ->group(output)
-      ->capture_default_str();
-  add_output_file(*command, "--plot", options->plot, "plot of R(r), or of R(angle), as SVG")
-      ->group(output);
+  command.add_option("-o,--output", options->output, "folder of the .mco files of a .mci file")
+      .type_name("DIR")
+      .group(output)
+      .show_default();
+  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG")
+      .group(output);
   command
-      ->add_flag("--counts", options->with_counts,
-                 "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
-      ->group(output);
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_flag("--counts", options->with_counts,
+                "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
+      .group(output);
+  add_common_options(command, options->common);
+  command.footer(
       "Examples: reflected light by radius; MCML's file; half of a long run\n"
       "  lamina photons donner_jensen_skin --photons 1e6 --tally r,angle --json skin.json\n"
       "  lamina photons tissue.mci -o results\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 0/2 --json half.json");
-  command->callback([options, command] {
-    check_options(*command, *options);
+  command.callback([options, command] {
+    check_options(command, *options);
     run_photons(*options);
   });
 }

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -372,67 +371,67 @@ void run_profile(const ProfileOptions& options) {
 
 void add_profile_command(CLI::App& app) {
   auto options = std::make_shared<ProfileOptions>();
-  CLI::App* command = app.add_subcommand(
-      "profile", "Light around a pencil beam on a layered material: R(r) and T(r).");
-  command->add_option("material", options->material, "a material file or a built-in material")
-      ->type_name("MATERIAL")
-      ->required();
+  const Command command(app, "profile",
+                        "Light around a pencil beam on a layered material: R(r) and T(r).");
+  command.add_option("material", options->material, "a material file or a built-in material")
+      .type_name("MATERIAL")
+      .required();
   std::vector<std::string> names;
   for (const ProfileMethod& method : profile_methods()) names.push_back(method.name);
   options->method = names[0];
   command
-      ->add_option("--method", options->method,
-                   "exact: radiative transfer; multipole: layers by diffusion; dipole: one "
-                   "half-space like them")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  command->add_flag("--compare", options->compare,
-                    "show an approximation beside it: the multipole beside exact, the single-layer "
-                    "dipole beside the others");
+      .add_option("--method", options->method,
+                  "exact: radiative transfer; multipole: layers by diffusion; dipole: one "
+                  "half-space like them")
+      .one_of(names)
+      .show_default();
+  command.add_flag("--compare", options->compare,
+                   "show an approximation beside it: the multipole beside exact, the single-layer "
+                   "dipole beside the others");
   command
-      ->add_option("--incidence", options->incidence,
-                   "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere; "
-                   "or the angle of a pencil beam in degrees")
-      ->type_name("WHAT")
-      ->capture_default_str();
+      .add_option("--incidence", options->incidence,
+                  "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere; "
+                  "or the angle of a pencil beam in degrees")
+      .type_name("WHAT")
+      .show_default();
   command
-      ->add_option("--from", options->from,
-                   "of exact: the side that is lit, and that R(r) then leaves on")
-      ->check(CLI::IsMember({"above", "below"}))
-      ->capture_default_str();
-  command->add_option("--accuracy", options->accuracy, "of exact: relative")
-      ->check(CLI::Range(1e-4, 0.1))
-      ->capture_default_str();
-  command->add_flag("--no-cache", options->no_cache,
-                    "of exact: neither look for the result in the cache nor keep it there");
+      .add_option("--from", options->from,
+                  "of exact: the side that is lit, and that R(r) then leaves on")
+      .one_of({"above", "below"})
+      .show_default();
+  command.add_option("--accuracy", options->accuracy, "of exact: relative")
+      .range(1e-4, 0.1)
+      .show_default();
+  command.add_flag("--no-cache", options->no_cache,
+                   "of exact: neither look for the result in the cache nor keep it there");
   command
-      ->add_option("--domain", options->domain,
-                   "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
-      ->check(CLI::IsMember({"radius", "frequency"}))
-      ->capture_default_str();
+      .add_option("--domain", options->domain,
+                  "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
+      .one_of({"radius", "frequency"})
+      .show_default();
   command
-      ->add_option("--moments", options->moments,
-                   "of an oblique beam: how many moments in azimuth to write to --json")
-      ->type_name("N")
-      ->check(CLI::Range(1, 32))
-      ->capture_default_str();
+      .add_option("--moments", options->moments,
+                  "of an oblique beam: how many moments in azimuth to write to --json")
+      .type_name("N")
+      .range(1, 32)
+      .show_default();
   command
-      ->add_option("--gaussians", options->gaussians,
-                   "of exact, instead of the profile: N Gaussians that make it, fitted over "
-                   "spatial frequency, the same for all bands but for their weights")
-      ->type_name("N")
-      ->check(CLI::Range(1, 40));
-  add_output_file(*command, "--plot", options->plot,
-                  "write R(r) and T(r) with that approximation as SVG to FILE");
-  command->add_option("--radii", options->grid.size, "number of radii, in a geometric series")
-      ->type_name("N")
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
-  command->add_option("--r-min", options->grid.first, "first radius [mm]")->capture_default_str();
-  command->add_option("--r-max", options->grid.last, "last radius [mm]")->capture_default_str();
-  add_effort_options(*command, options->effort);
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_option("--gaussians", options->gaussians,
+                  "of exact, instead of the profile: N Gaussians that make it, fitted over "
+                  "spatial frequency, the same for all bands but for their weights")
+      .type_name("N")
+      .range(1, 40);
+  command.add_output_file("--plot", options->plot,
+                          "write R(r) and T(r) with that approximation as SVG to FILE");
+  command.add_option("--radii", options->grid.size, "number of radii, in a geometric series")
+      .type_name("N")
+      .range(2, 100000)
+      .show_default();
+  command.add_option("--r-min", options->grid.first, "first radius [mm]").show_default();
+  command.add_option("--r-max", options->grid.last, "last radius [mm]").show_default();
+  add_effort_options(command, options->effort);
+  add_common_options(command, options->common);
+  command.footer(
       "The dipole has the coefficients of a single layer, made infinitely thick; of several "
       "layers\n"
       "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
@@ -442,9 +441,9 @@ void add_profile_command(CLI::App& app) {
       "environment variable LAMINA_CACHE moves them to a folder, or is \"off\".\n\n"
       "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
-  command->callback([options, command] {
+  command.callback([options, command] {
     set_thread_count(options->common.threads);
-    refuse_unused(*command, options->method,
+    refuse_unused(command, options->method,
                   {{"--accuracy", {"exact"}},
                    {"--no-cache", {"exact"}},
                    {"--photons", {"monte_carlo"}},

@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -34,8 +33,7 @@ struct RenderCommandOptions {
   float exposure = 0.0f, noise = -1.0f;
   bool resumes = false, denoises = false;
   std::vector<std::string> compared;
-  CLI::Option* seed = nullptr;
-  CLI::Option* exposure_given = nullptr;
+  Option seed, exposure_given;
 };
 
 struct OutputFiles {
@@ -116,8 +114,8 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
                                          ? SingleScattering::straight
                                          : SingleScattering::refracted;
   if (!options.profile.empty()) scene.render.profile = profile_named(options.profile);
-  if (options.seed->count() > 0) scene.render.seed = options.common.seed;
-  if (options.exposure_given->count() > 0) scene.film.exposure = options.exposure;
+  if (options.seed.is_given()) scene.render.seed = options.common.seed;
+  if (options.exposure_given.is_given()) scene.film.exposure = options.exposure;
   // One side alone keeps the proportions.
   const double aspect = static_cast<double>(scene.film.width) / scene.film.height;
   if (options.width > 0 && options.height == 0)
@@ -211,80 +209,78 @@ void run_render(const RenderCommandOptions& options) {
 
 void add_render_command(CLI::App& app) {
   auto options = std::make_shared<RenderCommandOptions>();
-  CLI::App* command = app.add_subcommand("render", "Renders a scene to an image.");
-  command->add_option("scene", options->scene, "scene file")->type_name("SCENE")->required();
+  const Command command(app, "render", "Renders a scene to an image.");
+  command.add_option("scene", options->scene, "scene file").type_name("SCENE").required();
   command
-      ->add_option(
-          "-o,--output", options->output,
-          "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without either ending, "
-          "or without the option, both")
-      ->type_name("IMAGE");
-  const auto at_least_one = CLI::Range(1, 1 << 24);
-  command->add_option("--samples", options->samples, "samples per pixel")
-      ->type_name("N")
-      ->check(at_least_one);
+      .add_option("-o,--output", options->output,
+                  "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without either ending, "
+                  "or without the option, both")
+      .type_name("IMAGE");
+  command.add_option("--samples", options->samples, "samples per pixel")
+      .type_name("N")
+      .range(1, 1 << 24);
   command
-      ->add_option("--noise", options->noise,
-                   "ends where the standard error is below this fraction of the brightness, "
-                   "0.01 for clean pictures; --samples is then the most that a pixel gets")
-      ->type_name("X")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_flag("--resume", options->resumes,
-                    "goes on with a picture that was stopped or killed: the result is the same as "
-                    "without. A file IMAGE.unfinished keeps what there is, every half minute");
-  command->add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
-      ->type_name("N")
-      ->check(CLI::Range(1, 16384));
-  command->add_option("--height", options->height, "height in pixels")
-      ->type_name("N")
-      ->check(CLI::Range(1, 16384));
-  command->add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1000));
+      .add_option("--noise", options->noise,
+                  "ends where the standard error is below this fraction of the brightness, "
+                  "0.01 for clean pictures; --samples is then the most that a pixel gets")
+      .type_name("X")
+      .range(0.0, 1.0);
+  command.add_flag("--resume", options->resumes,
+                   "goes on with a picture that was stopped or killed: the result is the same as "
+                   "without. A file IMAGE.unfinished keeps what there is, every half minute");
+  command.add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
+      .type_name("N")
+      .range(1, 16384);
+  command.add_option("--height", options->height, "height in pixels")
+      .type_name("N")
+      .range(1, 16384);
+  command.add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
+      .type_name("N")
+      .range(0, 1000);
   command
-      ->add_option("--method", options->method,
-                   "of light below surfaces: profile draws entry points at random; "
-                   "hierarchy sums a profile over samples of the light, without noise; "
-                   "texture_space spreads "
-                   "light through skin whose parameters are maps; random_walk "
-                   "follows light inside closed meshes, the truth")
-      ->type_name("NAME");
+      .add_option("--method", options->method,
+                  "of light below surfaces: profile draws entry points at random; "
+                  "hierarchy sums a profile over samples of the light, without noise; "
+                  "texture_space spreads "
+                  "light through skin whose parameters are maps; random_walk "
+                  "follows light inside closed meshes, the truth")
+      .type_name("NAME");
   command
-      ->add_option("--compare", options->compared,
-                   "renders by each of these methods; writes IMAGE_METHOD.exr and .png, IMAGE.svg "
-                   "with all side by side over their differences from the slowest, and a table")
-      ->type_name("NAME,NAME,...")
-      ->delimiter(',');
-  command->add_flag("--denoise", options->denoises,
-                    "averages over what looks alike within the noise: for viewing, not measuring. "
-                    "The EXR keeps the noisy colors too");
+      .add_option("--compare", options->compared,
+                  "renders by each of these methods; writes IMAGE_METHOD.exr and .png, IMAGE.svg "
+                  "with all side by side over their differences from the slowest, and a table")
+      .type_name("NAME,NAME,...")
+      .delimiter(',');
+  command.add_flag("--denoise", options->denoises,
+                   "averages over what looks alike within the noise: for viewing, not measuring. "
+                   "The EXR keeps the noisy colors too");
   command
-      ->add_option("--single-scattering", options->single_scattering,
-                   "adds light scattered once below the surface: none, straight (to the light) or "
-                   "refracted (by Snell's law)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"none", "straight", "refracted"}));
+      .add_option("--single-scattering", options->single_scattering,
+                  "adds light scattered once below the surface: none, straight (to the light) or "
+                  "refracted (by Snell's law)")
+      .type_name("NAME")
+      .one_of({"none", "straight", "refracted"});
   command
-      ->add_option("--cache", options->cache,
-                   "keeps what hierarchy and texture_space sample: other cameras on the same scene "
-                   "read it instead. "
-                   "PLY, a point per sample. Refused if the scene has changed")
-      ->type_name("FILE");
+      .add_option("--cache", options->cache,
+                  "keeps what hierarchy and texture_space sample: other cameras on the same scene "
+                  "read it instead. "
+                  "PLY, a point per sample. Refused if the scene has changed")
+      .type_name("FILE");
   command
-      ->add_option("--profile", options->profile,
-                   "how light spreads below surfaces: exact, by radiative transfer; multipole, by "
-                   "diffusion, at once; dipole, the same of a single layer")
-      ->check(CLI::IsMember({"exact", "multipole", "dipole"}));
+      .add_option("--profile", options->profile,
+                  "how light spreads below surfaces: exact, by radiative transfer; multipole, by "
+                  "diffusion, at once; dipole, the same of a single layer")
+      .one_of({"exact", "multipole", "dipole"});
   options->exposure_given =
-      command->add_option("--exposure", options->exposure, "stops, for the PNG only")
-          ->type_name("EV")
-          ->check(CLI::Range(-50.0, 50.0));
-  add_common_options(*command, options->common);
-  options->seed = command->get_option("--seed");
-  command->footer(
+      command.add_option("--exposure", options->exposure, "stops, for the PNG only")
+          .type_name("EV")
+          .range(-50.0, 50.0);
+  add_common_options(command, options->common);
+  options->seed = command.option("--seed");
+  command.footer(
       "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
       "Example: lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256");
-  command->callback([options] { run_render(*options); });
+  command.callback([options] { run_render(*options); });
 }
 
 }  // namespace lamina::cli

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -193,45 +192,43 @@ void run_slab(const SlabOptions& options) {
 
 void add_slab_command(CLI::App& app) {
   auto options = std::make_shared<SlabOptions>();
-  CLI::App* command = app.add_subcommand(
-      "slab", "Totals of a layered material: reflected, transmitted, absorbed by each layer.");
-  command->add_option("material", options->material, "a material file or a built-in material")
-      ->type_name("MATERIAL")
-      ->required();
+  const Command command(
+      app, "slab", "Totals of a layered material: reflected, transmitted, absorbed by each layer.");
+  command.add_option("material", options->material, "a material file or a built-in material")
+      .type_name("MATERIAL")
+      .required();
   std::vector<std::string> names;
   for (const SlabMethod& method : slab_methods()) names.push_back(method.name);
   options->method = names[0];
-  command->add_option("--method", options->method, "how to solve")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
+  command.add_option("--method", options->method, "how to solve").one_of(names).show_default();
   command
-      ->add_flag("--compare{1000000}", options->compared_photons,
-                 "adding_doubling, Monte Carlo (--compare=PHOTONS per band) and diffusion side by "
-                 "side")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}));
+      .add_flag("--compare{1000000}", options->compared_photons,
+                "adding_doubling, Monte Carlo (--compare=PHOTONS per band) and diffusion side by "
+                "side")
+      .range(std::int64_t{1}, std::int64_t{1'000'000'000'000});
   command
-      ->add_option("--accuracy", options->adding_doubling.accuracy,
-                   "of adding_doubling: absolute, of each total")
-      ->check(CLI::Range(1e-10, 0.1))
-      ->capture_default_str();
+      .add_option("--accuracy", options->adding_doubling.accuracy,
+                  "of adding_doubling: absolute, of each total")
+      .range(1e-10, 0.1)
+      .show_default();
   command
-      ->add_option("--incidence", options->incidence,
-                   "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
-      ->type_name("normal|diffuse|DEG")
-      ->capture_default_str();
-  add_effort_options(*command, options->effort);
-  add_common_options(*command, options->common);
-  command->footer(
+      .add_option("--incidence", options->incidence,
+                  "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
+      .type_name("normal|diffuse|DEG")
+      .show_default();
+  add_effort_options(command, options->effort);
+  add_common_options(command, options->common);
+  command.footer(
       "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"
       "all other light that leaves at the top is diffuse.\n\n"
       "Example: where the light goes in skin, lit from all sides\n"
       "  lamina slab donner_jensen_skin --incidence diffuse");
-  command->callback([options, command] {
+  command.callback([options, command] {
     set_thread_count(options->common.threads);
     const bool is_comparison = options->compared_photons > 0;
-    if (is_comparison && command->get_option("--method")->count() > 0)
+    if (is_comparison && command.is_given("--method"))
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
-    refuse_unused(*command, is_comparison ? "compare" : options->method,
+    refuse_unused(command, is_comparison ? "compare" : options->method,
                   {{"--accuracy", {"adding_doubling"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},

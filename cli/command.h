@@ -1,0 +1,61 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace lamina::cli {
+
+/// A handle of an option that was added to a command; each setter returns the option again.
+class Option {
+ public:
+  Option() = default;
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  Option type_name(const std::string& name) const;
+  Option group(const std::string& title) const;  ///< the heading it has in the help
+  Option required() const;
+  Option show_default() const;
+  Option delimiter(char c) const;                              ///< between the values of a list
+  Option expected(int count) const;                            ///< how many values there are
+  Option range(double low, double high) const;                 ///< both ends are allowed
+  Option one_of(const std::vector<std::string>& names) const;  ///< the values that are allowed
+  [[nodiscard]] bool is_given() const;
+
+ private:
+  CLI::Option* option_ = nullptr;
+};
+
+/// A handle of a subcommand. The parser behind it, CLI11, is included by command.cpp and main.cpp
+/// only, since every file that includes it takes ten seconds more to compile.
+class Command {
+ public:
+  Command(CLI::App& app, const std::string& name, const std::string& text);
+
+  /// `value` must outlive the parse. A T is a std::string, bool (flags only), a number, a
+  /// std::optional or std::vector of one; the list is at the end of command.cpp.
+  template <typename T>
+  Option add_option(const std::string& name, T& value, const std::string& text) const;
+  template <typename T>
+  Option add_flag(const std::string& name, T& value, const std::string& text) const;
+
+  /// A file to be written, which is refused before the work if it cannot be. "-" passes: --json
+  /// takes it for standard output.
+  Option add_output_file(const std::string& name, std::string& file, const std::string& text) const;
+
+  [[nodiscard]] Option option(const std::string& name) const;  ///< one of those added
+  [[nodiscard]] bool is_given(const std::string& name) const;
+  void footer(const std::string& text) const;
+  void callback(const std::function<void()>& work) const;
+
+ private:
+  CLI::App* app_;
+};
+
+}  // namespace lamina::cli
