@@ -74,10 +74,22 @@ nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
 void run_maps(const MapsOptions& options) {
   const bool has_seed = options.seed.is_given();
   std::vector<SkinMap> maps;
+  nlohmann::ordered_json json = make_result("maps");
+  std::string text;
   std::string user;  // of the maps: a file to render
   nlohmann::ordered_json user_json;
   if (auto on_mesh = load_surface_map_recipe(options.recipe)) {
     if (has_seed) on_mesh->seed = options.common.seed;
+    for (SurfaceFeature& feature : on_mesh->features)
+      if (auto* color = std::get_if<ColorOfSkin>(&feature.kind); color && !color->exposure) {
+        const ColorMatch match = match_exposure(*on_mesh, *color);
+        color->exposure = match.exposure;
+        text += fmt::format(
+            "colors are most like skin at an exposure of {:.3f}: half are within "
+            "{:.1f} %\n",
+            match.exposure, 100.0 * match.error);
+        json["exposure"] = match.exposure;
+      }
     maps = make_surface_maps(*on_mesh);
     user = "material";
     user_json = material_json(*on_mesh, maps);
@@ -93,9 +105,7 @@ void run_maps(const MapsOptions& options) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
-  nlohmann::ordered_json json = make_result("maps");
   json["maps"] = nlohmann::ordered_json::array();
-  std::string text;
   for (const SkinMap& map : maps) {
     const fs::path file = folder / (std::string(map.name) + ".exr");
     save_exr(map.values, file, ExrPrecision::single_float);

@@ -69,7 +69,8 @@ Vec3f along(double theta, double phi) {
 BandValues<4> mean_once(const Scene& scene, const Vec3f& to_eye, bool is_refracted,
                         std::uint32_t count, bool has_sky = false) {
   const RenderScene prepared(scene);
-  const auto conversion = make_band_conversion<4>(BandSet::rgb());
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
   const SingleScattering<4> single(prepared, conversion, 0, is_refracted,
                                    std::make_unique<Nothing>());
   const Hit hit = prepared.geometry.first_hit({50.0f * to_eye, -to_eye}, 0.0f);

@@ -67,27 +67,48 @@ TEST(SurfaceSkinMaps, FrecklesCoverAboutTheShareThatTheirDensityAsksFor) {
   EXPECT_LT(dark / all, 1.1 * of_disks);
 }
 
-// There and back: the color of a skin gives its melanin and blood.
+Vec3f color_of(const SkinParameters& skin) {
+  static const BandSet bands = default_spectral_bands();
+  static const BandWeights weights = make_skin_band_weights(bands, {});
+  Vec3f color;
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    const double reflectance =
+        adding_doubling(skin_layer_stack(skin, bands.wavelengths()[b]), {}, {.accuracy = 1e-3})
+            .totals.diffuse_reflectance;
+    for (int c = 0; c < 3; ++c)
+      color[c] += static_cast<float>(weights[b][static_cast<std::size_t>(c)] * reflectance);
+  }
+  return color;
+}
+
+// There and back: the color of a skin gives its melanin and blood, and these its color.
 TEST(SkinOfColor, FindsTheSkinThatHasAColor) {
   SkinParameters skin;
   const SkinOfColor of_color(skin);
-  const BandSet bands = default_spectral_bands();
-  const BandWeights weights = make_skin_band_weights(bands, skin);
+  std::vector<Vec3f> colors;
   for (const double melanin : {0.008, 0.03, 0.12})
-    for (const double blood : {0.004, 0.02}) {
-      skin.melanin = melanin;
-      skin.hemoglobin_dermis = blood;
-      Vec3f color;
-      for (std::size_t b = 0; b < bands.size(); ++b) {
-        const double reflectance = adding_doubling(skin_layer_stack(skin, bands.wavelengths()[b]))
-                                       .totals.diffuse_reflectance;
+    for (const double blood : {0.004, 0.02})
+      for (const double saturation : {0.624, 0.9}) {
+        skin.melanin = melanin;
+        skin.hemoglobin_dermis = blood;
+        skin.saturation_dermis = skin.saturation_epidermis = saturation;
+        const Vec3f color = color_of(skin);
+        const SkinOfColor::Value found = of_color.at(color);
+        EXPECT_NEAR(found.skin.melanin / melanin, 1.0, 0.1) << melanin << ' ' << blood;
+        EXPECT_NEAR(found.skin.hemoglobin_dermis / blood, 1.0, 0.25) << melanin << ' ' << blood;
+        const Vec3f again = color_of(found.skin);
         for (int c = 0; c < 3; ++c)
-          color[c] += static_cast<float>(weights[b][static_cast<std::size_t>(c)] * reflectance);
+          EXPECT_NEAR(again[c] / color[c], 1.0, 0.025) << melanin << ' ' << blood << ' ' << c;
+        colors.push_back(2.0f * color);
       }
-      const SkinOfColor::Value found = of_color.at(color);
-      EXPECT_NEAR(found.melanin / melanin, 1.0, 0.2) << melanin << ' ' << blood;
-      EXPECT_NEAR(found.hemoglobin_dermis / blood, 1.0, 0.3) << melanin << ' ' << blood;
-    }
+  // Twice as bright as skin: half the exposure makes them skin again.
+  EXPECT_NEAR(match_exposure(of_color, colors).exposure, 0.5, 0.06);
+
+  // Redder than any oxygen makes it: blood close below the surface.
+  const SkinOfColor::Value lips = of_color.at({0.5f, 0.2f, 0.18f});
+  EXPECT_GT(lips.skin.hemoglobin_epidermis, 0.003);
+  EXPECT_DOUBLE_EQ(lips.skin.saturation_dermis, 1.0);
+  EXPECT_LT(lips.error, 0.2);
 }
 
 }  // namespace

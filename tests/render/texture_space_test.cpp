@@ -1,12 +1,16 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/optics/fresnel.h"
 #include "lamina/render/texture_atlas.h"
+#include "lamina/scattering/adding_doubling.h"
+#include "lamina/spectrum/band_color.h"
 #include "small_scenes.h"
 
 namespace lamina {
@@ -116,6 +120,35 @@ TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
     EXPECT_GT(mean, 0.01);
     EXPECT_LT(std::sqrt(square) / mean, 0.06) << name;
   }
+}
+
+// What `lamina slab` gives for many wavelengths, from eight: through tables, transport and weights.
+TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
+  constexpr double melanin = 0.012;
+  Material skin = parse_material(
+      R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm", "skin": {} })",
+      "test");
+  Image map = make_image(4, 4, {"Y"});
+  std::ranges::fill(map.pixels, static_cast<float>(melanin));
+  skin.skin->maps.push_back({"melanin", &SkinParameters::melanin, map});
+  Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
+  const Image image = render(scene).image;
+
+  std::vector<double> wavelengths, slab;
+  for (int nm = 380; nm <= 780; nm += 10) {
+    wavelengths.push_back(nm);
+    slab.push_back(
+        adding_doubling(skin_layer_stack({.melanin = melanin}, nm), {}, {.accuracy = 1e-3})
+            .totals.diffuse_reflectance);
+  }
+  const LinearSrgb wanted = linear_srgb(make_band_weights(BandSet(wavelengths)), slab);
+  // Seen from above, where the boundary lets more through than on average.
+  const double seen = (1.0 - fresnel(1.0, 1.4)) / (1.0 - fresnel_diffuse(1.4));
+  for (const std::size_t c : {0, 1, 2})
+    EXPECT_NEAR(pi / 3.0 * static_cast<double>(image.at(12, 12)[c]), seen * wanted[c],
+                0.01 * wanted[c])
+        << c;
 }
 
 // Half a plate of dark skin: the border is where the map has it, and light bleeds over it.

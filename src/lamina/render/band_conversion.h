@@ -3,7 +3,7 @@
 
 #include "lamina/core/band_values.h"
 #include "lamina/core/vec.h"
-#include "lamina/spectrum/band_set.h"
+#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 
@@ -28,7 +28,10 @@ struct BandConversion {
 };
 
 /// For a band set of at most N bands; lanes beyond it stay 0.
+///
+/// @param weights  [band] of the way to colours, each channel's of sum 1
 template <int N>
-[[nodiscard]] BandConversion<N> make_band_conversion(const BandSet& bands);
+[[nodiscard]] BandConversion<N> make_band_conversion(const BandSet& bands,
+                                                     const BandWeights& weights);
 
 }  // namespace lamina

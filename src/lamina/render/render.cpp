@@ -21,6 +21,7 @@
 #include "lamina/render/render_scene.h"
 #include "lamina/render/scene_fingerprint.h"
 #include "lamina/render/single_scattering.h"
+#include "lamina/render/skin_colors.h"
 #include "lamina/render/texture_space_preparation.h"
 #include "lamina/render/tile_passes.h"
 
@@ -65,6 +66,20 @@ BandSet common_bands(const Scene& scene) {
                        "\": at most 16 bands can be rendered, but it has " +
                        std::to_string(bands.size()));
   return bands;
+}
+
+/// Weights that turn the bands into colours. Where all that is translucent is skin, those that
+/// know its spectra, as `lamina patch` uses: others would make it too dark by up to 5 % in green.
+BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
+  const SkinMaps* skin = nullptr;
+  for (const SurfaceMaterial& material : scene.materials) {
+    if (std::holds_alternative<ThinSurface>(material.surface)) return make_band_weights(bands);
+    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
+    if (!surface) continue;
+    if (!surface->material.skin) return make_band_weights(bands);
+    skin = &*surface->material.skin;
+  }
+  return skin ? make_skin_band_weights(bands, skin->skin) : make_band_weights(bands);
 }
 
 template <int N>
@@ -171,7 +186,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                   const Progress& progress, FilmAccumulator& film) {
   const RenderSettings& settings = scene.scene->render;
   const int width = scene.scene->film.width, height = scene.scene->film.height;
-  const BandConversion<N> conversion = make_band_conversion<N>(bands);
+  const BandConversion<N> conversion =
+      make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
   const Transports<N> transports = make_transports<N>(scene, conversion, options);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);

@@ -19,6 +19,21 @@ float smooth_step(float x) {
   return x * x * (3.0f - 2.0f * x);
 }
 
+/// Between the pixels of an image over texture coordinates.
+Vec3f color_at(const Image& image, Vec2f uv) {
+  const auto pixel = [&](float fx, float fy) {
+    const int x = std::clamp(static_cast<int>(fx), 0, image.width - 1);
+    const int y = std::clamp(static_cast<int>(fy), 0, image.height - 1);
+    const float* p = image.at(x, y);
+    return Vec3f{p[0], p[1], p[2]};
+  };
+  const float x = uv.x * static_cast<float>(image.width) - 0.5f;
+  const float y = (1.0f - uv.y) * static_cast<float>(image.height) - 0.5f;
+  const float x0 = std::floor(x), y0 = std::floor(y), fx = x - x0, fy = y - y0;
+  return (1.0f - fy) * ((1.0f - fx) * pixel(x0, y0) + fx * pixel(x0 + 1.0f, y0)) +
+         fy * ((1.0f - fx) * pixel(x0, y0 + 1.0f) + fx * pixel(x0 + 1.0f, y0 + 1.0f));
+}
+
 /// A texel of the maps that lies on the surface.
 struct Texel {
   std::size_t pixel;
@@ -194,24 +209,19 @@ void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t 
 
 void apply(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t, Canvas& canvas) {
   const SkinOfColor table(canvas.recipe.base.skin);
-  const auto pixel = [&](float fx, float fy) {
-    const int x = std::clamp(static_cast<int>(fx), 0, color.image.width - 1);
-    const int y = std::clamp(static_cast<int>(fy), 0, color.image.height - 1);
-    const float* p = color.image.at(x, y);
-    return Vec3f{p[0], p[1], p[2]};
-  };
+  const double exposure =
+      color.exposure ? *color.exposure : match_exposure(canvas.recipe, color).exposure;
   for_texels(canvas, [&](std::size_t i) {
     const Texel& texel = canvas.texels[i];
-    const float x = texel.uv.x * static_cast<float>(color.image.width) - 0.5f;
-    const float y = (1.0f - texel.uv.y) * static_cast<float>(color.image.height) - 0.5f;
-    const float x0 = std::floor(x), y0 = std::floor(y), fx = x - x0, fy = y - y0;
-    const Vec3f mean = (1.0f - fy) * ((1.0f - fx) * pixel(x0, y0) + fx * pixel(x0 + 1.0f, y0)) +
-                       fy * ((1.0f - fx) * pixel(x0, y0 + 1.0f) + fx * pixel(x0 + 1.0f, y0 + 1.0f));
-    const SkinOfColor::Value value = table.at(mean);
+    const SkinParameters found =
+        table.at(static_cast<float>(exposure) * color_at(color.image, texel.uv)).skin;
     const auto weight = static_cast<double>(where.weight(texel.position));
     SkinParameters& skin = canvas.skin[i];
-    skin.melanin += weight * (value.melanin - skin.melanin);
-    skin.hemoglobin_dermis += weight * (value.hemoglobin_dermis - skin.hemoglobin_dermis);
+    for (double SkinParameters::* value :
+         {&SkinParameters::melanin, &SkinParameters::hemoglobin_epidermis,
+          &SkinParameters::hemoglobin_dermis, &SkinParameters::saturation_epidermis,
+          &SkinParameters::saturation_dermis})
+      skin.*value += weight * (found.*value - skin.*value);
   });
 }
 
@@ -251,6 +261,18 @@ float SurfacePlaces::weight(const Vec3f& position) const {
   for (const Place& place : places)
     most = std::max(most, smooth_step(1.0f - length(position - place.at) / place.radius));
   return most;
+}
+
+ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color) {
+  constexpr std::size_t most = 500;
+  const Mesh& mesh = recipe.meshes.front();
+  std::vector<Vec3f> colors;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / most + 1) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    colors.push_back(
+        color_at(color.image, (1.0f / 3.0f) * (mesh.uvs[a] + mesh.uvs[b] + mesh.uvs[c])));
+  }
+  return match_exposure(SkinOfColor(recipe.base.skin), colors);
 }
 
 std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe) {

@@ -1,9 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -38,9 +40,12 @@ struct VesselNet {
   double saturation = 0.45;  ///< of that blood
 };
 
-/// Melanin and blood that make uniform skin look like an image of the surface.
+/// Melanin, blood and its oxygen that make uniform skin look like an image of the surface.
 struct ColorOfSkin {
   Image image;
+  /// Factor on the image. A photograph knows reflectances but for such a factor, and skin does not
+  /// get as bright as textures are painted. Absent: by match_exposure.
+  std::optional<double> exposure = std::nullopt;
 };
 
 /// A feature on a surface.
@@ -67,24 +72,39 @@ struct SurfaceMapRecipe {
 /// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
 [[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe);
 
-/// Melanin and blood of the dermis for a color, by adding-doubling of uniform skin in eight bands.
+/// Melanin, and blood and its oxygen, for a color: by adding-doubling of uniform skin in eight
+/// bands.
 class SkinOfColor {
  public:
   explicit SkinOfColor(const SkinParameters& base);
   struct Value {
-    double melanin, hemoglobin_dermis;
+    SkinParameters skin;  ///< `base`, other melanin, blood and saturations
+    /// How far the look of that skin is from what was asked for: the distance of the logarithms of
+    /// luminance, red over green, and blue over green.
+    double error;
   };
-  /// The nearest that skin gets to a reflectance, linear Rec.709, of all shares of
-  /// melanin from .002 to .45 and of blood from .0008 to .09.
+  /// The nearest that skin gets to a reflectance, linear Rec.709, of all shares of melanin from
+  /// .002 to .45, of blood from .0008 to .09, and saturations from .4 to 1; where those are not red
+  /// enough, as for lips, of blood in the epidermis up to .03. Hues count twice as much as
+  /// luminance. Saturation stays close to that of `base` where it matters little.
   [[nodiscard]] Value at(const Vec3f& reflectance) const;
 
  private:
-  struct Look {
-    double luminance, redness, blueness;  ///< logarithms; the last two over green
-  };
-  /// Between the nodes, for places in [0, nodes - 1].
-  [[nodiscard]] Look look_at(double melanin, double blood) const;
-  std::vector<Look> looks_;  ///< [melanin][blood], of nodes in even steps of their logarithms
+  /// Between the nodes: logarithms of luminance, redness, blueness, the last two with their weight.
+  [[nodiscard]] Vec3 look_at(const std::array<double, 3>& places) const;
+  SkinParameters base_;
+  std::vector<Vec3> looks_;  ///< [redder][melanin][blood]
 };
+
+/// How well colors are those of skin.
+struct ColorMatch {
+  double exposure = 1.0;  ///< factor on the colors
+  double error = 0.0;     ///< median over the colors, as of SkinOfColor::Value
+};
+
+/// The exposure, in eighths of a stop from -3 to 1, at which colors are most like skin.
+[[nodiscard]] ColorMatch match_exposure(const SkinOfColor& table, std::span<const Vec3f> colors);
+/// The same for the image of a feature, where the surface of the recipe shows it.
+[[nodiscard]] ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color);
 
 }  // namespace lamina

@@ -95,7 +95,7 @@ Flush decode_flush(const JsonInput& value) {
 }
 
 ColorOfSkin decode_color(const JsonInput& value) {
-  const JsonObject object = value.object({"image", "encoding"});
+  const JsonObject object = value.object({"image", "encoding", "exposure"});
   const auto encoding = object.required("encoding")
                             .choice<ColorEncoding>(
                                 {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
@@ -103,7 +103,10 @@ ColorOfSkin decode_color(const JsonInput& value) {
   try {
     const Image image = load_image(file.file_path(), encoding);
     require_finite(image, file.file_path());
-    return {rgb_image(image)};
+    ColorOfSkin color{rgb_image(image)};
+    if (const auto exposure = object.optional("exposure"))
+      color.exposure = exposure->number(between(0.01, 100.0));
+    return color;
   } catch (const FileError& error) {
     file.fail(error.what());
   }

@@ -148,8 +148,11 @@ LinearSrgb linear_srgb(const BandWeights& weights, std::span<const double> spect
 }
 
 BandBasis make_band_basis(const BandSet& bands, Illuminant illuminant) {
+  return make_band_basis(bands, make_band_weights(bands, illuminant));
+}
+
+BandBasis make_band_basis(const BandSet& bands, const BandWeights& weights) {
   if (bands.is_rgb()) return identity;
-  const BandWeights weights = make_band_weights(bands, illuminant);
   const Index n = static_cast<Index>(bands.size());
   MatrixXd matrix(3, n);
   for (Index b = 0; b < n; ++b)
