@@ -87,7 +87,8 @@ Method method_named(const std::string& name) {
   for (const auto& [known, method] : methods)
     if (name == known) return method;
   throw InvalidInput(
-      "--method: must be profile, layered_bsdf, hierarchy, texture_space or random_walk, but is " +
+      "--method: must be profile, layered_bsdf, hierarchy, shadow_map, texture_space or "
+      "random_walk, but is " +
       name);
 }
 
@@ -241,6 +242,7 @@ void add_render_command(CLI::App& app) {
       .add_option("--method", options->method,
                   "of light below surfaces: profile draws entry points at random; "
                   "hierarchy sums a profile over samples of the light, without noise; "
+                  "shadow_map draws them in what lights see, a fast preview; "
                   "texture_space spreads "
                   "light through skin whose parameters are maps; random_walk "
                   "follows light inside closed meshes, the truth")

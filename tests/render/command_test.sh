@@ -58,11 +58,11 @@ fi
 expect 2 'must be different files' "$scene" "${endless[@]}" -o same.png --json same.png
 expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
-expect 2 'method' "$scene" --method shadow_map
 
 # What hierarchy samples is kept for other cameras, and refused for other light.
 sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)
 expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method profile --cache cloud.ply
+expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method shadow_map --cache cloud.ply
 [ ! -e cloud.ply ] || fail "a cache was written for a method that has none"
 expect 0 '' "$scene" "${sphere[@]}" -o kept.exr
 expect 0 '' "$scene" "${sphere[@]}" -o again.exr
@@ -92,8 +92,8 @@ grep -qE '"samples_per_pixel": (1[6-9]|[2-9][0-9])([.,]|$)' calm.json || fail "-
 expect 2 'noise' "$scene" --noise 7
 
 # Methods side by side, and what they cost.
-expect 0 'the reference' "$scene" "${small[@]}" --compare profile,hierarchy -o both --json both.json
-for file in both.svg both_profile.png both_profile.exr both_hierarchy.png both_hierarchy.exr; do
+expect 0 'the reference' "$scene" "${small[@]}" --compare profile,shadow_map,hierarchy -o both --json both.json
+for file in both.svg both_profile.png both_profile.exr both_shadow_map.png both_hierarchy.png both_hierarchy.exr; do
   [ -s "$file" ] || fail "--compare: no $file"
 done
 grep -q '"mean_error"' both.json || fail "--compare: no error"

@@ -69,6 +69,10 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);
   EXPECT_EQ(scene.render.hierarchy.error, 0.1F);
 
+  EXPECT_EQ(scene.render.shadow_map.resolution, 128);
+  EXPECT_EQ(scene.render.shadow_map.lamp_views, 4);
+  EXPECT_EQ(scene.render.shadow_map.dome_views, 32);
+  EXPECT_EQ(scene.render.shadow_map.lookups, 8);
   EXPECT_EQ(scene.render.orders, LayeredOrders::first);
   EXPECT_TRUE(scene.render.factors.seeliger && scene.render.factors.phase);
   EXPECT_FALSE(scene.render.factors.fresnel || scene.render.factors.depth);

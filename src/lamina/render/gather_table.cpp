@@ -82,7 +82,7 @@ std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> t
   float reach = 0.0f;
   for (const auto& table : tables) reach = std::max(reach, table.reach());
   const float far = 10.0f * blur;  // beyond, a blur changes nothing
-  const float first = std::min(0.05f * blur, 1e-3f * reach);
+  const float first = blur > 0.0f ? std::min(0.05f * blur, 1e-3f * reach) : 1e-4f * reach;
   const float last = std::max(reach, far) + 4.0f * blur;
   const Rings rings = make_rings(reach);
   const RadialTable<N> grid(first * first, last * last);

@@ -63,7 +63,7 @@ struct GatherTable {
 };
 
 /// @param blur  standard deviation [mm] of the Gaussian that the profiles are convolved with. Their
-///              totals are kept.
+///              totals are kept. 0 for none.
 template <int N>
 [[nodiscard]] std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> tables,
                                                              float blur);

@@ -70,7 +70,6 @@ HierarchyTransport<N>::HierarchyTransport(const RenderScene& scene,
       conversion_(conversion),
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
       material_(material),
-      is_printed_exit_(is_printed_exit),
       profiles_(scene, conversion, material, make_profile, is_printed_exit) {}
 
 template <int N>
@@ -147,8 +146,7 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGa
 template <int N>
 void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   const float blur = blur_of_spacing * cloud.spacing;
-  by_thickness_ = make_gather_tables<N>(profiles_.by_thickness(), blur);
-  by_absorption_ = make_gather_tables<N>(profiles_.by_absorption(), blur);
+  spread_ = GatherProfiles<N>(profiles_, blur);
   reach_ = profiles_.by_thickness().back().reach() + 4.0f * blur;
   width_ = std::max(middle_of_profile * smallest_half_radius(profiles_.by_thickness().back()),
                     2.0f * blur);
@@ -163,7 +161,7 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
               .shade = {}};
     for (std::size_t b = 0; b < cloud.bands; ++b)
       sample.irradiance[static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
-    if (!by_absorption_.empty())
+    if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
       sample.shade = profiles_.shade_of(conversion_.from_rgb(point.albedo));
   }
   points_ = cloud.points;
@@ -219,61 +217,21 @@ BandValues<N> HierarchyTransport<N>::exitance(const SurfacePoint& point) const {
 template <int N>
 BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, const Vec3f& n,
                                                      const Local& local) const {
-  const auto& slabs = profiles_.by_thickness();
-  const GatherTable<N>& low = by_thickness_[static_cast<std::size_t>(local.low - slabs.data())];
-  const GatherTable<N>& high = by_thickness_[static_cast<std::size_t>(local.high - slabs.data())];
-  const GatherTable<N>& thick = by_thickness_.back();
-  Bands shade;
-  if (local.is_inverted)
-    for (int b = 0; b < N; ++b)
-      shade[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  const auto exit = spread_.exit_at(n, local, profiles_);
   Bands total;
   tree_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
-               [&](const auto& node, const Bands& node_shade, const Vec3f& offset, float d2) {
-                 const float facing = std::clamp(dot(n, node.normal), -1.0f, 1.0f);
+               [&](const auto& node, const Bands& shade, const Vec3f& offset, float d2) {
                  // Second order: a profile that falls as r^-3 gains 9/4 of the mean square over d²
                  // from the width of a node, as if it were nearer; one that is flat in its middle
                  // gains nothing.
                  const float width2 = width_ * width_;
                  const float bent = 1.5f * node.mean_square * d2 / (d2 + width2);
                  const float near2 = std::max(d2 - bent, 0.5f * d2);
-                 Bands spread = low.reflectance.at(near2);
-                 if (local.blend > 0.0f)
-                   spread += local.blend * (high.reflectance.at(near2) - spread);
-                 if (local.is_inverted) {
-                   // The half-space of the colours, thinned by as much as the material itself is.
-                   const bool is_thin = &low != &thick;
-                   const Bands of_thick = is_thin ? thick.reflectance.at(near2) : spread;
-                   for (int b = 0; b < N; ++b) {
-                     const float at = 0.5f * (shade[b] + node_shade[b]);
-                     const std::size_t i =
-                         std::min(static_cast<std::size_t>(at), by_absorption_.size() - 2);
-                     const auto [k, f] = by_absorption_[i].reflectance.place(near2);
-                     const auto value = [&](std::size_t table) {
-                       const RadialTable<N>& t = by_absorption_[table].reflectance;
-                       return f > 0.0f ? t[k][b] + f * (t[k + 1][b] - t[k][b]) : t[k][b];
-                     };
-                     const float light = value(i), dark = value(i + 1);
-                     const float thinned = !is_thin             ? 1.0f
-                                           : of_thick[b] > 0.0f ? spread[b] / of_thick[b]
-                                                                : 0.0f;
-                     spread[b] = thinned * (light + (at - static_cast<float>(i)) * (dark - light));
-                   }
-                 }
-                 spread *= 0.5f * (1.0f + facing);
-                 if (low.is_transmitting && facing < 1.0f) {
-                   const float along = dot(offset, n);
-                   const float lateral2 = std::max(d2 - along * along, 0.0f);
-                   Bands through = low.transmittance.at(lateral2);
-                   if (local.blend > 0.0f)
-                     through += local.blend * (high.transmittance.at(lateral2) - through);
-                   spread += 0.5f * (1.0f - facing) * through;
-                 }
-                 total += spread * node.power;
+                 total += spread_.spread(exit, offset, near2, node.normal, shade) * node.power;
                });
   stopped_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
                   [&](const auto& node, const Bands&, const Vec3f&, float d2) {
-                    total += -1.0f * (thick.reflectance.at(d2) * node.power);
+                    total += -1.0f * (spread_.thick_reflectance().at(d2) * node.power);
                   });
   for (int b = 0; b < N; ++b) total[b] = std::max(total[b], 0.0f);  // where more was taken
   return total * local.scale;
@@ -283,9 +241,7 @@ template <int N>
 BandValues<N> HierarchyTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                       const LightGatherer<N>& /*light*/,
                                                       PixelSamples& /*samples*/) const {
-  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
-                                         : exit_distribution(exit.boundary, exit.cos_o);
-  return leaving * exitance(exit.point);
+  return profiles_.leaving_share(exit) * exitance(exit.point);
 }
 
 template class HierarchyTransport<4>;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/core/progress.h"
-#include "lamina/render/gather_table.h"
+#include "lamina/render/gather_profiles.h"
 #include "lamina/render/irradiance_cloud.h"
 #include "lamina/render/irradiance_tree.h"
 #include "lamina/render/lazy_values.h"
@@ -83,10 +83,9 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
   std::uint32_t material_;
-  bool is_printed_exit_;
   ProfileTransport<N> profiles_;
   IrradianceTree<N> tree_, stopped_;
-  std::vector<GatherTable<N>> by_thickness_, by_absorption_;
+  GatherProfiles<N> spread_;
   float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
   std::vector<CloudPoint> points_;
   PointGrid grid_;

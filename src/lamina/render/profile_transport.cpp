@@ -338,10 +338,14 @@ BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
   const SurfaceMaterial& material = scene_.scene->materials[material_];
   if (material.bump || material.normal_map)
     entry.normal = bent_normal(scene_.textures, material, entry);
-  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
-                                         : exit_distribution(exit.boundary, exit.cos_o);
-  return (leaving * total / chosen_weight) * chosen_spread *
+  return (leaving_share(exit) * total / chosen_weight) * chosen_spread *
          light.entering_irradiance(entry, samples);
+}
+
+template <int N>
+float ProfileTransport<N>::leaving_share(const ExitPoint& exit) const {
+  return is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
+                          : exit_distribution(exit.boundary, exit.cos_o);
 }
 
 template <int N>

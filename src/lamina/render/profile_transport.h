@@ -65,10 +65,17 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
   /// @param thickness  of the object there [mm]
   /// @param color      of the material there
   [[nodiscard]] Local profiles_for(float thickness, const Vec3f& color) const;
+  /// A radius from the profiles of both sides, and the density of points in the plane that it has
+  /// [mm], [1/mm²].
+  [[nodiscard]] float draw_radius(const Local& local, float u) const;
+  [[nodiscard]] float density(const Local& local, float r) const;
   [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f color_at(const SurfacePoint& point) const;
   /// What a colour that scales the light that leaves makes of it.
   [[nodiscard]] Bands color_scale(const Vec3f& color) const;
+
+  /// Radiance towards the eye per flux per area that leaves [1/sr].
+  [[nodiscard]] float leaving_share(const ExitPoint& exit) const;
 
   /// Slabs ever thicker, and last the material as its file says: what Local::low, high point into.
   [[nodiscard]] const std::vector<SpreadTable<N>>& by_thickness() const { return by_thickness_; }
@@ -78,8 +85,6 @@ class ProfileTransport final : public SubsurfaceTransport<N> {
   [[nodiscard]] Bands shade_of(const Bands& reflectance) const;
 
  private:
-  [[nodiscard]] float draw_radius(const Local& local, float u) const;
-  [[nodiscard]] float density(const Local& local, float r) const;
   void invert_albedo(const Bands& target, Local& local) const;
   [[nodiscard]] Bands spread(const Local& local, const Vec3f& offset, const Vec3f& exit_normal,
                              const Vec3f& entry_normal) const;

@@ -57,6 +57,23 @@ RTCRay make_ray(const Ray& ray, float t_near, float t_far) {
   return result;
 }
 
+RTCRayHit make_query(const Ray& ray, float t_near, float t_far) {
+  RTCRayHit query;
+  query.ray = make_ray(ray, t_near, t_far);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
+
+Hit hit_of(const RTCRayHit& query) {
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {.distance = query.ray.tfar,
+          .u = query.hit.u,
+          .v = query.hit.v,
+          .mesh = query.hit.geomID,
+          .triangle = query.hit.primID};
+}
+
 /// The context goes first, so that the filter gets back from it to the collection.
 struct ProbeQuery {
   QueryContext context;
@@ -78,6 +95,20 @@ void collect_hit(const RTCFilterFunctionNArguments* arguments) {
       .v = RTCHitN_v(arguments->hit, 1, 0),
       .mesh = mesh,
       .triangle = triangle};
+}
+
+/// Turns down triangles of other materials.
+struct MaterialQuery {
+  QueryContext context;
+  const std::vector<Mesh>* meshes;
+  std::uint32_t material;
+};
+
+void keep_material(const RTCFilterFunctionNArguments* arguments) {
+  const auto& query = *reinterpret_cast<const MaterialQuery*>(arguments->context);
+  const auto mesh = RTCHitN_geomID(arguments->hit, 1, 0);
+  const auto triangle = RTCHitN_primID(arguments->hit, 1, 0);
+  if ((*query.meshes)[mesh].material[triangle] != query.material) arguments->valid[0] = 0;
 }
 
 constexpr float nearest_slack = 0.1f;
@@ -199,17 +230,16 @@ RayGeometry& RayGeometry::operator=(RayGeometry&&) noexcept = default;
 
 Hit RayGeometry::first_hit(const Ray& ray, float t_near, float t_far) const {
   QueryContext context;
-  RTCRayHit query;
-  query.ray = make_ray(ray, t_near, t_far);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = make_query(ray, t_near, t_far);
   intersect(traversal_->scene, context, query, nullptr);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {.distance = query.ray.tfar,
-          .u = query.hit.u,
-          .v = query.hit.v,
-          .mesh = query.hit.geomID,
-          .triangle = query.hit.primID};
+  return hit_of(query);
+}
+
+Hit RayGeometry::first_hit_of(std::uint32_t material, const Ray& ray, float t_near) const {
+  MaterialQuery kept{.context = {}, .meshes = traversal_->meshes, .material = material};
+  RTCRayHit query = make_query(ray, t_near, std::numeric_limits<float>::infinity());
+  intersect(traversal_->scene, kept.context, query, keep_material);
+  return hit_of(query);
 }
 
 bool RayGeometry::is_blocked(const Ray& ray, float t_near, float t_far) const {
@@ -234,10 +264,7 @@ void RayGeometry::all_hits(const Ray& ray, float length, std::uint32_t material,
   found.count = 0;
   ProbeQuery probe{
       .context = {}, .meshes = traversal_->meshes, .material = material, .found = &found};
-  RTCRayHit query;
-  query.ray = make_ray(ray, 0.0f, length);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = make_query(ray, 0.0f, length);
   intersect(traversal_->scene, probe.context, query, collect_hit);
 }
 

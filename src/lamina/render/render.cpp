@@ -20,6 +20,7 @@
 #include "lamina/render/random_walk.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/scene_fingerprint.h"
+#include "lamina/render/shadow_map_transport.h"
 #include "lamina/render/single_scattering.h"
 #include "lamina/render/skin_colors.h"
 #include "lamina/render/texture_space_preparation.h"
@@ -88,13 +89,15 @@ struct Transports {
   // Those that are to sample light first:
   std::vector<HierarchyTransport<N>*> hierarchies;
   std::vector<TextureSpaceTransport<N>*> texture_spaces;
+  std::vector<ShadowMapTransport<N>*> shadow_maps;
 };
 
 /// @throws InvalidInput if light scattered once would count twice.
 void require_light_once(const RenderSettings& settings) {
   using Method = RenderSettings::Method;
-  const bool uses_profile =
-      settings.method == Method::profile || settings.method == Method::hierarchy;
+  const bool uses_profile = settings.method == Method::profile ||
+                            settings.method == Method::hierarchy ||
+                            settings.method == Method::shadow_map;
   if (uses_profile && settings.profile == RenderSettings::Profile::exact &&
       settings.single_scattering != RenderSettings::SingleScattering::none)
     throw InvalidInput(
@@ -144,6 +147,13 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         transport = std::move(hierarchy);
         break;
       }
+      case Method::shadow_map: {
+        auto shadow_map =
+            std::make_unique<ShadowMapTransport<N>>(scene, conversion, i, make_profile, is_printed);
+        transports.shadow_maps.push_back(shadow_map.get());
+        transport = std::move(shadow_map);
+        break;
+      }
       case Method::texture_space: {
         auto texture_space = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
         transports.texture_spaces.push_back(texture_space.get());
@@ -153,10 +163,8 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
       case Method::random_walk:
         transport = std::make_unique<RandomWalk<N>>(scene, conversion, i);
         break;
-      default:
-        throw InvalidInput(
-            "render: method must be \"profile\", \"layered_bsdf\", \"hierarchy\", "
-            "\"texture_space\" or \"random_walk\", the others do not exist in this version");
+      case Method::layered_bsdf:
+        break;  // has no transport between points
     }
     using SingleScattering = RenderSettings::SingleScattering;
     const auto single = scene.scene->render.single_scattering;
@@ -204,6 +212,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options.cache,
                               progress))
     return false;
+  for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
+    if (!shadow_map->look_from_lights(tracer, progress)) return false;
 
   const auto sample = [&](int x, int y, int i) {
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),

@@ -192,6 +192,14 @@ struct TextureSpaceSettings {
   int terms = 2;  ///< times that light comes back from the dermis before the series is closed
 };
 
+/// How the method `shadow_map` sees surfaces from lights and draws points on them.
+struct ShadowMapSettings {
+  int resolution = 512;  ///< of a light: its square is the texels of all its buffers together
+  int lamp_views = 16;   ///< points of a rectangle that light is seen from
+  int dome_views = 64;   ///< directions of an environment
+  int lookups = 16;      ///< points drawn for each sample of a pixel
+};
+
 /// What the method layered_bsdf follows inside the layers.
 enum class LayeredOrders {
   first,        ///< light scattered once
@@ -229,6 +237,7 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   HierarchySettings hierarchy;
   TextureSpaceSettings texture_space;
+  ShadowMapSettings shadow_map;
 };
 
 /// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.

@@ -125,10 +125,24 @@ TextureSpaceSettings decode_texture_space(const JsonInput& value) {
   return settings;
 }
 
+ShadowMapSettings decode_shadow_map(const JsonInput& value) {
+  const JsonObject object = value.object({"resolution", "lamp_views", "dome_views", "lookups"});
+  ShadowMapSettings settings;
+  if (const auto resolution = object.optional("resolution"))
+    settings.resolution = static_cast<int>(resolution->integer(16, 8192));
+  if (const auto views = object.optional("lamp_views"))
+    settings.lamp_views = static_cast<int>(views->integer(1, 4096));
+  if (const auto views = object.optional("dome_views"))
+    settings.dome_views = static_cast<int>(views->integer(1, 4096));
+  if (const auto lookups = object.optional("lookups"))
+    settings.lookups = static_cast<int>(lookups->integer(1, 4096));
+  return settings;
+}
+
 RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object = value.object({"method", "profile", "orders", "factors",
-                                          "single_scattering", "samples_per_pixel", "noise",
-                                          "max_bounces", "seed", "hierarchy", "texture_space"});
+  const JsonObject object = value.object(
+      {"method", "profile", "orders", "factors", "single_scattering", "samples_per_pixel", "noise",
+       "max_bounces", "seed", "hierarchy", "texture_space", "shadow_map"});
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
@@ -172,6 +186,8 @@ RenderSettings decode_render_settings(const JsonInput& value) {
     settings.hierarchy = decode_hierarchy(*hierarchy);
   if (const auto texture_space = object.optional("texture_space"))
     settings.texture_space = decode_texture_space(*texture_space);
+  if (const auto shadow_map = object.optional("shadow_map"))
+    settings.shadow_map = decode_shadow_map(*shadow_map);
   return settings;
 }
 

@@ -255,7 +255,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(scene.film.width);
   hash.add(scene.film.height);
   const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
-               max_bounces, seed, hierarchy, texture_space] = scene.render;
+               max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
   hash.add(method);
   hash.add(orders);
   for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
@@ -266,6 +266,8 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(noise);
   hash.add(hierarchy.error);
   hash.add(texture_space.terms);
+  const auto& [resolution, lamp_views, dome_views, lookups] = shadow_map;
+  for (const int number : {resolution, lamp_views, dome_views, lookups}) hash.add(number);
   (void)max_bounces, (void)seed;  // a part of parts.settings
   const auto& [exit_angle, direct_light, cache, checkpoint, resumes] = options;
   hash.add(exit_angle);
