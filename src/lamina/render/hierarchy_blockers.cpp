@@ -26,49 +26,75 @@ bool HierarchyTransport<N>::is_inside(const Vec3f& position, const Vec3f& normal
 }
 
 template <int N>
-std::vector<IrradianceSample<N>> HierarchyTransport<N>::stopped_light(float spacing) const {
-  std::vector<IrradianceSample<N>> stopped;
-  const auto& materials = scene_.scene->materials;
-  const RenderSettings& settings = scene_.scene->render;
-  Local local = profiles_.profiles_for(0.0f, {1, 1, 1});
-  local.low = local.high = &profiles_.by_thickness().back();
-  local.blend = 0.0f;
-  local.is_inverted = false;
-  local.scale = Bands::filled(1.0f);
-  for (std::uint32_t m = 0; m < materials.size(); ++m) {
-    const auto* opaque = std::get_if<DiffuseSurface>(&materials[m].surface);
-    if (!opaque || materials[m].opacity) continue;
-    const auto area = static_cast<float>(surface_area(scene_.scene->meshes, m));
-    if (!(area > 0.0f)) continue;
-    const float least = std::sqrt(area / static_cast<float>(settings.hierarchy.max_points));
-    const SurfaceCells surface =
-        make_surface_cells(scene_.scene->meshes, m, std::max(spacing, least), settings.seed);
-    std::vector<IrradianceSample<N>> found(surface.cells.size());
-    parallel_for(surface.cells.size(), [&](std::size_t i) {
-      const SurfaceCell& cell = surface.cells[i];
-      const auto elements = surface.elements_of(cell);
-      const SurfaceElement& e = elements[elements.size() / 2];
-      const SurfacePoint point = make_surface_point(
-          scene_.scene->meshes,
-          {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle}, spacing);
-      if (!is_inside(leave_surface(point, point.geometric_normal), point.geometric_normal)) return;
-      const Bands absorbed =
-          Bands::filled(1.0f) - conversion_.from_rgb(scene_.textures.color(opaque->color, point));
-      found[i] = {.position = cell.position,
-                  .normal = cell.normal,
-                  .area = cell.area,
-                  .irradiance = absorbed * summed_exitance(cell.position, cell.normal, local),
-                  .shade = {}};
-    });
-    for (const IrradianceSample<N>& sample : found)
-      if (largest(sample.irradiance) > 0.0f) stopped.push_back(sample);
-  }
-  return stopped;
+std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside(
+    const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const {
+  const auto& color = std::get<DiffuseSurface>(scene_.scene->materials[material].surface).color;
+  const SurfaceCells surface =
+      make_surface_cells(mesh, material, spacing, scene_.scene->render.seed);
+  std::vector<typename InnerBlockers<N>::Patch> found(surface.cells.size());
+  parallel_for(surface.cells.size(), [&](std::size_t i) {
+    const SurfaceCell& cell = surface.cells[i];
+    const auto elements = surface.elements_of(cell);
+    const SurfaceElement& e = elements[elements.size() / 2];
+    const SurfacePoint point = make_surface_point(
+        mesh, {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle},
+        spacing);
+    if (!is_inside(leave_surface(point, point.geometric_normal), point.geometric_normal)) return;
+    found[i] = {.position = cell.position,
+                .normal = cell.normal,
+                .area = cell.area,
+                .reflectance = conversion_.from_rgb(scene_.textures.color(color, point))};
+  });
+  std::erase_if(found, [](const auto& patch) { return !(patch.area > 0.0f); });
+  return found;
 }
 
-#define LAMINA_INSTANTIATE(N)                                                       \
-  template bool HierarchyTransport<N>::is_inside(const Vec3f&, const Vec3f&) const; \
-  template std::vector<IrradianceSample<N>> HierarchyTransport<N>::stopped_light(float) const
+template <int N>
+std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(
+    float spacing) const {
+  using Patch = typename InnerBlockers<N>::Patch;
+  // A coarse look first: most opaque surfaces of a scene are elsewhere.
+  struct Found {
+    std::vector<Mesh> mesh;
+    std::uint32_t material;
+  };
+  std::vector<Found> inside;
+  double area_inside = 0.0;
+  const auto& materials = scene_.scene->materials;
+  for (std::uint32_t m = 0; m < materials.size(); ++m) {
+    if (!std::holds_alternative<DiffuseSurface>(materials[m].surface) || materials[m].opacity)
+      continue;
+    for (const Mesh& mesh : scene_.scene->meshes) {
+      if (std::ranges::find(mesh.material, m) == mesh.material.end()) continue;
+      const std::vector<Mesh> alone = {mesh};
+      constexpr double few = 200.0;
+      const double area = surface_area(alone, m);
+      if (!(area > 0.0)) continue;
+      double found = 0.0;
+      for (const Patch& patch : patches_inside(alone, m, static_cast<float>(std::sqrt(area / few))))
+        found += static_cast<double>(patch.area);
+      if (!(found > 0.0)) continue;
+      area_inside += found;
+      inside.push_back({alone, m});
+    }
+  }
+  std::vector<Patch> patches;
+  if (inside.empty()) return patches;
+  const double most = 0.7 * static_cast<double>(InnerBlockers<N>::most_patches);
+  for (float wide = std::max(spacing, static_cast<float>(std::sqrt(area_inside / most)));;
+       wide *= 1.2f) {
+    patches.clear();
+    for (const auto& [mesh, material] : inside)
+      std::ranges::copy(patches_inside(mesh, material, wide), std::back_inserter(patches));
+    if (patches.size() <= InnerBlockers<N>::most_patches) return patches;
+  }
+}
+
+#define LAMINA_INSTANTIATE(N)                                                          \
+  template bool HierarchyTransport<N>::is_inside(const Vec3f&, const Vec3f&) const;    \
+  template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside( \
+      const std::vector<Mesh>&, std::uint32_t, float) const;                           \
+  template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(float) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

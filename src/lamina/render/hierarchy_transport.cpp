@@ -171,8 +171,9 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   const std::vector<float> areas = balanced_areas(points_, grid_, blur);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);
-  stopped_ = {};
-  stopped_ = IrradianceTree<N>(stopped_light(cloud.spacing));
+  blockers_ =
+      InnerBlockers<N>(inner_patches(cloud.spacing), make_diffusion_medium<N>(surface_.material),
+                       tree_, scene_.scene->render.hierarchy.error);
   exitance_ = LazyValues<BandValues<N>>(points_.size());
 }
 
@@ -229,11 +230,7 @@ BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, cons
                  const float near2 = std::max(d2 - bent, 0.5f * d2);
                  total += spread_.spread(exit, offset, near2, node.normal, shade) * node.power;
                });
-  stopped_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
-                  [&](const auto& node, const Bands&, const Vec3f&, float d2) {
-                    total += -1.0f * (spread_.thick_reflectance().at(d2) * node.power);
-                  });
-  for (int b = 0; b < N; ++b) total[b] = std::max(total[b], 0.0f);  // where more was taken
+  if (!blockers_.empty()) total *= blockers_.share(position, n, tree_);
   return total * local.scale;
 }
 

@@ -7,6 +7,7 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/render/gather_profiles.h"
+#include "lamina/render/inner_blockers.h"
 #include "lamina/render/irradiance_cloud.h"
 #include "lamina/render/irradiance_tree.h"
 #include "lamina/render/lazy_values.h"
@@ -29,11 +30,10 @@ namespace lamina {
 /// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
 /// colour is kept.
 ///
-/// An opaque object inside stops light: the light that would come to its surface is found as if
-/// that were where light leaves, and what it would bring to other points is taken from the sum.
+/// Opaque objects inside stop light: the sum is scaled by the share that InnerBlockers finds.
 ///
 /// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample, §5.2 for objects
-/// inside. Departure: there it is left open which light stands at their samples.
+/// inside.
 template <int N>
 class HierarchyTransport final : public SubsurfaceTransport<N> {
  public:
@@ -72,8 +72,10 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   /// By a sum over all samples within reach.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;
-  /// Light that opaque objects inside, bones say, take from that on its way: where it meets them.
-  [[nodiscard]] std::vector<IrradianceSample<N>> stopped_light(float spacing) const;
+  /// The surface of opaque objects inside, bones say.
+  [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> inner_patches(float spacing) const;
+  [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
+      const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
   [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
   /// The same at a sample, over what the surface's colour there makes of it.
   [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
@@ -84,7 +86,8 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   const SubsurfaceSurface& surface_;
   std::uint32_t material_;
   ProfileTransport<N> profiles_;
-  IrradianceTree<N> tree_, stopped_;
+  IrradianceTree<N> tree_;
+  InnerBlockers<N> blockers_;
   GatherProfiles<N> spread_;
   float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
   std::vector<CloudPoint> points_;
