@@ -56,13 +56,13 @@ assert [x.pop("from_cache") for x in (first, again, anew)] == [False, True, Fals
 del first["comparison"]
 assert first == again == anew
 PY
-"$lamina" profile leaf --incidence diffuse --from below --accuracy 0.1 --radii 20 --json "$folder/below.json" > /dev/null ||
+"$lamina" profile paper --incidence diffuse --from below --accuracy 0.1 --radii 20 --json "$folder/below.json" > /dev/null ||
   fail "exact profile of diffuse light from below"
 python3 - "$folder/below.json" <<'PY'
 import json, sys
-leaf = json.load(open(sys.argv[1]))
-assert leaf["incidence"] == "diffuse" and leaf["from"] == "below"
-assert len(leaf["transmittance_profile"]) == 20 and min(leaf["total_transmittance"]) > 0
+below = json.load(open(sys.argv[1]))
+assert below["incidence"] == "diffuse" and below["from"] == "below"
+assert len(below["transmittance_profile"]) == 20 and min(below["total_transmittance"]) > 0
 PY
 "$lamina" profile donner_jensen_skin --incidence 45 --radii 8 --r-min .05 --r-max 2 --moments 2 --json "$folder/slanted.json" > /dev/null ||
   fail "exact profile of an oblique beam"
