@@ -22,8 +22,16 @@ namespace fs = std::filesystem;
 struct MapsOptions {
   CommonOptions common;
   std::string recipe, output;
+  bool has_pictures = false;
   Option seed;
 };
+
+/// A map to look at: its lowest value black, its highest white.
+Image picture_of(Image map) {
+  const auto [low, high] = std::ranges::minmax(map.pixels);
+  for (float& value : map.pixels) value = high > low ? (value - low) / (high - low) : 0.0f;
+  return map;
+}
 
 std::string_view name_of(SkinConstants constants) {
   switch (constants) {
@@ -109,6 +117,8 @@ void run_maps(const MapsOptions& options) {
   for (const SkinMap& map : maps) {
     const fs::path file = folder / (std::string(map.name) + ".exr");
     save_exr(map.values, file, ExrPrecision::single_float);
+    if (options.has_pictures)
+      save_png(picture_of(map.values), folder / (std::string(map.name) + ".png"));
     const auto [low, high] = std::ranges::minmax(map.values.pixels);
     text += fmt::format("{}: {:.4g} to {:.4g}\n", file.string(), low, high);
     json["maps"].push_back(
@@ -128,7 +138,9 @@ void add_maps_command(CLI::App& app) {
   auto options = std::make_shared<MapsOptions>();
   const Command command(
       app, "maps",
-      "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos.");
+      "Makes maps of what skin is made of: freckles, moles, veins, blotches, tattoos, or a "
+      "captured "
+      "patch spread over more skin; on a flat patch or over the texture coordinates of a mesh.");
   command.add_option("recipe", options->recipe, "maps file").type_name("MAPS").required();
   command
       .add_option(
@@ -136,10 +148,16 @@ void add_maps_command(CLI::App& app) {
           "folder for an EXR per parameter, and patch.json that uses them; of a recipe on a mesh "
           "material.json")
       .type_name("FOLDER");
+  command.add_flag("--png", options->has_pictures,
+                   "also a PNG of each map to look at: its lowest value black, its highest white");
   add_common_options(command, options->common);
   options->seed = command.option("--seed");
   command.footer(
-      "docs/heterogeneous_skin.md has the file format.\n"
+      "docs/heterogeneous_skin.md has the file format; a maps file may be as short as\n"
+      "  { \"lamina\": \"maps\", \"version\": 1, \"width\": 400, \"height\": 400, "
+      "\"mm_per_pixel\": 0.05,\n"
+      "    \"skin\": { \"melanin\": 0.01 }, \"features\": [ { \"freckles\": { \"density\": 9 } } ] "
+      "}\n"
       "Example: lamina maps examples/skin/freckles.json -o freckles && lamina patch "
       "freckles/patch.json");
   command.callback([options] { run_maps(*options); });

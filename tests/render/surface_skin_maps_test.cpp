@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/error.h"
 #include "lamina/render/skin_colors.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "small_scenes.h"
@@ -79,6 +81,96 @@ Vec3f color_of(const SkinParameters& skin) {
       color[c] += static_cast<float>(weights[b][static_cast<std::size_t>(c)] * reflectance);
   }
   return color;
+}
+
+/// Maps of 20 mm of freckled skin.
+MapExample freckled_example() {
+  SkinMapRecipe recipe;
+  recipe.width = recipe.height = 100;
+  recipe.mm_per_texel = 0.2;
+  recipe.features = {Unevenness{}, MelaninSpots{.density = 15.0, .diameter = {1.0, 3.0}}};
+  return {make_skin_maps(recipe), 0.2, 7.0};
+}
+
+// The texture of the sphere ends where it begins: across that seam nothing changes more than
+// anywhere else, and sizes are in mm, near the poles too.
+TEST(SurfaceSkinMaps, SynthesisHasNoSeamWhereTheTextureHasOne) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  recipe.width = 512;
+  recipe.height = 256;
+  recipe.features = {{Synthesis{freckled_example()}, {}}};
+  const Image melanin = find_map(make_surface_maps(recipe), "melanin")->values;
+  /// Mean difference between two columns, over the middle of the sphere.
+  const auto step = [&](int x, int next) {
+    double sum = 0.0;
+    for (int y = 64; y < 192; ++y)
+      sum += std::abs(static_cast<double>(*melanin.at(x, y) - *melanin.at(next, y)));
+    return sum;
+  };
+  double sum = 0.0, most = 0.0;
+  for (int x = 0; x + 1 < melanin.width; ++x) {
+    sum += step(x, x + 1);
+    most = std::max(most, step(x, x + 1));
+  }
+  EXPECT_GT(sum, 0.0);
+  EXPECT_LT(step(melanin.width - 1, 0), most);
+  EXPECT_LT(step(melanin.width - 1, 0), 2.5 * sum / (melanin.width - 1));
+}
+
+// Ink of the left half of an image that stands upright on the equator, seen from outside.
+TEST(SurfaceSkinMaps, TattooLiesAtItsPlaceInItsSize) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  recipe.width = 512;
+  recipe.height = 256;
+  SurfaceTattoo tattoo{.ink = {.width = 10.0, .absorbance = 1.0}, .at = {20, 0, 0}};
+  tattoo.ink.image = make_image(8, 8, {"Y"});
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 4; ++x) *tattoo.ink.image.at(x, y) = 1.0f;
+  recipe.features = {{tattoo, {}}};
+  const std::vector<SkinMap> maps = make_surface_maps(recipe);
+  ASSERT_EQ(maps.size(), 1u);
+  const Image& ink = find_map(maps, "junction_absorption")->values;
+  const double base = recipe.base.skin.junction_absorption;
+  double area = 0.0;  // of ink [mm²], times its absorbance
+  const double texel = 2.0 * std::numbers::pi * 20.0 / 512.0;
+  for (int y = 0; y < 256; ++y)
+    for (int x = 0; x < 512; ++x)
+      area += (static_cast<double>(*ink.at(x, y)) - base) * texel * texel *
+              std::sin(std::numbers::pi * (y + 0.5) / 256.0);
+  EXPECT_NEAR(area, 50.0, 3.0);
+  tattoo.at = {200, 0, 0};
+  recipe.features = {{tattoo, {}}};
+  EXPECT_THROW((void)make_surface_maps(recipe), InvalidInput);
+}
+
+TEST(SurfaceSkinMaps, PressingTakesBloodAroundItsPlaceOnly) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  recipe.features = {
+      {SurfacePress{.disc = {.diameter = 10.0, .share = 0.75}, .at = {0, 21, 0}}, {}}};
+  const std::vector<SkinMap> maps = make_surface_maps(recipe);
+  const Image& blood = find_map(maps, "hemoglobin_dermis")->values;
+  const auto base = static_cast<float>(recipe.base.skin.hemoglobin_dermis);
+  EXPECT_NEAR(*blood.at(64, 64), 0.25f * base, 1e-5f);
+  EXPECT_FLOAT_EQ(*blood.at(192, 64), base);
+  EXPECT_FLOAT_EQ(*blood.at(64 + 32, 64), base);
+}
+
+// A vein leaves blood at both ends, but none on the other side of the sphere.
+TEST(SurfaceSkinMaps, VeinRunsFromEndToEnd) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  SurfaceVein vein{.from = {0, 20, 0}, .to = {-20, 0, 0}};
+  vein.look = {.diameter = {2.0, 2.0}, .depth = {0.5, 0.5}, .hemoglobin = 0.1, .absorbance = 0.2};
+  recipe.features = {{vein, {}}};
+  const std::vector<SkinMap> maps = make_surface_maps(recipe);
+  const Image& blood = find_map(maps, "hemoglobin_dermis")->values;
+  const auto base = static_cast<float>(recipe.base.skin.hemoglobin_dermis);
+  for (int x = 64; x < 128; ++x) {  // on each meridian between them
+    float most = 0.0f;
+    for (int y = 0; y < 128; ++y) most = std::max(most, *blood.at(x, y));
+    EXPECT_GT(most, base + 0.01f) << x;
+  }
+  for (int y = 0; y < 128; ++y) EXPECT_FLOAT_EQ(*blood.at(224, y), base);
+  ASSERT_NE(find_map(maps, "junction_absorption"), nullptr);
 }
 
 // There and back: the color of a skin gives its melanin and blood, and these its color.

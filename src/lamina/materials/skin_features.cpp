@@ -6,13 +6,10 @@
 #include <numbers>
 
 #include "lamina/core/random.h"
+#include "lamina/materials/skin_canvas.h"
 
 namespace lamina {
 namespace {
-
-struct Point {
-  double x, y;
-};
 
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -50,54 +47,11 @@ class Noise {
   double size_;
 };
 
-/// The texels of the maps.
-struct Grid {
-  int width, height;
-  double mm;  ///< per texel
-
-  [[nodiscard]] double across() const { return width * mm; }
-  [[nodiscard]] double down() const { return height * mm; }
-  [[nodiscard]] std::size_t size() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-
-  /// Calls `act(index, place)` for the texels of a square.
-  template <class Act>
-  void within(Point middle, double half_side, const Act& act) const {
-    const auto first = [&](double at) { return std::max(0, static_cast<int>(at / mm - 0.5)); };
-    const auto last = [&](double at, int size) {
-      return std::min(size, static_cast<int>(std::ceil(at / mm + 0.5)));
-    };
-    for (int y = first(middle.y - half_side); y < last(middle.y + half_side, height); ++y)
-      for (int x = first(middle.x - half_side); x < last(middle.x + half_side, width); ++x)
-        act(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                static_cast<std::size_t>(x),
-            Point{(x + 0.5) * mm, (y + 0.5) * mm});
-  }
-  template <class Act>
-  void everywhere(const Act& act) const {
-    within({0.5 * across(), 0.5 * down()}, std::max(across(), down()), act);
-  }
-};
-
-/// The skin of each texel while features change it.
-struct Canvas {
-  Grid grid;
-  std::vector<SkinParameters> skin;
-};
-
 double between(Random& random, const Span2& span) {
   return span[0] + random.uniform() * (span[1] - span[0]);
 }
 double between_logarithms(Random& random, const Span2& span) {
   return std::exp(between(random, {std::log(span[0]), std::log(span[1])}));
-}
-
-/// Adds blood or melanin of another composition: shares mix by amount.
-void mix_in(double& amount, double& composition, double added, double composition_of_it) {
-  if (added <= 0.0) return;
-  composition = (amount * composition + added * composition_of_it) / (amount + added);
-  amount += added;
 }
 
 void apply(const MelaninSpots& spots, std::uint64_t seed, Canvas& canvas) {
@@ -129,11 +83,11 @@ void apply(const MelaninSpots& spots, std::uint64_t seed, Canvas& canvas) {
     mix_in(canvas.skin[i].melanin, canvas.skin[i].melanin_blend, added[i], spots.melanin_blend);
 }
 
-/// Draws vessels into a map of their blood.
+/// Draws vessels into a map of their blood, 1 in the middle of one at no depth.
 class VeinPen {
  public:
-  VeinPen(const Veins& veins, const Grid& grid, Random& random, std::vector<double>& blood)
-      : veins_(veins), grid_(grid), random_(random), blood_(blood) {}
+  VeinPen(const Grid& grid, Random& random, std::vector<double>& blood)
+      : grid_(grid), random_(random), blood_(blood) {}
 
   /// One vessel from a point on, and its branches.
   void draw(Point p, double direction, double diameter, double depth, int branches) {
@@ -142,7 +96,7 @@ class VeinPen {
     // Across a tube the chord falls off like a Gaussian of a fourth of the diameter; light spreads
     // by about half the depth on its way up.
     const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
-    const double most = veins_.hemoglobin * 0.25 * diameter / spread;
+    const double most = 0.25 * diameter / spread;
     const double heading = direction;
     double bend = 0.0;
     for (double s = 0.0; s < reach; s += step) {
@@ -164,7 +118,6 @@ class VeinPen {
   }
 
  private:
-  const Veins& veins_;
   const Grid& grid_;
   Random& random_;
   std::vector<double>& blood_;
@@ -174,7 +127,7 @@ void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
   const Grid& grid = canvas.grid;
   Random random = make_random(seed, 0);
   std::vector<double> blood(grid.size(), 0.0);
-  VeinPen pen(veins, grid, random, blood);
+  VeinPen pen(grid, random, blood);
   for (int i = 0; i < veins.count; ++i) {
     const double angle = 2.0 * std::numbers::pi * random.uniform();
     const double half = 0.55 * std::hypot(grid.across(), grid.down());
@@ -184,9 +137,12 @@ void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
     const double diameter = between(random, veins.diameter), depth = between(random, veins.depth);
     pen.draw(start, angle, diameter, depth, 3);
   }
-  for (std::size_t i = 0; i < blood.size(); ++i)
-    mix_in(canvas.skin[i].hemoglobin_dermis, canvas.skin[i].saturation_dermis, blood[i],
+  for (std::size_t i = 0; i < blood.size(); ++i) {
+    SkinParameters& skin = canvas.skin[i];
+    mix_in(skin.hemoglobin_dermis, skin.saturation_dermis, veins.hemoglobin * blood[i],
            veins.saturation);
+    skin.junction_absorption += veins.absorbance * blood[i];
+  }
 }
 
 void apply(const Blotches& blotches, std::uint64_t seed, Canvas& canvas) {
@@ -206,25 +162,13 @@ void apply(const Blotches& blotches, std::uint64_t seed, Canvas& canvas) {
 
 void apply(const Tattoo& tattoo, std::uint64_t, Canvas& canvas) {
   const double height = tattoo.width * tattoo.image.height / tattoo.image.width;
-  canvas.grid.within(
-      {tattoo.at[0], tattoo.at[1]}, 0.5 * std::max(tattoo.width, height),
-      [&](std::size_t texel, Point p) {
-        const double u = (p.x - tattoo.at[0]) / tattoo.width + 0.5;
-        const double v = (p.y - tattoo.at[1]) / height + 0.5;
-        if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0) return;
-        // bilinear, clamped at the edges
-        const double x = u * tattoo.image.width - 0.5, y = v * tattoo.image.height - 0.5;
-        const double left = std::floor(x), top = std::floor(y);
-        const auto at = [&](double i, double j) {
-          return static_cast<double>(
-              *tattoo.image.at(std::clamp(static_cast<int>(i), 0, tattoo.image.width - 1),
-                               std::clamp(static_cast<int>(j), 0, tattoo.image.height - 1)));
-        };
-        const double s = x - left, t = y - top;
-        const double ink = (1 - t) * ((1 - s) * at(left, top) + s * at(left + 1, top)) +
-                           t * ((1 - s) * at(left, top + 1) + s * at(left + 1, top + 1));
-        canvas.skin[texel].junction_absorption += tattoo.absorbance * ink;
-      });
+  canvas.grid.within({tattoo.at[0], tattoo.at[1]}, 0.5 * std::max(tattoo.width, height),
+                     [&](std::size_t texel, Point p) {
+                       canvas.skin[texel].junction_absorption +=
+                           tattoo.absorbance * ink_at(tattoo.image,
+                                                      (p.x - tattoo.at[0]) / tattoo.width + 0.5,
+                                                      (p.y - tattoo.at[1]) / height + 0.5);
+                     });
 }
 
 void apply(const PressedDisc& disc, std::uint64_t seed, Canvas& canvas) {
@@ -232,9 +176,7 @@ void apply(const PressedDisc& disc, std::uint64_t seed, Canvas& canvas) {
   canvas.grid.everywhere([&](std::size_t texel, Point p) {
     SkinParameters& skin = canvas.skin[texel];
     const double distance = std::hypot(p.x - disc.at[0], p.y - disc.at[1]);
-    const double rim = 0.15 * disc.diameter;
-    const double inside = 0.5 * disc.diameter * (1.0 + 0.05 * ragged(p)) - distance;
-    const double left = 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
+    const double left = share_left(disc, distance, ragged(p));
     skin.hemoglobin_dermis *= left;
     skin.hemoglobin_epidermis *= left;
   });
@@ -270,6 +212,32 @@ std::vector<SkinMap> varying_maps(const Canvas& canvas) {
 }
 
 }  // namespace
+
+void mix_in(double& amount, double& composition, double added, double composition_of_it) {
+  if (added <= 0.0) return;
+  composition = (amount * composition + added * composition_of_it) / (amount + added);
+  amount += added;
+}
+
+double ink_at(const Image& image, double u, double v) {
+  if (!(0.0 <= u && u < 1.0 && 0.0 <= v && v < 1.0)) return 0.0;
+  // bilinear, clamped at the edges
+  const double x = u * image.width - 0.5, y = v * image.height - 0.5;
+  const double left = std::floor(x), top = std::floor(y);
+  const auto at = [&](double i, double j) {
+    return static_cast<double>(*image.at(std::clamp(static_cast<int>(i), 0, image.width - 1),
+                                         std::clamp(static_cast<int>(j), 0, image.height - 1)));
+  };
+  const double s = x - left, t = y - top;
+  return (1 - t) * ((1 - s) * at(left, top) + s * at(left + 1, top)) +
+         t * ((1 - s) * at(left, top + 1) + s * at(left + 1, top + 1));
+}
+
+double share_left(const PressedDisc& disc, double distance, double raggedness) {
+  const double rim = 0.15 * disc.diameter;
+  const double inside = 0.5 * disc.diameter * (1.0 + 0.05 * raggedness) - distance;
+  return 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
+}
 
 std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe) {
   const Grid grid{recipe.width, recipe.height, recipe.mm_per_texel};

@@ -4,15 +4,19 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "lamina/image/image.h"
+#include "lamina/materials/map_example.h"
 #include "lamina/materials/skin_maps.h"
 
 namespace lamina {
+
+class JsonObject;
 
 // What grows, flows or is drawn in skin, as changes to the maps of its parameters. All lengths are
 // in mm; places are measured from the upper left corner.
@@ -38,6 +42,8 @@ struct Veins {
   Span2 depth = {0.3, 1.0};
   double hemoglobin = 0.06;  ///< of the dermis at the middle of a tube of no depth
   double saturation = 0.4;   ///< of that blood
+  double absorbance = 0.0;   ///< of the junction above it, added: a dark bluish shade, as of blood
+                             ///< so deep that little but red light gets there
 };
 
 /// Patches in which there is more of something, with soft rims: a flush, a rash, a tan.
@@ -68,7 +74,14 @@ struct Unevenness {
   double hemoglobin = 0.2, hemoglobin_size = 2.5;
 };
 
-using SkinFeature = std::variant<MelaninSpots, Veins, Blotches, Tattoo, PressedDisc, Unevenness>;
+/// The maps of a small piece of skin, captured or made, spread over all of it.
+struct Synthesis {
+  MapExample example;
+  bool are_factors = false;  ///< the maps over their means multiply what is there
+};
+
+using SkinFeature =
+    std::variant<MelaninSpots, Veins, Blotches, Tattoo, PressedDisc, Unevenness, Synthesis>;
 
 /// What `lamina maps` makes maps of.
 struct SkinMapRecipe {
@@ -80,8 +93,27 @@ struct SkinMapRecipe {
 };
 
 /// Decodes a feature of a kind, as a recipe names it: "freckles", "moles", "veins", "blotches",
-/// "tattoo", "pressed", "unevenness". @throws InvalidInput
+/// "tattoo", "pressed", "unevenness", "synthesis". @throws InvalidInput
 [[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
+
+/// Sets the parameters that the example's maps are of. @param share  of the change, in [0, 1]
+void change(SkinParameters& skin, const Synthesis& synthesis, std::span<const double> values,
+            double share);
+
+/// Adds blood or melanin of another composition: shares mix by amount.
+void mix_in(double& amount, double& composition, double added, double composition_of_it);
+
+/// Ink of an image at a place in it, both from 0 to 1, v downward; 0 outside.
+[[nodiscard]] double ink_at(const Image& image, double u, double v);
+
+/// Share of the blood that a finger leaves at a distance from its middle [mm].
+/// @param raggedness  of its rim: noise of mean 0 and variance 1
+[[nodiscard]] double share_left(const PressedDisc& disc, double distance, double raggedness);
+
+// What these features have in common on a patch and on a mesh; places are left out.
+[[nodiscard]] Tattoo decode_ink(const JsonObject& object);
+[[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
+[[nodiscard]] Veins decode_vein_look(const JsonObject& object);
 
 /// Reads a recipe; docs/heterogeneous_skin.md has the format. @throws FileError, InvalidInput
 [[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file);

@@ -1,7 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "lamina/core/error.h"
 #include "lamina/core/json_input.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/resample.h"
 #include "lamina/materials/skin_features.h"
 
 namespace lamina {
@@ -41,14 +44,10 @@ SkinFeature decode_spots(const JsonInput& value, MelaninSpots spots) {
 
 SkinFeature decode_veins(const JsonInput& value) {
   const JsonObject object =
-      value.object({"count", "diameter", "depth", "hemoglobin", "saturation"});
-  Veins veins;
+      value.object({"count", "diameter", "depth", "hemoglobin", "saturation", "absorbance"});
+  Veins veins = decode_vein_look(object);
   if (const auto count = object.optional("count"))
     veins.count = static_cast<int>(count->integer(0, 1000));
-  set(object, "diameter", between(0.05, 20.0, "mm"), veins.diameter);
-  set(object, "depth", between(0.0, 10.0, "mm"), veins.depth);
-  set(object, "hemoglobin", between(0.0, 1.0), veins.hemoglobin);
-  set(object, "saturation", between(0.0, 1.0), veins.saturation);
   return veins;
 }
 
@@ -78,27 +77,15 @@ Image ink_of(const Image& image) {
 
 SkinFeature decode_tattoo(const JsonInput& value) {
   const JsonObject object = value.object({"image", "at", "width", "absorbance"});
-  Tattoo tattoo;
-  const JsonInput file = object.required("image");
-  try {
-    const Image image = load_image(file.file_path());
-    require_finite(image, file.file_path());
-    tattoo.image = ink_of(image);
-  } catch (const Error& error) {
-    file.fail(error.what());
-  }
+  Tattoo tattoo = decode_ink(object);
   set_place(object, tattoo.at);
-  set(object, "width", between(0.1, longest, "mm"), tattoo.width);
-  set(object, "absorbance", between(0.0, 10.0), tattoo.absorbance);
   return tattoo;
 }
 
 SkinFeature decode_pressed(const JsonInput& value) {
   const JsonObject object = value.object({"at", "diameter", "share"});
-  PressedDisc disc;
+  PressedDisc disc = decode_disc(object);
   set_place(object, disc.at);
-  set(object, "diameter", between(0.1, longest, "mm"), disc.diameter);
-  set(object, "share", between(0.0, 1.0), disc.share);
   return disc;
 }
 
@@ -113,14 +100,81 @@ SkinFeature decode_unevenness(const JsonInput& value) {
   return uneven;
 }
 
+/// The maps of a patch file, brought to its size.
+SkinFeature decode_synthesis(const JsonInput& value) {
+  const JsonObject object = value.object({"patch", "tile", "use"});
+  const JsonInput file = object.required("patch");
+  std::vector<SkinMap> maps;
+  double mm_per_texel = 0.0;
+  try {
+    const JsonDocument document = load_json(file.file_path());
+    const JsonObject patch =
+        document.root().file_object("patch", 1,
+                                    {"name", "mm_per_pixel", "width", "height", "bands", "skin",
+                                     "light", "totals", "transport"});
+    mm_per_texel = patch.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
+    const JsonInput skin = patch.required("skin");
+    maps = decode_skin_maps(skin).maps;
+    if (maps.empty()) skin.fail("must have a map to spread, but has numbers only");
+    const auto [width, height] = patch_size(patch, maps);
+    if (std::min(width, height) < MapExample::least_side)
+      patch.value().fail("must have at least " + std::to_string(MapExample::least_side) +
+                         " texels each way to be spread");
+    for (SkinMap& map : maps) map.values = resampled(map.values, width, height);
+  } catch (const FileError& error) {
+    file.fail(error.what());
+  }
+  const double side =
+      mm_per_texel * std::min(maps.front().values.width, maps.front().values.height);
+  double tile = 0.4 * side;
+  set(object, "tile", between(4.0 * mm_per_texel, side, "mm"), tile);
+  bool are_factors = false;
+  if (const auto use = object.optional("use"))
+    are_factors = use->choice<bool>({{"values", false}, {"factors", true}});
+  return Synthesis{MapExample(std::move(maps), mm_per_texel, tile), are_factors};
+}
+
 SkinFeature decode_feature(const JsonInput& value) {
-  (void)value.object({"freckles", "moles", "veins", "blotches", "tattoo", "pressed", "unevenness"});
+  (void)value.object(
+      {"freckles", "moles", "veins", "blotches", "tattoo", "pressed", "unevenness", "synthesis"});
   const auto entries = value.entries();
   if (entries.size() != 1) value.fail("must have exactly one key, the kind of the feature");
   return decode_skin_feature(entries.front().first, entries.front().second);
 }
 
 }  // namespace
+
+Tattoo decode_ink(const JsonObject& object) {
+  Tattoo tattoo;
+  const JsonInput file = object.required("image");
+  try {
+    const Image image = load_image(file.file_path());
+    require_finite(image, file.file_path());
+    tattoo.image = ink_of(image);
+  } catch (const Error& error) {
+    file.fail(error.what());
+  }
+  set(object, "width", between(0.1, longest, "mm"), tattoo.width);
+  set(object, "absorbance", between(0.0, 10.0), tattoo.absorbance);
+  return tattoo;
+}
+
+PressedDisc decode_disc(const JsonObject& object) {
+  PressedDisc disc;
+  set(object, "diameter", between(0.1, longest, "mm"), disc.diameter);
+  set(object, "share", between(0.0, 1.0), disc.share);
+  return disc;
+}
+
+Veins decode_vein_look(const JsonObject& object) {
+  Veins veins;
+  set(object, "diameter", between(0.05, 20.0, "mm"), veins.diameter);
+  set(object, "depth", between(0.0, 10.0, "mm"), veins.depth);
+  set(object, "hemoglobin", between(0.0, 1.0), veins.hemoglobin);
+  set(object, "saturation", between(0.0, 1.0), veins.saturation);
+  set(object, "absorbance", between(0.0, 10.0), veins.absorbance);
+  return veins;
+}
 
 SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value) {
   constexpr MelaninSpots mole{.density = 0.5,
@@ -134,6 +188,7 @@ SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value) {
   if (kind == "blotches") return decode_blotches(value);
   if (kind == "tattoo") return decode_tattoo(value);
   if (kind == "pressed") return decode_pressed(value);
+  if (kind == "synthesis") return decode_synthesis(value);
   return decode_unevenness(value);
 }
 

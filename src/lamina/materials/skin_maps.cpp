@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "lamina/core/error.h"
@@ -78,6 +80,24 @@ SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
   SkinMap map{range.name, range.value, decode_values(value)};
   clamp(range, map.values, warnings);
   return map;
+}
+
+std::pair<int, int> patch_size(const JsonObject& patch, std::span<const SkinMap> maps) {
+  constexpr int largest_side = 16384;
+  const auto width = patch.optional("width"), height = patch.optional("height");
+  const auto side = [](const std::optional<JsonInput>& given) {
+    return given ? static_cast<int>(given->integer(1, largest_side)) : 0;
+  };
+  if (maps.empty() || (width && height))
+    return {side(patch.required("width")), side(patch.required("height"))};
+  const Image& first = maps.front().values;
+  if (!width && !height) return {first.width, first.height};
+  const double aspect = static_cast<double>(first.width) / first.height;
+  const auto other = [](double length) {
+    return std::max(1, static_cast<int>(std::lround(length)));
+  };
+  if (width) return {side(width), other(side(width) / aspect)};
+  return {other(side(height) * aspect), side(height)};
 }
 
 SkinMaps decode_skin_maps(const JsonInput& recipe) {

@@ -1,8 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lamina/image/image.h"
@@ -11,6 +13,7 @@
 namespace lamina {
 
 class JsonInput;
+class JsonObject;
 
 /// A parameter of skin that is an image: one channel, of any size, every value in the parameter's
 /// range.
@@ -42,6 +45,11 @@ struct SkinMaps {
 /// @throws as decode_skin_maps.
 [[nodiscard]] SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
                                       std::vector<std::string>& warnings);
+
+/// "width" and "height" of a patch in texels: as given, else those of the first map, whose
+/// proportions one given side keeps. @throws InvalidInput
+[[nodiscard]] std::pair<int, int> patch_size(const JsonObject& patch,
+                                             std::span<const SkinMap> maps);
 
 /// Whether a parameter of that name may be a map.
 [[nodiscard]] bool may_be_map(std::string_view parameter);

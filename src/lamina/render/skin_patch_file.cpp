@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <tuple>
 
 #include "lamina/core/error.h"
 #include "lamina/core/json_input.h"
@@ -13,8 +14,6 @@
 namespace lamina {
 namespace {
 
-constexpr int largest_side = 16384;
-
 /// Says that a map of another size than the patch is resampled.
 void note_size(const std::string& what, const Image& image, SkinPatch& patch) {
   if (image.width == patch.width && image.height == patch.height) return;
@@ -22,30 +21,6 @@ void note_size(const std::string& what, const Image& image, SkinPatch& patch) {
   text << what << ": " << image.width << " x " << image.height << " texels, resampled to "
        << patch.width << " x " << patch.height;
   patch.warnings.push_back(text.str());
-}
-
-/// The size in texels: as given, else that of the first map, whose proportions one given side
-/// keeps.
-void decode_size(const JsonObject& object, SkinPatch& patch) {
-  const auto width = object.optional("width"), height = object.optional("height");
-  if (width) patch.width = static_cast<int>(width->integer(1, largest_side));
-  if (height) patch.height = static_cast<int>(height->integer(1, largest_side));
-  if (width && height) return;
-  if (patch.skin.maps.empty()) {
-    (void)object.required("width");
-    (void)object.required("height");
-  }
-  const Image& first = patch.skin.maps.front().values;
-  const double aspect = static_cast<double>(first.width) / first.height;
-  const auto other = [](double side) { return std::max(1, static_cast<int>(std::lround(side))); };
-  if (!width && !height) {
-    patch.width = first.width;
-    patch.height = first.height;
-  } else if (!width) {
-    patch.width = other(patch.height * aspect);
-  } else {
-    patch.height = other(patch.width / aspect);
-  }
 }
 
 /// Strips of light across the patch, each texel by the share of it that is lit.
@@ -142,7 +117,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file) {
   patch.mm_per_texel = object.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
   patch.skin = decode_skin_maps(object.required("skin"));
   patch.warnings = patch.skin.warnings;
-  decode_size(object, patch);
+  std::tie(patch.width, patch.height) = patch_size(object, patch.skin.maps);
   for (const SkinMap& map : patch.skin.maps)
     note_size("skin." + std::string(map.name), map.values, patch);
   if (const auto bands = object.optional("bands")) {

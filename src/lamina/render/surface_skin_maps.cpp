@@ -4,20 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
-#include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
 #include "lamina/render/noise.h"
+#include "lamina/render/surface_canvas.h"
 #include "lamina/render/surface_point.h"
 
 namespace lamina {
 namespace {
-
-float smooth_step(float x) {
-  x = std::clamp(x, 0.0f, 1.0f);
-  return x * x * (3.0f - 2.0f * x);
-}
 
 /// Between the pixels of an image over texture coordinates.
 Vec3f color_at(const Image& image, Vec2f uv) {
@@ -34,18 +28,10 @@ Vec3f color_at(const Image& image, Vec2f uv) {
          fy * ((1.0f - fx) * pixel(x0, y0 + 1.0f) + fx * pixel(x0 + 1.0f, y0 + 1.0f));
 }
 
-/// A texel of the maps that lies on the surface.
-struct Texel {
-  std::size_t pixel;
-  Vec3f position;
-  Vec2f uv;
-  float width;  ///< [mm]
-};
-
 /// The texels whose middles lie on faces.
-std::vector<Texel> texels_of(const SurfaceMapRecipe& recipe) {
+std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
   const Mesh& mesh = recipe.meshes.front();
-  std::vector<Texel> texels;
+  std::vector<SurfaceTexel> texels;
   std::vector<char> is_taken(static_cast<std::size_t>(recipe.width) *
                              static_cast<std::size_t>(recipe.height));
   const auto w = static_cast<float>(recipe.width), h = static_cast<float>(recipe.height);
@@ -75,34 +61,11 @@ std::vector<Texel> texels_of(const SurfaceMapRecipe& recipe) {
         is_taken[pixel] = 1;
         const SurfacePoint point = make_surface_point(
             recipe.meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = 0, .triangle = t}, 0.0f);
-        texels.push_back(
-            {pixel, point.position, uv, std::sqrt(length(cross(point.du, point.dv)) / (w * h))});
+        texels.push_back({pixel, point.position, point.smooth_normal, uv,
+                          std::sqrt(length(cross(point.du, point.dv)) / (w * h))});
       }
   }
   return texels;
-}
-
-/// The skin of each texel while features change it.
-struct Canvas {
-  const SurfaceMapRecipe& recipe;
-  std::vector<Texel> texels;
-  std::vector<SkinParameters> skin;
-};
-
-template <class Act>
-void for_texels(const Canvas& canvas, const Act& act) {
-  constexpr std::size_t chunk = 4096;
-  parallel_for((canvas.texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(canvas.texels.size(), (c + 1) * chunk); ++i)
-      act(i);
-  });
-}
-
-/// Adds blood or melanin of another composition: shares mix by amount.
-void mix_in(double& amount, double& composition, double added, double composition_of_it) {
-  if (added <= 0.0) return;
-  composition = (amount * composition + added * composition_of_it) / (amount + added);
-  amount += added;
 }
 
 NoiseMap smooth_noise(double size, int octaves, std::uint64_t seed) {
@@ -113,11 +76,11 @@ NoiseMap smooth_noise(double size, int octaves, std::uint64_t seed) {
 }
 
 void apply(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t seed,
-           Canvas& canvas) {
+           SurfaceCanvas& canvas) {
   const NoiseMap melanin = smooth_noise(uneven.melanin_size, 3, seed);
   const NoiseMap blood = smooth_noise(uneven.hemoglobin_size, 3, seed + 1);
   for_texels(canvas, [&](std::size_t i) {
-    const Texel& texel = canvas.texels[i];
+    const SurfaceTexel& texel = canvas.texels[i];
     const auto weight = static_cast<double>(where.weight(texel.position));
     const auto noise = [&](const NoiseMap& map, double amount) {
       return std::exp(weight * amount *
@@ -131,7 +94,7 @@ void apply(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t s
   });
 }
 
-void apply(const Flush& flush, const SurfacePlaces& where, std::uint64_t, Canvas& canvas) {
+void apply(const Flush& flush, const SurfacePlaces& where, std::uint64_t, SurfaceCanvas& canvas) {
   for_texels(canvas, [&](std::size_t i) {
     const auto weight = static_cast<double>(where.weight(canvas.texels[i].position));
     SkinParameters& skin = canvas.skin[i];
@@ -141,10 +104,11 @@ void apply(const Flush& flush, const SurfacePlaces& where, std::uint64_t, Canvas
   });
 }
 
-void apply(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed, Canvas& canvas) {
+void apply(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed,
+           SurfaceCanvas& canvas) {
   const NoiseMap noise = smooth_noise(net.size, 2, seed);
   for_texels(canvas, [&](std::size_t i) {
-    const Texel& texel = canvas.texels[i];
+    const SurfaceTexel& texel = canvas.texels[i];
     const float weight = where.weight(texel.position);
     if (!(weight > 0.0f)) return;
     // Distance to where the noise is 0: its value over its slope.
@@ -166,14 +130,14 @@ void apply(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed,
 }
 
 void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t seed,
-           Canvas& canvas) {
+           SurfaceCanvas& canvas) {
   // Each cube of space as wide as the largest spot may hold the middle of one. A spot is a ball, so
   // where the surface cuts it beside its middle it is smaller; as many are cut as the density says.
   const auto cube = static_cast<float>(spots.diameter[1]);
   const double expected = spots.density / 100.0 * static_cast<double>(cube * cube);
   const NoiseMap ragged = smooth_noise(0.6 * spots.diameter[1], 2, seed + 1);
   for_texels(canvas, [&](std::size_t i) {
-    const Texel& texel = canvas.texels[i];
+    const SurfaceTexel& texel = canvas.texels[i];
     const float weight = where.weight(texel.position);
     if (!(weight > 0.0f)) return;
     const auto index = [&](float x) { return static_cast<std::int64_t>(std::floor(x / cube)); };
@@ -207,12 +171,13 @@ void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t 
   });
 }
 
-void apply(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t, Canvas& canvas) {
+void apply(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t,
+           SurfaceCanvas& canvas) {
   const SkinOfColor table(canvas.recipe.base.skin);
   const double exposure =
       color.exposure ? *color.exposure : match_exposure(canvas.recipe, color).exposure;
   for_texels(canvas, [&](std::size_t i) {
-    const Texel& texel = canvas.texels[i];
+    const SurfaceTexel& texel = canvas.texels[i];
     const SkinParameters found =
         table.at(static_cast<float>(exposure) * color_at(color.image, texel.uv)).skin;
     const auto weight = static_cast<double>(where.weight(texel.position));
@@ -276,7 +241,7 @@ ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& col
 }
 
 std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe) {
-  Canvas canvas{recipe, texels_of(recipe), {}};
+  SurfaceCanvas canvas{recipe, texels_of(recipe), {}};
   canvas.skin.assign(canvas.texels.size(), recipe.base.skin);
   std::uint64_t seed = recipe.seed * 1'000'003u + 1;
   for (const SurfaceFeature& feature : recipe.features) {
@@ -285,7 +250,7 @@ std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe) {
   }
   std::vector<char> is_known(static_cast<std::size_t>(recipe.width) *
                              static_cast<std::size_t>(recipe.height));
-  for (const Texel& texel : canvas.texels) is_known[texel.pixel] = 1;
+  for (const SurfaceTexel& texel : canvas.texels) is_known[texel.pixel] = 1;
   std::vector<SkinMap> maps;
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     if (!may_be_map(range.name)) continue;

@@ -48,9 +48,31 @@ struct ColorOfSkin {
   std::optional<double> exposure = std::nullopt;
 };
 
+/// Ink at a place of the surface.
+struct SurfaceTattoo {
+  Tattoo ink;         ///< its image, width and absorbance
+  Vec3f at;           ///< [mm]
+  double turn = 0.0;  ///< [rad], counterclockwise; the image stands upright, +y of the mesh up
+};
+
+/// Blood pressed out of a disc at a place of the surface.
+struct SurfacePress {
+  PressedDisc disc;  ///< its diameter and share
+  Vec3f at;          ///< [mm]
+};
+
+/// A tube of blood that wanders along the surface, and its branches.
+struct SurfaceVein {
+  Veins look;      ///< its diameter where it begins (the larger one), depth and blood
+  Vec3f from, to;  ///< [mm]
+  int branches = 3;
+};
+
 /// A feature on a surface.
 struct SurfaceFeature {
-  std::variant<MelaninSpots, VesselNet, Flush, Unevenness, ColorOfSkin> kind;
+  std::variant<MelaninSpots, VesselNet, Flush, Unevenness, ColorOfSkin, Synthesis, SurfaceTattoo,
+               SurfacePress, SurfaceVein>
+      kind;
   SurfacePlaces where;
 };
 

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "lamina/core/error.h"
 #include "lamina/core/json_input.h"
@@ -48,23 +49,23 @@ Mesh decode_surface(const JsonInput& value) {
   }
 }
 
+Vec3f decode_place(const JsonInput& value, double mm_per_unit) {
+  const std::vector<double> at =
+      value.numbers(3, between(-longest / mm_per_unit, longest / mm_per_unit));
+  return {static_cast<float>(mm_per_unit * at[0]), static_cast<float>(mm_per_unit * at[1]),
+          static_cast<float>(mm_per_unit * at[2])};
+}
+
 SurfacePlaces decode_places(const JsonInput& value, double mm_per_unit) {
   SurfacePlaces where;
-  const NumberRange range = between(-longest / mm_per_unit, longest / mm_per_unit);
   for (const JsonInput& place : value.array(1, 1000)) {
     const JsonObject object = place.object({"at", "radius", "mirrored"});
-    const std::vector<double> at = object.required("at").numbers(3, range);
+    const Vec3f at = decode_place(object.required("at"), mm_per_unit);
     const auto radius =
         static_cast<float>(mm_per_unit * object.required("radius").number(above(0.0)));
-    const auto add = [&](double side) {
-      where.places.push_back(
-          {{static_cast<float>(side * mm_per_unit * at[0]), static_cast<float>(mm_per_unit * at[1]),
-            static_cast<float>(mm_per_unit * at[2])},
-           radius});
-    };
-    add(1.0);
+    where.places.push_back({at, radius});
     if (const auto mirrored = object.optional("mirrored"); mirrored && mirrored->boolean())
-      add(-1.0);
+      where.places.push_back({{-at.x, at.y, at.z}, radius});
   }
   return where;
 }
@@ -112,9 +113,35 @@ ColorOfSkin decode_color(const JsonInput& value) {
   }
 }
 
+SurfaceTattoo decode_surface_tattoo(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object({"image", "at", "width", "absorbance", "angle"});
+  SurfaceTattoo tattoo{.ink = decode_ink(object),
+                       .at = decode_place(object.required("at"), mm_per_unit)};
+  if (const auto angle = object.optional("angle"))
+    tattoo.turn = angle->number(between(-360.0, 360.0, "deg")) * std::numbers::pi / 180.0;
+  return tattoo;
+}
+
+SurfacePress decode_press(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object({"at", "diameter", "share"});
+  return {.disc = decode_disc(object), .at = decode_place(object.required("at"), mm_per_unit)};
+}
+
+SurfaceVein decode_vein(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object(
+      {"from", "to", "branches", "diameter", "depth", "hemoglobin", "saturation", "absorbance"});
+  SurfaceVein vein{.look = decode_vein_look(object),
+                   .from = decode_place(object.required("from"), mm_per_unit),
+                   .to = decode_place(object.required("to"), mm_per_unit)};
+  if (const auto branches = object.optional("branches"))
+    vein.branches = static_cast<int>(branches->integer(0, 20));
+  return vein;
+}
+
 SurfaceFeature decode_feature(const JsonInput& value, double mm_per_unit) {
   const JsonObject object =
-      value.object({"freckles", "moles", "vessels", "flush", "unevenness", "color", "where"});
+      value.object({"freckles", "moles", "vessels", "flush", "unevenness", "color", "synthesis",
+                    "tattoo", "pressed", "vein", "where"});
   SurfaceFeature feature;
   if (const auto where = object.optional("where"))
     feature.where = decode_places(*where, mm_per_unit);
@@ -128,6 +155,13 @@ SurfaceFeature decode_feature(const JsonInput& value, double mm_per_unit) {
   if (const auto net = object.optional("vessels")) feature.kind = decode_net(*net);
   if (const auto flush = object.optional("flush")) feature.kind = decode_flush(*flush);
   if (const auto color = object.optional("color")) feature.kind = decode_color(*color);
+  if (const auto synthesis = object.optional("synthesis"))
+    feature.kind = std::get<Synthesis>(decode_skin_feature("synthesis", *synthesis));
+  if (const auto tattoo = object.optional("tattoo"))
+    feature.kind = decode_surface_tattoo(*tattoo, mm_per_unit);
+  if (const auto press = object.optional("pressed"))
+    feature.kind = decode_press(*press, mm_per_unit);
+  if (const auto vein = object.optional("vein")) feature.kind = decode_vein(*vein, mm_per_unit);
   return feature;
 }
 
