@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+# Figures 8 and 10 of Donner et al. 2008 on the head of the demo. No texture of colors takes part. Takes
+# three minutes of CPU time.
+#
+#   donner_2008_head.sh LAMINA OUT_FOLDER [OPTIONS OF lamina render...]
+set -euo pipefail
+lamina=$(realpath "$1") out=$(mkdir -p "$2" && realpath "$2")
+shift 2
+cd "$(dirname "$0")"
+source ./sheet.sh
+scenes=$PWD/../scenes/donner_2008
+[ -e ../demo/assets/head.obj ] || { echo "the head is not there: run ./demo.sh first" >&2; exit 1; }
+options=(--denoise "$@")
+
+# maps NAME FEATURES: maps of the face with features added.
+maps() {
+  sed "s|\"\.\./\.\./|\"$scenes/../../|; \$s|.*|, $2 ] }|" "$scenes/face.json" >"$out/$1.maps.json"
+  "$lamina" maps "$out/$1.maps.json" -o "$out/$1" >/dev/null
+}
+# render SCENE MAPS NAME SED [OPTION...]: the scene with those maps, some of its values replaced.
+render() {
+  local scene=$1 maps=$2 name=$3 edit=$4
+  shift 4
+  sed "s|MAPS|$out/$maps|; s|\"\.\./\.\./|\"$scenes/../../|; $edit" "$scenes/$scene.json" >"$out/$name.scene.json"
+  "$lamina" render "$out/$name.scene.json" -o "$out/$name.png" "${options[@]}" "$@" >"$out/$name.log"
+  tail -n 1 "$out/$name.log"
+}
+# scaled MAPS NAME MELANIN BLOOD: the same maps times factors.
+scaled() {
+  mkdir -p "$out/$2"
+  sed "s|\"melanin.exr\"|\"../$1/melanin.exr\", \"scale\": $3|
+       s|\"\(hemoglobin_[a-z]*\).exr\"|\"../$1/\1.exr\", \"scale\": $4|
+       s|\"map\": \"\([a-z]\)|\"map\": \"../$1/\1|" "$out/$1/material.json" >"$out/$2/material.json"
+}
+
+plain='{ "moles": { "density": 0.03, "diameter": [1.2, 2.4] } }'
+maps plain "$plain"
+
+# Figure 10: freckles spread from a sample, ink under the skin, darker skin.
+"$lamina" maps ../examples/skin/sample.json -o "$out/sample" >/dev/null
+freckles="{ \"synthesis\": { \"patch\": \"$out/sample/patch.json\", \"use\": \"factors\" }, \"where\": [ { \"at\": [0.4, 6.5, 1.2], \"radius\": 1.0, \"mirrored\": true }, { \"at\": [0, 7, 1.4], \"radius\": 0.9 } ] }"
+maps freckles "$plain, $freckles"
+maps tattoo "$plain, { \"tattoo\": { \"image\": \"$PWD/../examples/skin/ink.png\", \"at\": [0.66, 6.42, 0.95], \"width\": 30, \"absorbance\": 1.5, \"angle\": -8 } }"
+scaled freckles dark 3.6 1.2
+for name in freckles tattoo dark; do render head $name figure_10_$name ""; done
+sheet "$out/figure_10.png" 3 256 256 "$out/figure_10_freckles.png" "freckles" \
+  "$out/figure_10_tattoo.png" "ink under the skin" "$out/figure_10_dark.png" "darker skin"
+
+# Figure 8: fingers have pressed blood out of a cheek.
+blood='{ "flush": { "hemoglobin_dermis": 0.006 } }'
+press() { echo "{ \"pressed\": { \"at\": [$1], \"diameter\": 15, \"share\": 0.85 } }"; }
+maps before "$plain, $blood"
+maps after "$plain, $blood, $(press "0.5, 6.5, 1.1"), $(press "0.56, 6.36, 1.05"), $(press "0.55, 6.22, 1.0")"
+for name in before after; do
+  render head $name figure_8_$name 's|"look_at": \[[^]]*\], "horizontal_fov": 13.4|"look_at": [0.34, 6.45, 1.0], "horizontal_fov": 8|' --width 220
+done
+sheet "$out/figure_8.png" 2 220 220 "$out/figure_8_before.png" "before" "$out/figure_8_after.png" "after three fingers have pressed"
