@@ -143,8 +143,9 @@ LightSample Lights::sample_panel(const Panel& panel, const Vec3f& position, Vec2
   const SphericalRectangle s = see_rectangle(panel.corner, panel.axis_u, panel.axis_v, panel.normal,
                                              panel.size_u, panel.size_v, position);
   Vec3f target;
-  const bool is_right_angled = std::abs(dot(panel.axis_u, panel.axis_v)) < 1e-4f;
-  if (s.solid_angle > smallest_solid_angle && is_right_angled) {
+  const bool is_even = s.solid_angle > smallest_solid_angle &&  // over the solid angle
+                       std::abs(dot(panel.axis_u, panel.axis_v)) < 1e-4f;
+  if (is_even) {
     const float au = u.x * s.solid_angle + s.k;
     const float sin_au = std::sin(au);
     const float fu = (std::cos(au) * s.b0 - s.b1) / (std::abs(sin_au) > 1e-9f ? sin_au : 1e-9f);
@@ -166,8 +167,9 @@ LightSample Lights::sample_panel(const Panel& panel, const Vec3f& position, Vec2
   const float distance = length(d);
   if (!(distance > 0.0f)) return {};
   const Vec3f direction = d / distance;
-  return {direction, distance, panel.radiance, pdf_panel(panel, position, direction, distance),
-          false};
+  const float pdf =
+      is_even ? 1.0f / s.solid_angle : pdf_panel(panel, position, direction, distance);
+  return {direction, distance, panel.radiance, pdf, false};
 }
 
 float Lights::pdf_panel(const Panel& panel, const Vec3f& position, const Vec3f& direction,
