@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/random_walk.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,9 +67,9 @@ TEST(RandomWalk, BallOfSkinHasTheAlbedoOfAnotherRenderer) {
     skin.layers[0].ior = skin.ior_below = {1.33, 1.33, 1.33};
     for (double& sigma : skin.layers[0].sigma_a) sigma *= dense ? 10.0 : 1.0;
     for (double& sigma : skin.layers[0].sigma_s) sigma *= dense ? 10.0 : 1.0;
-    Scene scene = scene_of(make_sphere(10.0f, 96), skin, EnvironmentLight{}, 24);
+    Scene scene = scene_of(make_sphere(10.0f, 96), skin, EnvironmentLight{}, 8);
     scene.camera = camera_above(20.0);
-    scene.film = {.width = 48, .height = 48};
+    scene.film = {.width = 32, .height = 32};
     const Image image = render(scene).image;
     for (std::size_t c = 0; c < 3; ++c) {
       const auto channel = channel_index(image, std::string("subsurface.") + "RGB"[c]).value();
@@ -110,7 +112,7 @@ TEST(RandomWalk, ThickPlateReflectsAsChandrasekharsHalfSpace) {
   const double mu_0 = 0.6;
   const Scene scene =
       scene_of(plate, homogeneous({0.1, 0.5, 1.0}, {0.9, 0.5, 1.0}, 0.0, 1.0),
-               DirectionalLight{.direction = {0.8, 0, mu_0}, .irradiance = {1, 1, 1}}, 1024);
+               DirectionalLight{.direction = {0.8, 0, mu_0}, .irradiance = {1, 1, 1}}, 512);
   const Image image = render(scene).image;
   const double albedo[3] = {0.9, 0.5, 0.5};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -142,6 +144,63 @@ TEST(RandomWalk, BallReturnsAllLightOfALampThatEnters) {
   }
   const double entering = std::numbers::pi * radius * radius * (1.0 - fresnel_diffuse(ior));
   EXPECT_NEAR(flux, entering, 0.02 * entering);
+}
+
+/// A black world around.
+class NoLight final : public LightGatherer<4> {
+ public:
+  BandValues<4> entering_irradiance(const SurfacePoint&, PixelSamples&) const override {
+    return {};
+  }
+  BandValues<4> clear_fraction(const Ray&, float) const override {
+    return BandValues<4>::filled(1.0f);
+  }
+  BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override { return {}; }
+};
+
+// What is known beforehand saves work and must not count: none of it, all of it, and twice as much
+// light as there is give the same mean, for isotropic and forward scattering.
+TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
+  for (const double g : {0.0, 0.6}) {
+    const Scene scene =
+        scene_of(make_sphere(3.0f), homogeneous({0.1, 0.3, 0.8}, {1, 1.2, 1.5}, g, 1.3),
+                 RectangleLight{.center = {6, 0, 9},
+                                .edge_u = {0, 4, 0},
+                                .edge_v = {3.33, 0, -2.22},
+                                .radiance = {5, 5, 5}},
+                 1);
+    const RenderScene prepared(scene);
+    const auto conversion =
+        make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+    const Hit hit = prepared.geometry.first_hit({{0.5f, 0.3f, 9}, {0, 0, -1}}, 0.0f);
+    const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
+    const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
+    double mean[3][3], error[3][3];
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      RandomWalk<4> walk(prepared, conversion, 0);
+      if (kind > 0) walk.prepare(NoLight{}, kind == 2 ? 2.0f : 1.0f);
+      double sum[3] = {}, squares[3] = {};
+      constexpr int count = 4096;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        PixelSamples samples(11, i, 0);  // one of each pixel: independent
+        const BandValues<4> value = walk.leaving_radiance(exit, NoLight{}, samples);
+        for (int b = 0; b < 3; ++b) {
+          const auto v = static_cast<double>(value[b]);
+          sum[b] += v;
+          squares[b] += v * v;
+        }
+      }
+      for (std::size_t b = 0; b < 3; ++b) {
+        mean[kind][b] = sum[b] / count;
+        error[kind][b] = std::sqrt((squares[b] / count - mean[kind][b] * mean[kind][b]) / count);
+        EXPECT_LT(error[kind][b], 0.06 * mean[kind][b]) << kind << ' ' << b;
+      }
+    }
+    for (const std::size_t kind : {1u, 2u})
+      for (std::size_t b = 0; b < 3; ++b)
+        EXPECT_NEAR(mean[kind][b], mean[0][b], 3.5 * std::hypot(error[0][b], error[kind][b]))
+            << "g " << g << " kind " << kind << " band " << b;
+  }
 }
 
 TEST(RandomWalk, RefusesOpenMeshesAndLayers) {

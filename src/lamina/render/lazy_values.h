@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 namespace lamina {
 
@@ -14,26 +13,34 @@ template <class Value>
 class LazyValues {
  public:
   LazyValues() = default;
-  explicit LazyValues(std::size_t count)
-      : values_(count), states_(std::make_unique<std::atomic<std::uint8_t>[]>(count)) {}
+  explicit LazyValues(std::size_t count) : cells_(std::make_unique<Cell[]>(count)) {}
 
   /// @param make  i to its value; the same whoever calls it
   template <class Make>
   [[nodiscard]] Value at(std::size_t i, const Make& make) {
-    enum : std::uint8_t { unknown, in_work, known };
-    if (states_[i].load(std::memory_order_acquire) == known) return values_[i];
-    const Value value = make(i);
-    std::uint8_t expected = unknown;
-    if (states_[i].compare_exchange_strong(expected, in_work)) {
-      values_[i] = value;
-      states_[i].store(known, std::memory_order_release);
-    }
-    return value;
+    const Cell& cell = cells_[i];
+    if (cell.state.load(std::memory_order_acquire) == known) return cell.value;
+    return find_out(i, make);
   }
 
  private:
-  std::vector<Value> values_;
-  std::unique_ptr<std::atomic<std::uint8_t>[]> states_;
+  enum : std::uint8_t { unknown, in_work, known };
+  struct Cell {  // side by side: one line of the cache
+    Value value{};
+    std::atomic<std::uint8_t> state{unknown};
+  };
+  template <class Make>
+  [[gnu::noinline]] Value find_out(std::size_t i, const Make& make) {
+    Cell& cell = cells_[i];
+    const Value value = make(i);
+    std::uint8_t expected = unknown;
+    if (cell.state.compare_exchange_strong(expected, in_work)) {
+      cell.value = value;
+      cell.state.store(known, std::memory_order_release);
+    }
+    return value;
+  }
+  std::unique_ptr<Cell[]> cells_;
 };
 
 }  // namespace lamina

@@ -22,7 +22,7 @@ std::optional<Found> meet_boundary(const RenderScene& scene, const Vec3f& inside
                                    const Vec3f& direction, std::uint32_t material) {
   const Hit hit = scene.geometry.first_hit({inside, direction}, 0.0f);
   if (!hit.is_hit()) return std::nullopt;
-  const SurfacePoint point = make_surface_point(scene.scene->meshes, hit, 0.0f);
+  const SurfacePoint point = make_bare_surface_point(scene.scene->meshes, hit);
   if (point.material != material || !(dot(point.geometric_normal, direction) > 0.0f))
     return std::nullopt;
   return Found{point, hit};

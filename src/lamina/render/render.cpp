@@ -90,6 +90,7 @@ struct Transports {
   std::vector<HierarchyTransport<N>*> hierarchies;
   std::vector<TextureSpaceTransport<N>*> texture_spaces;
   std::vector<ShadowMapTransport<N>*> shadow_maps;
+  std::vector<RandomWalk<N>*> random_walks;
 };
 
 /// @throws InvalidInput if light scattered once would count twice.
@@ -160,9 +161,12 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         transport = std::move(texture_space);
         break;
       }
-      case Method::random_walk:
-        transport = std::make_unique<RandomWalk<N>>(scene, conversion, i);
+      case Method::random_walk: {
+        auto random_walk = std::make_unique<RandomWalk<N>>(scene, conversion, i);
+        transports.random_walks.push_back(random_walk.get());
+        transport = std::move(random_walk);
         break;
+      }
       case Method::layered_bsdf:
         break;  // has no transport between points
     }
@@ -214,6 +218,7 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
     return false;
   for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
     if (!shadow_map->look_from_lights(tracer, progress)) return false;
+  for (RandomWalk<N>* random_walk : transports.random_walks) random_walk->prepare(tracer);
 
   const auto sample = [&](int x, int y, int i) {
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),

@@ -26,6 +26,9 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint make_surface_point(const std::vector<Mesh>& meshes, const Hit& hit,
                                               float footprint);
 
+/// The same without what textures ask of it: du, dv, uv and footprints are 0.
+[[nodiscard]] SurfacePoint make_bare_surface_point(const std::vector<Mesh>& meshes, const Hit& hit);
+
 /// The origin of a ray that leaves `point` towards `direction` without meeting its own triangle.
 [[nodiscard]] Vec3f leave_surface(const SurfacePoint& point, const Vec3f& direction);
 

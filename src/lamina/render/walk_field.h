@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "lamina/core/band_values.h"
 #include "lamina/core/vec.h"
 #include "lamina/render/lazy_values.h"
 #include "lamina/render/ray_geometry.h"
@@ -26,9 +25,15 @@ class NodeLattice {
            static_cast<std::size_t>(size_[2]);
   }
   [[nodiscard]] float spacing() const { return spacing_; }
-  [[nodiscard]] std::size_t nearest(const Vec3f& p) const {
-    const Vec3f at = (p - low_) * (1.0f / spacing_) + Vec3f{0.5f, 0.5f, 0.5f};
-    return index(within(at.x, 0), within(at.y, 1), within(at.z, 2));
+  struct Nearest {
+    std::size_t node;
+    Vec3f position;
+  };
+  [[nodiscard]] Nearest nearest(const Vec3f& p) const {
+    const Vec3f at = (p - low_) * per_spacing_ + Vec3f{0.5f, 0.5f, 0.5f};
+    const int x = within(at.x, 0), y = within(at.y, 1), z = within(at.z, 2);
+    return {index(x, y, z), low_ + spacing_ * Vec3f{static_cast<float>(x), static_cast<float>(y),
+                                                    static_cast<float>(z)}};
   }
   [[nodiscard]] Vec3f position(std::size_t node) const {
     const auto nx = static_cast<std::size_t>(size_[0]), ny = static_cast<std::size_t>(size_[1]);
@@ -41,7 +46,27 @@ class NodeLattice {
     std::array<std::size_t, 8> node;
     std::array<float, 8> weight;
   };
-  [[nodiscard]] Corners corners(const Vec3f& p) const;
+  [[nodiscard]] Corners corners(const Vec3f& p) const {
+    const Vec3f at = (p - low_) * per_spacing_;
+    std::array<int, 3> cell;
+    std::array<float, 3> f;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float x = at[static_cast<int>(axis)];
+      cell[axis] = static_cast<int>(std::clamp(x, 0.0f, static_cast<float>(size_[axis] - 2)));
+      f[axis] = std::clamp(x - static_cast<float>(cell[axis]), 0.0f, 1.0f);
+    }
+    const std::size_t first = index(cell[0], cell[1], cell[2]);
+    const auto row = static_cast<std::size_t>(size_[0]);
+    const std::size_t layer = row * static_cast<std::size_t>(size_[1]);
+    Corners corners;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const std::size_t x = i & 1, y = i >> 1 & 1, z = i >> 2;
+      corners.node[i] = first + x + row * y + layer * z;
+      corners.weight[i] =
+          (x ? f[0] : 1.0f - f[0]) * (y ? f[1] : 1.0f - f[1]) * (z ? f[2] : 1.0f - f[2]);
+    }
+    return corners;
+  }
 
  private:
   [[nodiscard]] int within(float x, int axis) const {
@@ -56,7 +81,7 @@ class NodeLattice {
   }
 
   Vec3f low_;
-  float spacing_;
+  float spacing_, per_spacing_;
   std::array<int, 3> size_;
 };
 
@@ -69,12 +94,12 @@ class SafeDistances {
                 const NodeLattice& lattice);
 
   [[nodiscard]] float at(const Vec3f& p) const {
-    const std::size_t node = lattice_.nearest(p);
-    return node_at(node).distance - length(p - lattice_.position(node));
+    const NodeLattice::Nearest nearest = lattice_.nearest(p);
+    return node_at(nearest.node).distance - length(p - nearest.position);
   }
   /// About the outward normal of the surface that is nearest.
   [[nodiscard]] Vec3f nearest_normal(const Vec3f& p) const {
-    return node_at(lattice_.nearest(p)).normal;
+    return node_at(lattice_.nearest(p).node).normal;
   }
 
  private:
@@ -82,55 +107,15 @@ class SafeDistances {
     float distance;
     Vec3f normal;
   };
-  [[nodiscard]] Node node_at(std::size_t node) const;
+  [[nodiscard]] Node node_at(std::size_t node) const {
+    return nodes_.at(node, [this](std::size_t i) { return find_node(i); });
+  }
+  [[nodiscard]] Node find_node(std::size_t node) const;
 
   const RayGeometry& geometry_;
   const std::vector<Mesh>& meshes_;
   NodeLattice lattice_;
   mutable LazyValues<Node> nodes_;
-};
-
-/// About the light that comes to places straight from lamps, as paths need it to spare themselves
-/// the search for a lamp: they add what is known here and correct it at random.
-template <int N>
-struct LampLight {
-  BandValues<N> fluence;  ///< radiance integrated over directions
-  Vec3f direction;        ///< mean of those towards the light, length at most 1
-  float spread = 0.0f;    ///< of single estimates around the mean, at most
-  float weight = 0.0f;    ///< 0: nothing is known
-};
-
-/// Lamp light at the nodes of a lattice. Safe to use from any thread.
-template <int N>
-class LampField {
- public:
-  explicit LampField(const NodeLattice& lattice) : lattice_(lattice), nodes_(lattice.count()) {}
-
-  [[nodiscard]] float spacing() const { return lattice_.spacing(); }
-
-  /// @param make  of a node's number and position: its light; the same whoever calls it
-  template <class Make>
-  [[nodiscard]] LampLight<N> at(const Vec3f& p, const Make& make) const {
-    const NodeLattice::Corners corners = lattice_.corners(p);
-    LampLight<N> sum;
-    for (std::size_t i = 0; i < 8; ++i) {
-      const LampLight<N> light = nodes_.at(
-          corners.node[i], [&](std::size_t node) { return make(node, lattice_.position(node)); });
-      const float weight = corners.weight[i] * light.weight;
-      sum.fluence += weight * light.fluence;
-      sum.direction += weight * light.direction;
-      sum.spread = std::max(sum.spread, light.spread);
-      sum.weight += weight;
-    }
-    if (!(sum.weight > 0.0f)) return {};
-    sum.fluence *= 1.0f / sum.weight;
-    sum.direction *= 1.0f / sum.weight;
-    return sum;
-  }
-
- private:
-  NodeLattice lattice_;
-  mutable LazyValues<LampLight<N>> nodes_;
 };
 
 }  // namespace lamina

@@ -1,0 +1,204 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/walk_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/core/parallel.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr double most_nodes = 4e4;
+constexpr double most_links = 8e6;  // over lanes
+constexpr std::size_t most_links_of_node = 32, least_links_of_node = 16;
+constexpr std::size_t chunk = 64;  // nodes that one thread takes at a time
+constexpr int most_sweeps = 60;
+constexpr float over_relaxation = 1.4f;
+constexpr float tolerance = 2e-3f;  // of a sweep's change, over the brightest node
+
+/// Places inside from where the segments of a node start.
+struct Places {
+  std::array<Vec3f, 8> at;
+  std::size_t count = 0;
+};
+
+template <int N>
+Places places_around(const WalkSpace<N>& space, const NodeLattice& lattice, std::size_t node,
+                     Random& random) {
+  const Vec3f middle = lattice.position(node);
+  const float spacing = lattice.spacing();
+  Places places;
+  const bool is_deep = space.safe().at(middle) > 0.87f * spacing;  // half a diagonal
+  if (is_deep && !space.is_inside(middle)) return places;
+  for (std::size_t i = 0; i < places.at.size(); ++i) {
+    const auto offset = [&](std::size_t bit) {  // one place in each eighth of the cell
+      return 0.5f * spacing * (random.uniform_float() - static_cast<float>(i >> bit & 1u));
+    };
+    const Vec3f place = middle + Vec3f{offset(0), offset(1), offset(2)};
+    if (is_deep || space.is_inside(place)) places.at[places.count++] = place;
+  }
+  return places;
+}
+
+/// Where segments from a node end: at other nodes, whose light they bring by a weight, and some
+/// that is brought anyway.
+template <int N>
+struct Links {
+  std::size_t of_node;
+  std::vector<std::uint32_t> node;
+  std::vector<BandValues<N>> weight, given;
+
+  Links(std::size_t nodes, std::size_t each)
+      : of_node(each), node(nodes * each), weight(nodes * each), given(nodes * each) {}
+};
+
+}  // namespace
+
+template <int N>
+WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced, float free_path,
+                        const WalkLamps<N>& lamps, const LightGatherer<N>& light) {
+  lattice_.push_back(space.lattice(free_path, most_nodes));
+  const NodeLattice& lattice = lattice_[0];
+  const std::size_t nodes = lattice.count();
+  const std::uint64_t seed = space.scene().scene->render.seed;
+  nodes_.resize(nodes);
+  std::vector<Places> places(nodes);
+  std::vector<Bands> reduced_lamps(nodes);  // scattered into any direction
+  const auto for_nodes = [&](const auto& body) {
+    parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
+      for (std::size_t n = c * chunk; n < std::min((c + 1) * chunk, nodes); ++n) body(n);
+    });
+  };
+  for_nodes([&](std::size_t n) {
+    Random random = make_random(seed + 1, n);
+    places[n] = places_around(space, lattice, n, random);
+    const std::size_t count = places[n].count;
+    if (count == 0) return;
+    nodes_[n].others[5] = 1.0f;
+    if (!lamps.are_there()) return;
+    for (std::size_t i = 0; i < count; ++i) {
+      const LampLight<N> lamp = lamps.known(places[n].at[i], light);
+      const float share = 1.0f / static_cast<float>(count);
+      nodes_[n].lamps += share * lamp.fluence;
+      reduced_lamps[n] += (0.25f / pi * share) * lamp.reduced;
+      for (int axis = 0; axis < 3; ++axis) nodes_[n].others[axis] += share * lamp.direction[axis];
+      nodes_[n].others[4] += share * lamp.spread;
+    }
+  });
+
+  Links<N> links(nodes, std::clamp(static_cast<std::size_t>(most_links / N) / nodes,
+                                   least_links_of_node, most_links_of_node));
+  for_nodes([&](std::size_t n) {
+    if (!(nodes_[n].weight() > 0.0f)) return;
+    WalkNumbers numbers(make_random(seed + 2, n));
+    const Vec2f shift = numbers.pair();
+    for (std::size_t i = 0; i < links.of_node; ++i) {
+      const std::size_t k = n * links.of_node + i;
+      links.node[k] = static_cast<std::uint32_t>(n);
+      // Directions on a spiral, evenly over the sphere.
+      const float z =
+          1.0f - 2.0f * (static_cast<float>(i) + shift.x) / static_cast<float>(links.of_node);
+      const float phi = 2.0f * pi * (shift.y + 0.618034f * static_cast<float>(i));
+      const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+      const Vec3f place = places[n].at[i % places[n].count];
+      WalkPath<N> path{.ray = {place, {r * std::cos(phi), r * std::sin(phi), z}},
+                       .carried = Bands::filled(1.0f),
+                       .has_scattered = true,
+                       .safe = std::max(space.safe().at(place), 0.0f)};
+      const WalkStep step = space.advance(path, reduced, numbers);
+      if (step.end == WalkStep::End::leaves) {
+        PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
+        links.given[k] =
+            path.carried * lamps.light_from_outside(path, step, light, samples,
+                                                    [](const auto&, float) { return 1.0f; });
+      }
+      if (step.end != WalkStep::End::event) continue;
+      // One of the nodes around, by their weights.
+      const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
+      float total = 0.0f;
+      for (std::size_t c = 0; c < 8; ++c)
+        total += corners.weight[c] * nodes_[corners.node[c]].weight();
+      float left = total * numbers.stream().uniform_float();
+      for (std::size_t c = 0; c < 8 && total > 0.0f; ++c) {
+        if (!(nodes_[corners.node[c]].weight() > 0.0f)) continue;
+        links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
+        links.weight[k] = path.carried;
+        links.given[k] = path.carried * reduced_lamps[corners.node[c]];
+        left -= corners.weight[c];
+        if (left < 0.0f) break;
+      }
+    }
+  });
+
+  const float share = 1.0f / static_cast<float>(links.of_node);
+  const auto brought = [&](std::size_t k) {
+    return links.given[k] + links.weight[k] * nodes_[links.node[k]].scattered;
+  };
+  const auto renew = [&](std::size_t n) {  // returns the change
+    if (!(nodes_[n].weight() > 0.0f)) return 0.0f;
+    Bands sum;
+    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) sum += brought(k);
+    sum *= share;
+    const Bands change = sum - nodes_[n].scattered;
+    nodes_[n].scattered += over_relaxation * change;
+    return largest(abs(change));
+  };
+  // Gauss and Seidel's iteration, to and fro, over-relaxed.
+  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    float change = 0.0f, brightest = 0.0f;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const std::size_t n = sweep % 2 ? nodes - 1 - i : i;
+      change = std::max(change, renew(n));
+      brightest = std::max(brightest, largest(nodes_[n].scattered));
+    }
+    if (!(change > tolerance * brightest)) break;
+  }
+  for_nodes([&](std::size_t n) {
+    if (!(nodes_[n].weight() > 0.0f)) return;
+    Bands squares;
+    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) {
+      const Bands d = brought(k) - nodes_[n].scattered;
+      squares += d * d;
+    }
+    nodes_[n].others[3] = std::sqrt(share * largest(squares));
+  });
+  for_nodes([&](std::size_t n) {
+    // Unlike in reality, lamps are weakened by the reduced extinction here. What that lets pass is
+    // not straight any more.
+    nodes_[n].scattered += reduced_lamps[n] - (0.25f / pi) * nodes_[n].lamps;
+  });
+}
+
+template <int N>
+WalkLight<N>::Known WalkLight<N>::at(const Vec3f& p) const {
+  if (lattice_.empty()) return {};
+  const NodeLattice::Corners corners = lattice_[0].corners(p);
+  Known sum;
+  for (std::size_t i = 0; i < 8; ++i) {  // nodes outside hold zeros
+    const Known& node = nodes_[corners.node[i]];
+    sum.scattered += corners.weight[i] * node.scattered;
+    sum.lamps += corners.weight[i] * node.lamps;
+    sum.others += corners.weight[i] * node.others;
+  }
+  if (!(sum.weight() > 0.0f)) return {};
+  const float scale = 1.0f / sum.weight();
+  return {scale * sum.scattered, scale * sum.lamps, scale * sum.others};
+}
+
+template <int N>
+void WalkLight<N>::scale(float factor) {
+  for (Known& node : nodes_) {
+    node.scattered *= factor;
+    node.lamps *= factor;
+  }
+}
+
+template class WalkLight<4>;
+template class WalkLight<8>;
+template class WalkLight<16>;
+
+}  // namespace lamina

@@ -1,0 +1,121 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lamina/core/band_values.h"
+#include "lamina/core/random.h"
+#include "lamina/render/band_conversion.h"
+#include "lamina/render/low_discrepancy.h"
+#include "lamina/render/render_scene.h"
+#include "lamina/render/walk_field.h"
+
+namespace lamina {
+
+/// The random numbers of a path: of a pixel's, stratified over its samples for the first events.
+class WalkNumbers {
+ public:
+  explicit WalkNumbers(PixelSamples& samples)
+      : samples_(&samples), random_(make_stream(samples)), left_(2 * dealt_events) {}
+  explicit WalkNumbers(const Random& random) : random_(random) {}
+  [[nodiscard]] Vec2f pair() {
+    if (left_ > 0) {
+      --left_;
+      return samples_->next_2d();
+    }
+    const float x = random_.uniform_float();
+    return {x, random_.uniform_float()};
+  }
+  [[nodiscard]] Random& stream() { return random_; }
+
+ private:
+  static constexpr int dealt_events = 4;
+  PixelSamples* samples_ = nullptr;
+  Random random_;
+  int left_ = 0;
+};
+
+/// A path inside, against the light.
+template <int N>
+struct WalkPath {
+  Ray ray;
+  BandValues<N> carried;       ///< of the light that is met, to where the path started
+  bool has_scattered = false;  ///< and met no surface since
+  float safe = 0.0f;           ///< least distance to a surface
+
+  /// Where it scattered last, before it turned there.
+  struct Event {
+    Ray ray;
+    BandValues<N> carried;
+    float searching = 0.0f, going = 1.0f;  ///< chances of a search for lamps, of going on
+  } last{};
+};
+
+template <int N>
+struct WalkMedium {
+  BandValues<N> sigma_s, sigma_t;      ///< [1/mm]
+  BandValues<N> sigma_t_over_least{};  ///< of the bands
+};
+/// @param bands  those of all lanes that count
+template <int N>
+[[nodiscard]] WalkMedium<N> make_walk_medium(const BandValues<N>& sigma_s,
+                                             const BandValues<N>& sigma_t, int bands);
+
+/// What a path comes to.
+struct WalkStep {
+  enum class End { event, leaves, lost } end = End::lost;
+  SurfacePoint point;  ///< where it leaves
+  Vec3f outside;       ///< towards where
+};
+
+/// The inside of all meshes of one material, with what is in there: where paths go.
+///
+/// The boundary is smooth. An opaque object inside reflects as its base does.
+template <int N>
+class WalkSpace {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param ior        inside over outside
+  /// @param free_path  the shortest of what will walk here [mm]
+  WalkSpace(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material,
+            float ior, int bands, float free_path);
+
+  /// Follows a path, mirrored by surfaces on its way, to where it scatters (not yet turned) or
+  /// leaves. Each segment is drawn by the bands in proportion to what they carry and counts for
+  /// all by the density of that mixture, so that what a path carries in all bands never grows.
+  [[nodiscard]] WalkStep advance(WalkPath<N>& path, const WalkMedium<N>& medium,
+                                 WalkNumbers& numbers) const;
+
+  /// A band, each drawn in proportion to what it carries.
+  [[nodiscard]] int draw_band(const Bands& carried, float u) const;
+
+  [[nodiscard]] bool is_inside(const Vec3f& position) const;
+  [[nodiscard]] const SafeDistances& safe() const { return *safe_; }
+  [[nodiscard]] const RenderScene& scene() const { return scene_; }
+  [[nodiscard]] const BandConversion<N>& conversion() const { return conversion_; }
+  [[nodiscard]] std::uint32_t material() const { return material_; }
+  [[nodiscard]] float ior() const { return ior_; }
+  [[nodiscard]] int bands() const { return bands_; }
+  /// A lattice over the inside.
+  [[nodiscard]] NodeLattice lattice(float spacing, double most_nodes) const {
+    return {low_, high_, spacing, most_nodes};
+  }
+
+ private:
+  /// Turns a path at what it meets from inside. True if it leaves.
+  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
+                                  float u_boundary) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  std::uint32_t material_;
+  float ior_;
+  int bands_;
+  Vec3f low_, high_;
+  std::unique_ptr<SafeDistances> safe_;
+};
+
+}  // namespace lamina
