@@ -173,6 +173,18 @@ TEST(SurfaceSkinMaps, VeinRunsFromEndToEnd) {
   ASSERT_NE(find_map(maps, "junction_absorption"), nullptr);
 }
 
+// From pole to pole of a ball the straight way leaves the surface: the vein comes to an end, in
+// time.
+TEST(SurfaceSkinMaps, VeinEndsWhereTheSurfaceDoesNotLead) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  SurfaceVein vein{.from = {0, 0, 20}, .to = {0, 0, -20}};
+  recipe.features = {{vein, {}}};
+  for (const SkinMap& map : make_surface_maps(recipe))
+    for (const float value : map.values.pixels) ASSERT_TRUE(std::isfinite(value)) << map.name;
+  recipe.features = {{SurfaceVein{.from = {0, 0, 20}, .to = {0, 0, 20}}, {}}};
+  EXPECT_FALSE(make_surface_maps(recipe).empty());
+}
+
 // There and back: the color of a skin gives its melanin and blood, and these its color.
 TEST(SkinOfColor, FindsTheSkinThatHasAColor) {
   SkinParameters skin;

@@ -31,13 +31,12 @@ class VesselPen {
   void draw(const SurfaceTexel& from, const SurfaceTexel& to, double diameter, int branches) {
     const double whole = static_cast<double>(length(to.position - from.position));
     std::vector<VesselPoint> path = {{from.position, from.normal, 0.0}};
-    wander(from, to, 0.16 * whole, path);
+    wander(from, to, 0.16 * whole, most_halvings, path);
     const double depth_phase = 2.0 * std::numbers::pi * random_.uniform();
-    for (std::size_t i = 1; i < path.size(); ++i) {
+    for (std::size_t i = 1; i < path.size(); ++i)
       path[i].along =
           path[i - 1].along + static_cast<double>(length(path[i].position - path[i - 1].position));
-    }
-    const double end = path.back().along;
+    const double end = std::max(path.back().along, 1e-6);
     for (std::size_t i = 1; i < path.size(); ++i) {
       const double at = path[i].along / end;
       const double deep = 0.5 + 0.5 * std::sin(depth_phase + 2.0 * at);
@@ -72,18 +71,19 @@ class VesselPen {
   }
 
   /// Adds points from one texel to another: half-way ones moved aside, by less the shorter the way.
-  void wander(const SurfaceTexel& from, const SurfaceTexel& to, double amount,
+  /// Where the surface has a gap on the way, halves may stay as long as the whole: not for ever.
+  void wander(const SurfaceTexel& from, const SurfaceTexel& to, double amount, int halvings,
               std::vector<VesselPoint>& path) {
     const Vec3f ahead = to.position - from.position;
-    if (length(ahead) < 1.5f) {
+    if (length(ahead) < 1.5f || halvings == 0) {
       path.push_back({to.position, to.normal, 0.0});
       return;
     }
     const Vec3f aside = cross(normalize(from.normal + to.normal), ahead) / length(ahead);
     const auto moved = static_cast<float>(amount * (2.0 * random_.uniform() - 1.0));
     const SurfaceTexel& middle = nearest(0.5f * (from.position + to.position) + moved * aside);
-    wander(from, middle, 0.4 * amount, path);
-    wander(middle, to, 0.4 * amount, path);
+    wander(from, middle, 0.4 * amount, halvings - 1, path);
+    wander(middle, to, 0.4 * amount, halvings - 1, path);
   }
 
   /// A tube that is seen as wide as its diameter and the spread of light from its depth make it.
@@ -93,7 +93,7 @@ class VesselPen {
     const Vec3f axis = b.position - a.position;
     for (const std::uint32_t i : near_) {
       const Vec3f offset = canvas_.texels[i].position - a.position;
-      const float t = std::clamp(dot(offset, axis) / dot(axis, axis), 0.0f, 1.0f);
+      const float t = std::clamp(dot(offset, axis) / std::max(dot(axis, axis), 1e-12f), 0.0f, 1.0f);
       const Vec3f away = offset - t * axis;
       const auto across = static_cast<double>(length(away)) / spread;
       if (across > 3.5 || dot(canvas_.texels[i].normal, a.normal) < 0.2f) continue;
@@ -101,6 +101,7 @@ class VesselPen {
     }
   }
 
+  static constexpr int most_halvings = 7;
   const SurfaceVein& vein_;
   const SurfaceCanvas& canvas_;
   Random& random_;
