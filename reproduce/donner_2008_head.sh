@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-# Figures 8 and 10 of Donner et al. 2008 on the head of the demo. No texture of colors takes part. Takes
-# three minutes of CPU time.
+# Figures 8, 10 and 11 of Donner et al. 2008 on the head of the demo, and the head in six shares of melanin by
+# four of blood. No texture of colors takes part. Takes nine minutes of CPU time.
 #
 #   donner_2008_head.sh LAMINA OUT_FOLDER [OPTIONS OF lamina render...]
 set -euo pipefail
@@ -56,3 +56,22 @@ for name in before after; do
   render head $name figure_8_$name 's|"look_at": \[[^]]*\], "horizontal_fov": 13.4|"look_at": [0.34, 6.45, 1.0], "horizontal_fov": 8|' --width 220
 done
 sheet "$out/figure_8.png" 2 220 220 "$out/figure_8_before.png" "before" "$out/figure_8_after.png" "after three fingers have pressed"
+
+# Figure 11: an ear lit from behind, with veins.
+vein() { echo "{ \"vein\": { \"from\": [$1], \"to\": [$2], \"branches\": 2, \"diameter\": [0.15, 0.35], \"depth\": [0.1, 0.2], \"hemoglobin\": 0.05, \"saturation\": 0.4, \"absorbance\": 0.35 } }"; }
+maps ear "$plain, $(vein "0.76, 6.46, 0.36" "0.82, 6.88, 0.3"), $(vein "0.78, 6.6, 0.4" "0.8, 6.85, 0.4")"
+render ear plain figure_11_plain ""
+render ear ear figure_11_veins ""
+sheet "$out/figure_11.png" 2 300 300 "$out/figure_11_plain.png" "lit from behind" "$out/figure_11_veins.png" "the same with veins"
+
+# Six shares of melanin by four of blood.
+pictures=()
+for blood in 0.0012 0.004 0.008 0.014; do
+  for melanin in 0.006 0.0083 0.0141 0.0259 0.045 0.08; do
+    name=$melanin-$blood
+    scaled plain "$name" "$(awk "BEGIN { print $melanin / 0.0141 }")" "$(awk "BEGIN { print $blood / 0.004 }")"
+    render head "$name" "$name.head" "" --width 128 --samples 8
+    pictures+=("$out/$name.head.png" "$(awk "BEGIN { print 100 * $melanin }") %, $(awk "BEGIN { print 100 * $blood }") %")
+  done
+done
+sheet "$out/human_variation.png" 6 128 128 "${pictures[@]}"
