@@ -17,30 +17,10 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-Material half_space(std::vector<double> sigma_a, double sigma_s, double ior) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
-  material.layers = {{.name = "layer",
-                      .sigma_a = std::move(sigma_a),
-                      .sigma_s = {sigma_s, sigma_s, sigma_s},
-                      .g = {0, 0, 0},
-                      .ior = {ior, ior, ior},
-                      .thickness = std::numeric_limits<double>::infinity()}};
-  return material;
-}
-
 /// A mesh of the material in even light.
 Scene scene_of(Mesh mesh, Material material) {
-  Scene scene;
-  scene.camera = camera_above(0.5);
-  scene.film = {.width = 4, .height = 4};
-  scene.render = {.method = RenderSettings::Method::hierarchy, .samples_per_pixel = 4};
-  scene.render.max_bounces = 0;
-  scene.materials = {
-      {.name = "translucent",
-       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
-  scene.meshes = {std::move(mesh)};
-  scene.lights = {EnvironmentLight{}};
-  return scene;
+  return translucent_scene(RenderSettings::Method::hierarchy, std::move(mesh), std::move(material),
+                           EnvironmentLight{});
 }
 
 TEST(SurfaceCells, ShareOutTheWholeSurface) {

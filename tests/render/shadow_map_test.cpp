@@ -17,29 +17,12 @@ namespace {
 
 constexpr float pi_f = std::numbers::pi_v<float>;
 
-Material half_space(std::vector<double> sigma_a, double sigma_s, double ior) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
-  material.layers = {{.name = "layer",
-                      .sigma_a = std::move(sigma_a),
-                      .sigma_s = {sigma_s, sigma_s, sigma_s},
-                      .g = {0, 0, 0},
-                      .ior = {ior, ior, ior},
-                      .thickness = std::numeric_limits<double>::infinity()}};
-  return material;
-}
-
 /// A mesh of the material, seen from above.
 Scene scene_of(Mesh mesh, Material material, Light light) {
-  Scene scene;
-  scene.camera = camera_above(0.5);
+  Scene scene = translucent_scene(RenderSettings::Method::shadow_map, std::move(mesh),
+                                  std::move(material), std::move(light));
   scene.film = {.width = 8, .height = 8};
-  scene.render = {.method = RenderSettings::Method::shadow_map, .samples_per_pixel = 16};
-  scene.render.max_bounces = 0;
-  scene.materials = {
-      {.name = "translucent",
-       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
-  scene.meshes = {std::move(mesh)};
-  scene.lights = {std::move(light)};
+  scene.render.samples_per_pixel = 16;
   return scene;
 }
 

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
@@ -71,6 +74,35 @@ inline double mean_of(const Image& image, std::size_t channel) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) total += static_cast<double>(image.at(x, y)[channel]);
   return total / (image.width * image.height);
+}
+
+/// One layer, isotropic and infinitely thick, by RGB [1/mm].
+inline Material half_space(std::vector<double> sigma_a, double sigma_s, double ior) {
+  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
+  material.layers = {{.name = "layer",
+                      .sigma_a = std::move(sigma_a),
+                      .sigma_s = {sigma_s, sigma_s, sigma_s},
+                      .g = {0, 0, 0},
+                      .ior = {ior, ior, ior},
+                      .thickness = std::numeric_limits<double>::infinity()}};
+  return material;
+}
+
+/// A mesh of the material, seen from above as a square of half a millimetre; no light between
+/// surfaces.
+inline Scene translucent_scene(RenderSettings::Method method, Mesh mesh, Material material,
+                               Light light) {
+  Scene scene;
+  scene.camera = camera_above(0.5);
+  scene.film = {.width = 4, .height = 4};
+  scene.render = {.method = method, .samples_per_pixel = 4};
+  scene.render.max_bounces = 0;
+  scene.materials = {
+      {.name = "translucent",
+       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
+  scene.meshes = {std::move(mesh)};
+  scene.lights = {std::move(light)};
+  return scene;
 }
 
 }  // namespace lamina
