@@ -50,25 +50,31 @@ TEST(GaussianTables, FollowTheClosedFormOfTheMultipole) {
         const Multipole multipole = make_multipole(
             {sigma_a, layer.sigma_s, layer.g, layer.ior}, layer.thickness,
             mean_reflectance(layer.ior, i == 0 ? 1.0 : 1.4), mean_reflectance(layer.ior, 1.38));
-        const LayerResponse all = spread_source_response(multipole, 0.0);
+        const LayerResponse all = response(multipole, 0.0);
         for (const double k : {0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0}) {
-          const LayerResponse wanted = spread_source_response(multipole, k);
+          const LayerResponse wanted = response(multipole, k);
           const auto at = [&](const GaussianTable& table) {
             return transform(tables, weights_at(tables, table, sigma_a), k);
           };
           const LayerTables& t = tables.layers[i];
-          EXPECT_NEAR(at(t.reflection_above), wanted.reflection_above, 5e-4 * all.reflection_above);
+          // Between rows transmittances of 1e-7 are off by 2e-3 of themselves.
+          const auto allowed = [](double total) { return 5e-4 * total + 1e-9; };
+          EXPECT_NEAR(at(t.reflection_above), wanted.reflection_above,
+                      allowed(all.reflection_above));
           if (i == 1) continue;
           EXPECT_NEAR(at(t.transmission_down), wanted.transmission_down,
-                      5e-4 * all.transmission_down);
-          EXPECT_NEAR(at(t.reflection_below), wanted.reflection_below, 5e-4 * all.reflection_below);
-          EXPECT_NEAR(at(t.transmission_up), wanted.transmission_up, 5e-4 * all.transmission_up);
+                      allowed(all.transmission_down));
+          EXPECT_NEAR(at(t.reflection_below), wanted.reflection_below,
+                      allowed(all.reflection_below));
+          EXPECT_NEAR(at(t.transmission_up), wanted.transmission_up, allowed(all.transmission_up));
         }
       }
   }
 }
 
-TEST(GaussianTables, ReportErrorsBelowAThousandth) {
+// Transmittances are worst where the layer is about as thick as its source is deep: light from a
+// source next to the far side leaves as a peak narrower than any Gaussian but the delta.
+TEST(GaussianTables, ReportErrorsOfAThousandth) {
   const StackTables tables = make_stack_tables(skin(2.7, 0.8), OperatorTotals::diffusion);
   const auto largest = [&](const GaussianTable& table) {
     double error = 0.0;
@@ -80,12 +86,12 @@ TEST(GaussianTables, ReportErrorsBelowAThousandth) {
   };
   const auto& [reflection_above, transmission_down, reflection_below, transmission_up] =
       tables.layers[0];
-  EXPECT_LT(largest(reflection_above), 1e-3);
+  EXPECT_LT(largest(reflection_above), 1e-4);
   EXPECT_GT(largest(reflection_above), 1e-6);
-  EXPECT_LT(largest(transmission_down), 1e-3);
-  EXPECT_LT(largest(reflection_below), 1e-3);
-  EXPECT_LT(largest(transmission_up), 1e-3);
-  EXPECT_LT(largest(tables.layers[1].reflection_above), 2e-3);
+  EXPECT_LT(largest(transmission_down), 1.5e-3);
+  EXPECT_LT(largest(reflection_below), 1e-4);
+  EXPECT_LT(largest(transmission_up), 1.5e-3);
+  EXPECT_LT(largest(tables.layers[1].reflection_above), 1e-4);
 }
 
 TEST(GaussianTables, ExactTotalsAreThoseOfAddingDoubling) {

@@ -15,6 +15,7 @@
 #include "lamina/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/rough_interface.h"
+#include "lamina/scattering/adding_doubling.h"
 #include "reference/diffusion_skin.h"
 
 namespace lamina {
@@ -42,6 +43,30 @@ TEST(LayeredDiffusion, GivesTheTotalsOfTheSkinOfTable3) {
     };
     EXPECT_NEAR(total(DiffuseFresnel::polynomial), polynomial[band], 1e-5);
     EXPECT_NEAR(total(DiffuseFresnel::exact), exact[band], 1e-5);
+  }
+}
+
+/// An epidermis over a dermis in red light, index-matched within a percent.
+LayerStack skin_of_epidermis(double thickness) {
+  return LayerStack(
+      {{.medium = {.sigma_a = 0.35, .sigma_s = 17.0, .g = 0.8, .ior = 1.4}, .thickness = thickness},
+       {.medium = {.sigma_a = 0.03, .sigma_s = 8.5, .g = 0.8, .ior = 1.38}, .thickness = infinite}},
+      1.0, 1.38);
+}
+
+// The epidermis is as thick as its source is deep at .267 mm.
+TEST(LayeredDiffusion, ReflectanceFollowsTheThicknessOfTheEpidermisWithoutJumps) {
+  const auto by_diffusion = [](double thickness) {
+    return diffusion_totals(skin_of_epidermis(thickness), {}).diffuse_reflectance;
+  };
+  for (double thickness = 0.005; thickness < 0.6; thickness *= 1.01) {
+    const double value = by_diffusion(thickness);
+    EXPECT_NEAR(by_diffusion(1.01 * thickness), value, 0.006 * value) << thickness;
+  }
+  for (const double thickness : {0.005, 0.02, 0.08, 0.2, 0.26, 0.28, 0.4}) {
+    const double truth = adding_doubling(skin_of_epidermis(thickness)).totals.diffuse_reflectance;
+    const double value = by_diffusion(thickness);
+    EXPECT_NEAR(value, truth, 0.13 * truth) << "thickness " << thickness;
   }
 }
 

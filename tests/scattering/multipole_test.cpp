@@ -11,6 +11,7 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/dipole.h"
+#include "lamina/scattering/layer_response.h"
 
 namespace lamina {
 namespace {
@@ -133,30 +134,47 @@ TEST(Multipole, DeterminantOfTheResponseHasASimpleForm) {
   }
 }
 
-TEST(Multipole, LayerThinnerThanItsSourceDepthSpreadsTheSource) {
-  // The spread source is the mean of point sources over their depths, at every frequency: also
-  // where the closed form takes over from quadrature, at s d = 4.
-  const Multipole thin = slab_of(0.05, 1.0, 0.7, 1.0, 1.2);
-  ASSERT_TRUE(is_thinner_than_source_depth(thin));
-  for (const double sd : {0.0, 1e-6, 0.5, 3.999, 4.001, 30.0, 1e3}) {
-    const double k = sd / thin.thickness, sigma = 1.0 / thin.source_depth;
-    const auto mean = [&](auto part) {
-      return integrate(
-          [&](double z) {
-            Multipole at_z = thin;
-            at_z.source_depth = z;
-            return sigma * std::exp(-sigma * z) * part(response(at_z, k));
-          },
-          0.0, thin.thickness, 1e-14);
-    };
+// The light of a thin layer by the images of its sources: on its way down, d / l of it comes from
+// the bottom; of the light that the bottom turns back, as much again from the top.
+TEST(Multipole, ThinLayerScattersAShareAtItsFarSide) {
+  const double f_top = fresnel_diffuse(1.2 / 1.4), f_bottom = fresnel_diffuse(1.0 / 1.4);
+  const Multipole thin = slab_of(0.05, 1.0, 0.7, 1.2, 1.0);
+  ASSERT_TRUE(is_thin(thin));
+  Multipole at_bottom = thin, at_top = thin;
+  at_bottom.source_depth = thin.thickness;
+  at_top.source_depth = 0.0;
+  const double scattered = thin.thickness / thin.source_depth;
+  // Into the cone of directions that pass both boundaries, over what passes the upper one.
+  const double passes = (1.0 - f_bottom) / (1.0 - f_top);
+  const double turned = (1.0 - scattered) * (1.0 - passes);
+  for (const double k : {0.0, 0.5, 8.0, 60.0}) {
+    const Series down = image_series(at_bottom, k, 60), back = image_series(at_top, k, 60);
     const LayerResponse value = response(thin, k);
-    EXPECT_NEAR(value.reflection_above,
-                mean([](const LayerResponse& r) { return r.reflection_above; }), 1e-12)
-        << "s d " << sd;
-    EXPECT_NEAR(value.transmission_down - unscattered_transmittance(thin),
-                mean([](const LayerResponse& r) { return r.transmission_down; }), 1e-12)
-        << "s d " << sd;
+    EXPECT_NEAR(
+        value.reflection_above,
+        scattered * down.reflection + turned * (scattered * back.reflection + (1.0 - scattered)),
+        1e-12)
+        << "k " << k;
+    EXPECT_NEAR(value.transmission_down,
+                scattered * down.transmission + turned * scattered * back.transmission +
+                    (1.0 - scattered) * passes,
+                1e-12)
+        << "k " << k;
   }
+}
+
+TEST(Multipole, LocalResponseIsTheLimitOfHighFrequencies) {
+  for (const double thickness : {0.05, 0.6, 0.999}) {
+    const Multipole thin = slab_of(0.0, 1.0, thickness, 1.1, 1.0);
+    const LayerResponse far = response(thin, 1e4), limit = local_response(thin);
+    EXPECT_NEAR(far.reflection_above, limit.reflection_above, 1e-12);
+    EXPECT_NEAR(far.transmission_down, limit.transmission_down, 1e-12);
+    EXPECT_NEAR(far.reflection_below, limit.reflection_below, 1e-12);
+    EXPECT_NEAR(far.transmission_up, limit.transmission_up, 1e-12);
+    EXPECT_GT(limit.reflection_above, 0.0);
+    EXPECT_EQ(limit.reflection_below, 0.0);  // what came through air passes to a denser medium
+  }
+  EXPECT_EQ(local_response(slab_of(0.0, 1.0, 1.01, 1.1, 1.0)).transmission_down, 0.0);
 }
 
 TEST(Multipole, VanishingLayerLetsAllTheLightPass) {
@@ -210,42 +228,28 @@ TEST(Multipole, GivesTheTransmittanceOfParchment) {
   EXPECT_NEAR(transmitted, 0.033, 5e-4);
 }
 
-// The source at each depth is a point source there; its light, hyperbolic sines as they stand.
-TEST(Multipole, SpreadSourceIsTheMeanOfPointSources) {
-  for (const double sigma_a : {1e-4, 0.1, 3.0})
-    for (const double thickness : {0.02, 0.25, 0.9})
-      for (const double k : {0.0, 0.5, 4.0, 30.0}) {
-        const Multipole m = slab_of(sigma_a, 4.0, thickness, 1.4, 1.01);
-        const double s = std::sqrt(k * k + m.sigma_tr * m.sigma_tr);
-        const double all = std::sinh(s * (thickness + m.z_b_top + m.z_b_bottom));
-        const auto density = [&](double z) {
-          return std::exp(-z / m.source_depth) / m.source_depth;
-        };
-        const double up = integrate(
-            [&](double z) { return density(z) * std::sinh(s * (thickness - z + m.z_b_bottom)); },
-            0.0, thickness);
-        const double down = integrate(
-            [&](double z) { return density(z) * std::sinh(s * (z + m.z_b_top)); }, 0.0, thickness);
-        const LayerResponse r = spread_source_response(m, k);
-        EXPECT_NEAR(r.reflection_above, m.albedo_prime * std::cosh(s * m.z_b_top) * up / all,
-                    1e-10);
-        EXPECT_NEAR(r.transmission_down,
-                    m.albedo_prime * std::cosh(s * m.z_b_bottom) * down / all +
-                        std::exp(-thickness / m.source_depth),
-                    1e-10);
-      }
+TEST(Multipole, HasNoJumpWhereTheLayerGetsThin) {
+  for (const double k : {0.0, 1.0, 20.0}) {
+    const auto at = [&](double thickness) {
+      return response(slab_of(0.1, 4.9, thickness, 1.0, 1.4), k);
+    };
+    const LayerResponse thinner = at(0.2 - 1e-9), thicker = at(0.2 + 1e-9);  // l = 0.2
+    EXPECT_NEAR(thinner.reflection_above, thicker.reflection_above, 1e-7);
+    EXPECT_NEAR(thinner.transmission_down, thicker.transmission_down, 1e-7);
+    EXPECT_NEAR(thinner.reflection_below, thicker.reflection_below, 1e-7);
+    EXPECT_NEAR(thinner.transmission_up, thicker.transmission_up, 1e-7);
+  }
 }
 
-TEST(Multipole, SpreadSourceHasNoJumpWhereTheLayerGetsThin) {
-  const double thinner = 0.2 - 1e-9, thicker = 0.2 + 1e-9;  // l = 0.2
-  const auto at = [](double thickness) {
-    return spread_source_response(slab_of(0.1, 4.9, thickness, 1.4, 1.0), 1.0);
-  };
-  EXPECT_NEAR(at(thinner).reflection_above, at(thicker).reflection_above, 1e-7);
-  EXPECT_NEAR(at(thinner).transmission_down, at(thicker).transmission_down, 1e-7);
-  const Multipole thin = slab_of(0.1, 4.9, thinner, 1.4, 1.0);
-  EXPECT_EQ(response(thin, 2.0).reflection_above,
-            spread_source_response(thin, 2.0).reflection_above);
+// The half-space below has the same index, so the boundary is all that is left of the layer: light
+// that meets it from inside again and again, a geometric series.
+TEST(Multipole, VanishingLayerLeavesItsBoundaryBehind) {
+  const double f = fresnel_diffuse(1.0 / 1.4);
+  const LayerResponse skin = response(slab_of(0.3, 2.0, 1e-9, 1.0, 1.4), 0.0);
+  const LayerResponse inside = response(
+      make_multipole({.sigma_a = 0.1, .sigma_s = 1.0, .ior = 1.4}, infinite, 0.0, 0.0), 0.0);
+  const double R = inside.reflection_above;
+  EXPECT_NEAR(stacked(skin, inside).reflection_above, (1.0 - f) * R / (1.0 - f * R), 1e-8);
 }
 
 RC_GTEST_PROP(MultipoleLaw, LayersNeverCreateLight, ()) {

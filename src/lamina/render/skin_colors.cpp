@@ -32,14 +32,13 @@ SkinParameters training_skin(SkinParameters skin, std::size_t i) {
   return skin;
 }
 
-/// What a uniform skin reflects at each wavelength, by diffusion with a source that is spread over
-/// the epidermis: so that no wavelength makes it jump.
+/// What a uniform skin reflects at each wavelength, by diffusion.
 std::vector<double> reflectance(const SkinParameters& skin, std::span<const double> wavelengths) {
   std::vector<double> result;
   for (const double wavelength : wavelengths) {
     LayerResponse all;
     for (const Multipole& layer : make_layered_diffusion(skin_layer_stack(skin, wavelength)).layers)
-      all = stacked(all, spread_source_response(layer, 0.0));
+      all = stacked(all, response(layer, 0.0));
     result.push_back(all.reflection_above);
   }
   return result;

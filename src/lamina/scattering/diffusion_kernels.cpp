@@ -64,8 +64,8 @@ struct Response {
   V reflection_above, transmission_down, reflection_below, transmission_up;
 };
 
-/// `point_source` of multipole.cpp for both sides. All parts of 1 - exp are sums of positive terms,
-/// 1 - ab = (1 - a) + a (1 - b), so that nothing cancels where s is small.
+/// `response` of a layer that is not thin, of multipole.cpp. All parts of 1 - exp are sums of
+/// positive terms, 1 - ab = (1 - a) + a (1 - b), so that nothing cancels where s is small.
 HWY_INLINE Response point_response(const Multipole& layer, V s) {
   const D d;
   const V one = hn::Set(d, 1.0);
@@ -163,7 +163,7 @@ constexpr std::size_t widest = 8;  // doubles in the widest vector
 
 std::size_t padded(std::size_t size) { return (size + widest - 1) / widest * widest; }
 
-/// The scalar response at each k, for layers whose source is spread.
+/// The scalar response at each k, for thin layers.
 std::vector<double> response_table(const Multipole& layer, std::span<const double> k) {
   std::vector<double> table(4 * k.size());
   for (std::size_t j = 0; j < k.size(); ++j) {
@@ -191,7 +191,7 @@ StackSpectrum stack_spectrum(const LayeredDiffusion& model, std::span<const doub
   for (const Multipole& layer : model.layers) {
     const bool is_half_space = layer.thickness == std::numeric_limits<double>::infinity();
     const double* table = nullptr;
-    if (!is_half_space && is_thinner_than_source_depth(layer))
+    if (!is_half_space && is_thin(layer))
       table = tables.emplace_back(response_table(layer, all_k)).data();
     layers.push_back({layer, is_half_space, table});
   }

@@ -92,11 +92,11 @@ DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, cons
     profile.total_reflectance.push_back(total.reflection_above);
     profile.total_transmittance.push_back(total.transmission_down);
     result.thin_layers.push_back(thin_layers(models[b]));
-    const double unscattered = unscattered_transmittance(models[b]);
+    const LayerResponse local = local_response(models[b]);
     const StackSpectrum spectrum = stack_spectrum(models[b], plan.k);
     for (std::size_t j = 0; j < plan.k.size(); ++j) {
-      spectra[j * channels + b] = spectrum.reflection_above[j];
-      spectra[j * channels + bands + b] = spectrum.transmission_down[j] - unscattered;
+      spectra[j * channels + b] = spectrum.reflection_above[j] - local.reflection_above;
+      spectra[j * channels + bands + b] = spectrum.transmission_down[j] - local.transmission_down;
     }
   }
   for (std::size_t j = 0; j < plan.k.size(); ++j)

@@ -24,7 +24,7 @@ struct DiffusionProfile {
 /// Against a converged quadrature the error is below 1e-6 relative wherever a profile exceeds 1e-8
 /// of its peak. Below some 1e-11 of the peak rounding takes over, and the profile is drawn on as a
 /// decaying exponential. The totals are the model's, with what lies beyond the grid; light that
-/// crosses all layers unscattered is in total_transmittance and not in the profile.
+/// leaves where it entered (`local_response`) is in them and not in the profile.
 ///
 /// @param stacks  [band], at least one.
 /// @throws InvalidInput naming the band and the layer that does not scatter, or a wrong grid.

@@ -90,7 +90,7 @@ LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const Gaussian
                         .ior = layer.ior};
     const Multipole multipole = make_multipole(medium, layer.thickness, top, bottom);
     for (std::size_t j = 0; j < k.size(); ++j) {
-      const LayerResponse r = spread_source_response(multipole, k[j]);
+      const LayerResponse r = response(multipole, k[j]);
       const auto at = [&](std::size_t which) -> double& {
         return spectra[which](static_cast<Index>(row), static_cast<Index>(j));
       };

@@ -66,9 +66,9 @@ struct StackTables {
   std::vector<LayerTables> layers;
 };
 
-/// Fits the closed form of the multipole, its first scattering spread over the depth of finite
-/// layers, by sums of Gaussians: least squares over spatial frequencies up to 200/mm, with a small
-/// ridge, weights of either sign. Then every row is scaled to its total.
+/// Fits the closed form of the multipole by sums of Gaussians: least squares over spatial
+/// frequencies up to 200/mm, with a small ridge, weights of either sign. Then every row is scaled
+/// to its total.
 ///
 /// Errors, of the value at k = 0, for skin and absorptions in [.01, 30]/mm: below 8e-4 up to
 /// k = 200/mm, below 2e-4 up to 120/mm.

@@ -106,17 +106,16 @@ LayerResponse response(const LayeredDiffusion& model, double k) {
   return stacked(all, ground_response(model));
 }
 
-double unscattered_transmittance(const LayeredDiffusion& model) {
-  if (model.ground_reflection > 0.0) return 0.0;
-  double all = 1.0;
-  for (const Multipole& layer : model.layers) all *= unscattered_transmittance(layer);
-  return all;
+LayerResponse local_response(const LayeredDiffusion& model) {
+  LayerResponse all;
+  for (const Multipole& layer : model.layers) all = stacked(all, local_response(layer));
+  return stacked(all, ground_response(model));
 }
 
 std::vector<std::size_t> thin_layers(const LayeredDiffusion& model) {
   std::vector<std::size_t> thin;
   for (std::size_t i = 0; i < model.layers.size(); ++i)
-    if (is_thinner_than_source_depth(model.layers[i])) thin.push_back(i);
+    if (is_thin(model.layers[i])) thin.push_back(i);
   return thin;
 }
 

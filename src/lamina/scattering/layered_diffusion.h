@@ -41,12 +41,12 @@ struct LayeredDiffusion {
 /// Response of the whole stack at spatial frequency k [1/mm], k >= 0, per flux that has entered.
 [[nodiscard]] LayerResponse response(const LayeredDiffusion& model, double k);
 
-/// Fraction of the entered flux that crosses all layers unscattered; 0 unless each is thinner than
-/// its source depth. Does not depend on k: this light leaves where it entered.
-[[nodiscard]] double unscattered_transmittance(const LayeredDiffusion& model);
+/// The limit of `response` for k to infinity: what leaves where it entered, because it crossed thin
+/// layers only, or met a ground under them.
+[[nodiscard]] LayerResponse local_response(const LayeredDiffusion& model);
 
-/// Indices of the layers that are thinner than their source depth. There the model is a makeshift,
-/// as `response(const Multipole&, double)` says.
+/// Indices of the layers that are thinner than their source depth. There the model is crude, as
+/// `response(const Multipole&, double)` says.
 [[nodiscard]] std::vector<std::size_t> thin_layers(const LayeredDiffusion& model);
 
 /// What becomes of the light that arrives on a stack, by diffusion at k = 0. The absorptance of a

@@ -2,12 +2,10 @@
 #include "lamina/scattering/multipole.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/quadrature.h"
 #include "lamina/scattering/diffuse_boundary.h"
 
 namespace lamina {
@@ -26,45 +24,59 @@ struct OneWay {
   double reflection, transmission;
 };
 
-/// Light enters at the side whose extrapolation distance is z_near. The exponents left over from
-/// the decaying forms are those of the paths from the source to the two boundaries.
-OneWay point_source(const Multipole& layer, double s, double z_near, double z_far) {
-  const double l = layer.source_depth, d = layer.thickness, L = d + z_near + z_far;
-  return {layer.albedo_prime * std::exp(-s * l) * decaying_cosh(s, z_near) *
-              decaying_sinh_ratio(s, d - l + z_far, L),
-          layer.albedo_prime * std::exp(-s * (d - l)) * decaying_cosh(s, z_far) *
-              decaying_sinh_ratio(s, l + z_near, L)};
+/// The light of a point source at depth z, seen from the side whose extrapolation distance is
+/// z_near. The exponents left over from the decaying forms are those of the paths from the source
+/// to the two boundaries.
+OneWay point_source(const Multipole& layer, double s, double z, double z_near, double z_far) {
+  const double d = layer.thickness, L = d + z_near + z_far;
+  return {layer.albedo_prime * std::exp(-s * z) * decaying_cosh(s, z_near) *
+              decaying_sinh_ratio(s, d - z + z_far, L),
+          layer.albedo_prime * std::exp(-s * (d - z)) * decaying_cosh(s, z_far) *
+              decaying_sinh_ratio(s, z + z_near, L)};
 }
 
-/// The point source averaged over its depth z with the density sigma exp(-sigma z).
-OneWay extended_source(const Multipole& layer, double s, double z_near, double z_far) {
-  const double sigma = 1.0 / layer.source_depth, d = layer.thickness, L = d + z_near + z_far;
-  double up = 0.0, down = 0.0;
-  if (s * d < 0.1) {  // here the closed form below cancels, and few nodes are enough
-    static const Quadrature rule = gauss_legendre(20, 0.0, 1.0);
-    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-      const double z = d * rule.nodes[i];
-      const double weight = d * rule.weights[i] * sigma * std::exp(-sigma * z);
-      up += weight * std::exp(-s * z) * decaying_sinh_ratio(s, d - z + z_far, L);
-      down += weight * std::exp(-s * (d - z)) * decaying_sinh_ratio(s, z + z_near, L);
-    }
-  } else {
-    const double all = -std::expm1(-2.0 * s * L);
-    const double direct = -std::expm1(-(sigma + s) * d) / (sigma + s);
-    const double apart = std::abs(s - sigma) * d;  // 0 where source and light fade alike
-    const double across =
-        std::exp(-std::min(s, sigma) * d) * d * (apart > 0.0 ? -std::expm1(-apart) / apart : 1.0);
-    up = sigma / all * (direct - std::exp(-s * (d + 2.0 * z_far)) * across);
-    down = sigma / all * (across - std::exp(-s * (d + 2.0 * z_near)) * direct);
-  }
-  return {layer.albedo_prime * decaying_cosh(s, z_near) * up,
-          layer.albedo_prime * decaying_cosh(s, z_far) * down + std::exp(-sigma * d)};
+/// What becomes of the light that enters a layer before it scatters.
+struct Straight {
+  double scattered;  ///< share that scatters on its way across
+  double turned;     ///< part of the whole that the far boundary turns back
+};
+
+Straight straight_light(const Multipole& layer, double z_near, double z_far) {
+  if (!is_thin(layer)) return {1.0, 0.0};
+  const auto turned_back_by = [&](double z_b) {  // of diffuse light: z_b = 2 A l / 3, solved for f
+    const double A = 1.5 * z_b / layer.source_depth;
+    return (A - 1.0) / (A + 1.0);
+  };
+  const double near = turned_back_by(z_near), far = turned_back_by(z_far);
+  const double scattered = layer.thickness / layer.source_depth;
+  return {scattered, (1.0 - scattered) * std::max(0.0, (far - near) / (1.0 - near))};
 }
 
-LayerResponse finite_response(const Multipole& layer, double s,
-                              OneWay (*one_way)(const Multipole&, double, double, double)) {
-  const OneWay above = one_way(layer, s, layer.z_b_top, layer.z_b_bottom);
-  const OneWay below = one_way(layer, s, layer.z_b_bottom, layer.z_b_top);
+/// Light enters at the side whose extrapolation distance is z_near.
+OneWay one_way(const Multipole& layer, double s, double z_near, double z_far) {
+  const double z = std::min(layer.source_depth, layer.thickness);
+  const auto [scattered, turned] = straight_light(layer, z_near, z_far);
+  const OneWay across = point_source(layer, s, z, z_near, z_far);
+  if (scattered == 1.0) return across;
+  const double left = 1.0 - scattered;
+  const OneWay back = point_source(layer, s, 0.0, z_near, z_far);  // it has come to the near side
+  return {scattered * across.reflection + turned * (scattered * back.reflection + left),
+          scattered * across.transmission + turned * scattered * back.transmission + left - turned};
+}
+
+/// The limit of `one_way` for s to infinity: half of what a source at a boundary gives off.
+OneWay one_way_locally(const Multipole& layer, double z_near, double z_far) {
+  if (!is_thin(layer)) return {0.0, 0.0};
+  const auto [scattered, turned] = straight_light(layer, z_near, z_far);
+  const double source = 0.5 * layer.albedo_prime * scattered, left = 1.0 - scattered;
+  return {turned * (source + left), source + left - turned};
+}
+
+/// @param of  light one way, from the extrapolation distances of the near and the far side
+template <class OneWayOf>
+LayerResponse both_ways(const Multipole& layer, const OneWayOf& of) {
+  const OneWay above = of(layer.z_b_top, layer.z_b_bottom);
+  const OneWay below = of(layer.z_b_bottom, layer.z_b_top);
   return {.reflection_above = above.reflection,
           .transmission_down = above.transmission,
           .reflection_below = below.reflection,
@@ -92,18 +104,12 @@ LayerResponse response(const Multipole& layer, double k) {
             .transmission_down = 0.0,
             .reflection_below = 0.0,
             .transmission_up = 0.0};
-  return finite_response(layer, s,
-                         is_thinner_than_source_depth(layer) ? extended_source : point_source);
+  return both_ways(layer, [&](double near, double far) { return one_way(layer, s, near, far); });
 }
 
-LayerResponse spread_source_response(const Multipole& layer, double k) {
-  if (layer.thickness == std::numeric_limits<double>::infinity()) return response(layer, k);
-  return finite_response(layer, std::hypot(k, layer.sigma_tr), extended_source);
-}
-
-double unscattered_transmittance(const Multipole& layer) {
-  return is_thinner_than_source_depth(layer) ? std::exp(-layer.thickness / layer.source_depth)
-                                             : 0.0;
+LayerResponse local_response(const Multipole& layer) {
+  return both_ways(layer,
+                   [&](double near, double far) { return one_way_locally(layer, near, far); });
 }
 
 }  // namespace lamina

@@ -25,10 +25,10 @@ struct Multipole {
 [[nodiscard]] Multipole make_multipole(const Medium& medium, double thickness,
                                        double reflectance_top, double reflectance_bottom);
 
-/// Whether the layer is thinner than one reduced mean free path, so that the source would lie below
-/// it. `response` then spreads the source over the layer.
-[[nodiscard]] inline bool is_thinner_than_source_depth(const Multipole& layer) {
-  return layer.source_depth > layer.thickness;
+/// Whether the layer is no thicker than one reduced mean free path, so that some light crosses it
+/// unscattered.
+[[nodiscard]] inline bool is_thin(const Multipole& layer) {
+  return layer.source_depth >= layer.thickness;
 }
 
 /// The layer's response at spatial frequency k [1/mm], k >= 0, per flux that has entered: the sum
@@ -41,21 +41,20 @@ struct Multipole {
 /// distances of top and bottom. Written in decaying exponentials: relative error below 1e-13 for
 /// s d from 0 to 1e4 and beyond, until it underflows to 0.
 ///
-/// A layer with l > d, where the formula turns negative, has its first scattering spread as
-/// exp(-z / l) over its depth instead, and passes the fraction exp(-d / l) unscattered: this keeps
-/// the energy, and R, T >= 0 at k = 0. It errs by tens of percent: the layer is no diffuse one.
+/// In a layer with l > d, where the formula turns negative, only the share d / l of the light
+/// scatters, and its source stays at the far side, z = d. The rest goes straight on: what of it the
+/// far boundary turns back crosses the layer once more, by the same rule. So the response is
+/// continuous in all parameters, keeps the energy, and a vanishing layer leaves its boundaries
+/// behind. Straight light that entered through a boundary misses those directions that the
+/// boundary would turn back; of the others the far one turns back (f_far - f_near) / (1 - f_near).
 ///
 /// Source: the transform of [DonnerJensen2005] Eqs. 12, 13 and 16, summed. In their Eq. 13 the
 /// distances must be those to the bottom plane; as printed T is wrong by a factor of 16 at d = 2 l.
+/// Layers with l > d are lamina's own (docs/diffusion.md).
 [[nodiscard]] LayerResponse response(const Multipole& layer, double k);
 
-/// The same with the first scattering of every layer of finite thickness spread over its depth,
-/// thin or not. It has no jump where l = d, so that responses may be compared between absorptions;
-/// near the entry it is narrower than `response`, by tens of percent of R.
-[[nodiscard]] LayerResponse spread_source_response(const Multipole& layer, double k);
-
-/// Fraction of the entered flux that crosses the layer unscattered: exp(-d / l) where the layer is
-/// thinner than its source depth, else 0. It is the limit of `response` for k to infinity.
-[[nodiscard]] double unscattered_transmittance(const Multipole& layer);
+/// The limit of `response` for k to infinity: what leaves where it entered. 0 unless the layer is
+/// thin.
+[[nodiscard]] LayerResponse local_response(const Multipole& layer);
 
 }  // namespace lamina

@@ -55,7 +55,7 @@ void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a
               double upper_thickness, double ior_above, ThinParts<N>& thin) {
   const double inside = diffuse_reflectance_inside({}, lower.ior, ior_above, DiffuseFresnel::exact);
   const auto slab_at = [&](double absorption, double thickness, double k) {
-    return spread_source_response(
+    return response(
         make_multipole({absorption, lower.sigma_s, lower.g, lower.ior}, thickness, inside, inside),
         k);
   };
