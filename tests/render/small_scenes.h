@@ -24,6 +24,22 @@ inline Mesh make_square(float size, std::uint32_t material = 0) {
           .material = {material, material}};
 }
 
+/// A closed box under the square in the plane z = 0, without its sides: they are too far to be
+/// seen.
+inline Mesh make_plate(float width, float thickness) {
+  Mesh plate = make_square(width);
+  for (std::size_t i = 0; i < 4; ++i) {
+    plate.positions.push_back(plate.positions[i] - Vec3f{0, 0, thickness});
+    plate.normals.push_back({0, 0, -1});
+    plate.uvs.push_back(plate.uvs[i]);
+  }
+  plate.triangles.push_back({4, 6, 5});
+  plate.triangles.push_back({4, 7, 6});
+  plate.material.assign(4, 0);
+  plate.is_closed = true;
+  return plate;
+}
+
 /// A sphere around the origin.
 inline Mesh make_sphere(float radius, int rings = 48, std::uint32_t material = 0) {
   Mesh mesh{.name = "sphere"};

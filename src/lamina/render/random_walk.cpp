@@ -6,7 +6,6 @@
 #include <numbers>
 #include <variant>
 
-#include "lamina/core/error.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/layered_diffusion.h"
 
@@ -30,15 +29,7 @@ RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& con
                           std::uint32_t material) {
   const SurfaceMaterial& surface = scene.scene->materials[material];
   const Material& layers = std::get<SubsurfaceSurface>(surface.surface).material;
-  if (layers.layers.size() != 1)
-    throw InvalidInput("material \"" + surface.name +
-                       "\": random_walk takes one homogeneous layer, but it has " +
-                       std::to_string(layers.layers.size()));
-  for (const Mesh& mesh : scene.scene->meshes)
-    if (!mesh.is_closed && std::ranges::find(mesh.material, material) != mesh.material.end())
-      throw InvalidInput("mesh \"" + mesh.name +
-                         "\": random_walk needs a closed surface, with an inside that light can "
-                         "walk in, but this one is open; close it or use another method");
+  require_closed_meshes(*scene.scene, material);
   bands_ = static_cast<int>(layers.bands.size());
   std::vector<LayerStack> stacks;
   double ior = 0.0;

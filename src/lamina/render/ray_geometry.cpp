@@ -111,11 +111,10 @@ void keep_material(const RTCFilterFunctionNArguments* arguments) {
   if ((*query.meshes)[mesh].material[triangle] != query.material) arguments->valid[0] = 0;
 }
 
-constexpr float nearest_slack = 0.1f;
-
 struct NearestQuery {
   const std::vector<Mesh>* meshes;
   std::optional<std::uint32_t> material;
+  float slack;
   Hit nearest;
 };
 
@@ -126,13 +125,11 @@ bool keep_nearer(RTCPointQueryFunctionArguments* arguments) {
   if (query.material && mesh.material[arguments->primID] != *query.material) return false;
   const auto& [i0, i1, i2] = mesh.triangles[arguments->primID];
   const Vec3f p{arguments->query->x, arguments->query->y, arguments->query->z};
-  const Vec2f at =
-      nearest_on_triangle(p, mesh.positions[i0], mesh.positions[i1], mesh.positions[i2]);
-  const Vec3f offset = (1.0f - at.x - at.y) * mesh.positions[i0] + at.x * mesh.positions[i1] +
-                       at.y * mesh.positions[i2] - p;
-  const float distance = length(offset);
+  const Vec3f &p0 = mesh.positions[i0], &p1 = mesh.positions[i1], &p2 = mesh.positions[i2];
+  const Vec2f at = nearest_on_triangle(p, p0, p1, p2);
+  const float distance = length((1.0f - at.x - at.y) * p0 + at.x * p1 + at.y * p2 - p);
   if (!(distance < arguments->query->radius)) return false;
-  arguments->query->radius = distance * (1.0f - nearest_slack);
+  arguments->query->radius = distance * (1.0f - query.slack);
   query.nearest = {.distance = distance,
                    .u = at.x,
                    .v = at.y,
@@ -249,8 +246,8 @@ bool RayGeometry::is_blocked(const Ray& ray, float t_near, float t_far) const {
 }
 
 Hit RayGeometry::closest_point(const Vec3f& position, float radius,
-                               std::optional<std::uint32_t> material) const {
-  NearestQuery nearest{traversal_->meshes, material, {}};
+                               std::optional<std::uint32_t> material, float slack) const {
+  NearestQuery nearest{traversal_->meshes, material, slack, {}};
   RTCPointQuery query = {
       .x = position.x, .y = position.y, .z = position.z, .time = 0.0f, .radius = radius};
   RTCPointQueryContext context;

@@ -14,6 +14,7 @@
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/layered_material.h"
+#include "lamina/render/media_walk.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_maker.h"
 #include "lamina/render/profile_transport.h"
@@ -162,6 +163,10 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         break;
       }
       case Method::random_walk: {
+        if (surface->material.layers.size() > 1) {
+          transport = std::make_unique<MediaWalk<N>>(scene, conversion, i);
+          break;
+        }
         auto random_walk = std::make_unique<RandomWalk<N>>(scene, conversion, i);
         transports.random_walks.push_back(random_walk.get());
         transport = std::move(random_walk);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <variant>
 
+#include "lamina/core/error.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/refracted_entry.h"
 
@@ -27,22 +28,37 @@ WalkMedium<N> make_walk_medium(const BandValues<N>& sigma_s, const BandValues<N>
   return medium;
 }
 
-template <int N>
-WalkSpace<N>::WalkSpace(const RenderScene& scene, const BandConversion<N>& conversion,
-                        std::uint32_t material, float ior, int bands, float free_path)
-    : scene_(scene), conversion_(conversion), material_(material), ior_(ior), bands_(bands) {
+Box box_of_material(const Scene& scene, std::uint32_t material) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  low_ = {infinity, infinity, infinity};
-  high_ = -low_;
-  for (const Mesh& mesh : scene.scene->meshes)
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Mesh& mesh : scene.meshes)
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       if (mesh.material[t] == material)
         for (const std::uint32_t vertex : mesh.triangles[t])
           for (int axis = 0; axis < 3; ++axis) {
-            low_[axis] = std::min(low_[axis], mesh.positions[vertex][axis]);
-            high_[axis] = std::max(high_[axis], mesh.positions[vertex][axis]);
+            box.low[axis] = std::min(box.low[axis], mesh.positions[vertex][axis]);
+            box.high[axis] = std::max(box.high[axis], mesh.positions[vertex][axis]);
           }
-  if (!(low_.x <= high_.x)) low_ = high_ = {};  // the material is on no mesh
+  return box.low.x <= box.high.x ? box : Box{};
+}
+
+void require_closed_meshes(const Scene& scene, std::uint32_t material) {
+  for (const Mesh& mesh : scene.meshes)
+    if (!mesh.is_closed && std::ranges::find(mesh.material, material) != mesh.material.end())
+      throw InvalidInput("mesh \"" + mesh.name +
+                         "\": random_walk needs a closed surface, with an inside that light can "
+                         "walk in, but this one is open; close it or use another method");
+}
+
+template <int N>
+WalkSpace<N>::WalkSpace(const RenderScene& scene, const BandConversion<N>& conversion,
+                        std::uint32_t material, float ior, int bands, float free_path)
+    : scene_(scene),
+      conversion_(conversion),
+      material_(material),
+      ior_(ior),
+      bands_(bands),
+      box_(box_of_material(*scene.scene, material)) {
   safe_ = std::make_unique<SafeDistances>(scene.geometry, scene.scene->meshes,
                                           lattice(0.7f * free_path, 1e6));
 }
@@ -53,18 +69,6 @@ bool WalkSpace<N>::is_inside(const Vec3f& position) const {
   if (!hit.is_hit()) return false;
   const SurfacePoint above = make_bare_surface_point(scene_.scene->meshes, hit);
   return above.material != material_ || above.geometric_normal.z > 0.0f;
-}
-
-template <int N>
-int WalkSpace<N>::draw_band(const Bands& carried, float u) const {
-  float total = 0.0f;
-  for (int b = 0; b < bands_; ++b) total += carried[b];
-  float left = u * total;
-  for (int b = 0; b + 1 < bands_; ++b) {
-    if (left < carried[b]) return b;
-    left -= carried[b];
-  }
-  return bands_ - 1;
 }
 
 template <int N>

@@ -70,6 +70,28 @@ struct WalkStep {
   Vec3f outside;       ///< towards where
 };
 
+/// A band, each drawn in proportion to what it carries.
+template <int N>
+[[nodiscard]] int draw_band(const BandValues<N>& carried, int bands, float u) {
+  float total = 0.0f;
+  for (int b = 0; b < bands; ++b) total += carried[b];
+  float left = u * total;
+  for (int b = 0; b + 1 < bands; ++b) {
+    if (left < carried[b]) return b;
+    left -= carried[b];
+  }
+  return bands - 1;
+}
+
+struct Box {
+  Vec3f low, high;
+};
+/// Around all triangles of a material; both corners 0 if there are none.
+[[nodiscard]] Box box_of_material(const Scene& scene, std::uint32_t material);
+
+/// @throws InvalidInput if a mesh of the material is open
+void require_closed_meshes(const Scene& scene, std::uint32_t material);
+
 /// The inside of all meshes of one material, with what is in there: where paths go.
 ///
 /// The boundary is smooth. An opaque object inside reflects as its base does.
@@ -90,7 +112,13 @@ class WalkSpace {
                                  WalkNumbers& numbers) const;
 
   /// A band, each drawn in proportion to what it carries.
-  [[nodiscard]] int draw_band(const Bands& carried, float u) const;
+  [[nodiscard]] int draw_band(const Bands& carried, float u) const {
+    return lamina::draw_band(carried, bands_, u);
+  }
+
+  /// Turns a path at what it meets from inside. True if it leaves.
+  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
+                                  float u_boundary) const;
 
   [[nodiscard]] bool is_inside(const Vec3f& position) const;
   [[nodiscard]] const SafeDistances& safe() const { return *safe_; }
@@ -101,20 +129,16 @@ class WalkSpace {
   [[nodiscard]] int bands() const { return bands_; }
   /// A lattice over the inside.
   [[nodiscard]] NodeLattice lattice(float spacing, double most_nodes) const {
-    return {low_, high_, spacing, most_nodes};
+    return {box_.low, box_.high, spacing, most_nodes};
   }
 
  private:
-  /// Turns a path at what it meets from inside. True if it leaves.
-  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
-                                  float u_boundary) const;
-
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   std::uint32_t material_;
   float ior_;
   int bands_;
-  Vec3f low_, high_;
+  Box box_;
   std::unique_ptr<SafeDistances> safe_;
 };
 

@@ -1,0 +1,188 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/media_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/render/refracted_entry.h"
+
+namespace lamina {
+namespace {
+
+constexpr int most_events = 100'000;
+constexpr int most_mirrors = 10'000;  // of a path between two events
+constexpr std::uint32_t walks = 4;    // from where a ray of the eye enters
+constexpr float least_search = 0.05f;
+
+/// Of the two that find the same light of a lamp, a search and paths that leave: the power
+/// heuristic of [VeachGuibas1995] for densities over directions at the event.
+///
+/// @param leaving  what each band carries, weakened on the way out and turned by the phase function
+/// @param pdf      with which a search draws the way [1/sr]; infinite for what no path meets
+template <int N>
+float weight_of_search(const typename WalkPath<N>::Event& event, const BandValues<N>& leaving,
+                       float pdf, int bands) {
+  if (!std::isfinite(pdf)) return 1.0f;
+  float rival = 0.0f, carried = 0.0f;
+  for (int b = 0; b < bands; ++b) {
+    rival += leaving[b];
+    carried += event.carried[b];
+  }
+  rival *= event.going / carried;
+  const float own = event.searching * pdf;
+  return own * own / (own * own + rival * rival);
+}
+
+}  // namespace
+
+template <int N>
+MediaWalk<N>::MediaWalk(const RenderScene& scene, const BandConversion<N>& conversion,
+                        std::uint32_t material)
+    : layers_(scene, material),
+      space_(scene, conversion, material, layers_.ior(), layers_.bands(),
+             layers_.shortest_free_path()),
+      // Nothing is asked of what lamps send beforehand: a lattice as coarse as can be.
+      lamps_(space_, layers_.medium(0).sigma_t, layers_.medium(0).sigma_t, 1e6f) {
+  require_closed_meshes(*scene.scene, material);
+}
+
+template <int N>
+BandValues<N> MediaWalk<N>::leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                             PixelSamples& samples) const {
+  const Vec3f inward = -refract_inside(exit.to_eye, exit.point.normal, space_.ior());
+  if (!(dot(inward, exit.point.geometric_normal) < 0.0f)) return {};
+  Bands radiance;
+  for (std::uint32_t i = 0; i < walks; ++i) {
+    PixelSamples own = samples.branch(i, walks);
+    radiance += walk(exit, inward, light, own);
+  }
+  return (1.0f / static_cast<float>(walks)) * radiance;
+}
+
+template <int N>
+WalkStep MediaWalk<N>::advance(WalkPath<N>& path, Place& place, WalkNumbers& numbers) const {
+  const RenderScene& scene = space_.scene();
+  WalkStep step;
+  for (int mirrors = 0; mirrors < most_mirrors; ++mirrors) {
+    const Vec2f u = numbers.pair();
+    const int band = space_.draw_band(path.carried, u.x);
+    float left = -std::log(1.0f - u.y);  // optical, in the band
+    const float least = layers_.least_extinction(band);
+    const float reach = least > 0.0f ? 1.001f * left / least : 1e9f;
+    Hit hit;
+    if (!(reach < path.safe))
+      hit = scene.geometry.first_hit(path.ray, path.has_scattered ? 0.0f : least_distance(scene),
+                                     reach);
+    if (!hit.is_hit() && !(least > 0.0f)) return step;  // through a hole
+    Bands extinction;
+    float length = 0.0f;
+    const WalkMedium<N>* medium = nullptr;  // where it scatters
+    layers_.by_depth().for_parts(path.ray, place, std::min(hit.distance, reach),
+                                 [&](std::size_t layer, float part) {
+                                   const WalkMedium<N>& here = layers_.medium(layer);
+                                   const float whole = part * here.sigma_t[band];
+                                   if (left < whole) {
+                                     medium = &here;
+                                     part *= left / whole;
+                                   }
+                                   left -= whole;
+                                   length += part;
+                                   extinction += part * here.sigma_t;
+                                   return !medium;
+                                 });
+    if (!medium && !hit.is_hit()) return step;
+
+    // exp(-extinction) of each band; what all share cancels.
+    const float shared = *std::min_element(extinction.v, extinction.v + layers_.bands());
+    Bands passing = exp_minus(extinction - Bands::filled(shared)) * path.carried;
+    const Bands density = medium ? medium->sigma_t * passing : passing;
+    if (medium) passing *= medium->sigma_s;
+    float carried = 0.0f, drawn_density = 0.0f;
+    for (int b = 0; b < layers_.bands(); ++b) {
+      carried += path.carried[b];
+      drawn_density += density[b];
+    }
+    if (!(drawn_density > 0.0f)) return step;  // beyond what floats hold
+    path.carried = (carried / drawn_density) * passing;
+    if (medium) {
+      path.ray.origin += length * path.ray.direction;
+      place = layers_.by_depth().at(path.ray.origin);
+      path.safe = std::max(space_.safe().at(path.ray.origin), 0.0f);
+      path.has_scattered = true;
+      step.end = WalkStep::End::event;
+      return step;
+    }
+    const Vec2f u_turn = numbers.pair();
+    if (space_.meet_surface(path, hit, step, u_turn, numbers.stream().uniform_float())) {
+      step.end = WalkStep::End::leaves;
+      return step;
+    }
+    place = layers_.by_depth().at(path.ray.origin);
+  }
+  return step;
+}
+
+/// Light that a lamp sends to the last event, scattered into the path.
+template <int N>
+BandValues<N> MediaWalk<N>::search(const WalkPath<N>& path, const Place& place,
+                                   const LightGatherer<N>& light, Random& random) const {
+  Bands found;
+  const float u_light = random.uniform_float();
+  const Vec2f u{random.uniform_float(), random.uniform_float()};
+  lamps_.search(path.ray.origin, u_light, u, light, [&](const FoundLamp<N>& lamp) {
+    const Vec3f& direction = lamp.entry.to_surface;
+    const Bands turned = exp_minus(layers_.optical_thickness({path.ray.origin, direction}, place,
+                                                             lamp.entry.length)) *
+                         layers_.phase(place.layer, dot(direction, path.ray.direction));
+    found += weight_of_search(path.last, turned * path.last.carried, lamp.pdf, layers_.bands()) *
+             turned * lamp.unweakened;
+  });
+  return found;
+}
+
+template <int N>
+BandValues<N> MediaWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
+                                 const LightGatherer<N>& light, PixelSamples& samples) const {
+  WalkNumbers numbers(samples);
+  Random& random = numbers.stream();
+  WalkPath<N> path{.ray = {leave_surface(exit.point, inward), inward},
+                   .carried = Bands::filled(1.0f - reflectance(exit.boundary, exit.cos_o))};
+  Bands radiance;
+  Place place = layers_.by_depth().at(path.ray.origin), last = place;
+  WalkStep step = advance(path, place, numbers);
+  for (int event = 0; step.end == WalkStep::End::event && event < most_events; ++event) {
+    // From deep inside a search finds little, and is seldom.
+    const float searching =
+        lamps_.are_there()
+            ? std::clamp(std::exp(-layers_.least_optical_depth(place)), least_search, 1.0f)
+            : 0.0f;
+    const float going = std::min(largest(path.carried), 1.0f);
+    path.last = {path.ray, path.carried, searching, going};
+    last = place;
+    if (random.uniform_float() < searching)
+      radiance += (1.0f / searching) * path.carried * search(path, place, light, random);
+    if (!(random.uniform_float() < going)) return radiance;
+    path.carried *= 1.0f / going;
+    layers_.scatter(place.layer, path, numbers);
+    step = advance(path, place, numbers);
+  }
+  if (step.end == WalkStep::End::leaves)
+    radiance +=
+        path.carried * lamps_.light_from_outside(
+                           path, step, light, samples, [&](const RefractedEntry& entry, float pdf) {
+                             const Ray& ray = path.last.ray;
+                             const Bands leaving =
+                                 exp_minus(layers_.optical_thickness({ray.origin, entry.to_surface},
+                                                                     last, entry.length)) *
+                                 layers_.phase(last.layer, dot(entry.to_surface, ray.direction)) *
+                                 path.last.carried;
+                             return weight_of_search(path.last, leaving, pdf, layers_.bands());
+                           });
+  return radiance;
+}
+
+template class MediaWalk<4>;
+template class MediaWalk<8>;
+template class MediaWalk<16>;
+
+}  // namespace lamina

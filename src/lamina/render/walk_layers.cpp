@@ -1,0 +1,153 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/walk_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <variant>
+
+#include "lamina/core/error.h"
+#include "lamina/scattering/first_order-inl.h"
+#include "lamina/scattering/layered_diffusion.h"
+
+namespace lamina {
+namespace {
+
+constexpr double same_ior = 1e-6;
+
+/// The layers of a material as they lie inside a mesh.
+/// @throws InvalidInput if their indices differ
+Material inside_mesh(const SurfaceMaterial& surface) {
+  Material inside = std::get<SubsurfaceSurface>(surface.surface).material;
+  const MaterialLayer& first = inside.layers.front();
+  for (std::size_t i = 0; i < inside.layers.size(); ++i) {
+    MaterialLayer& layer = inside.layers[i];
+    for (std::size_t b = 0; b < inside.bands.size(); ++b)
+      if (std::abs(layer.ior[b] - first.ior[b]) > same_ior)
+        throw InvalidInput("material \"" + surface.name +
+                           "\": random_walk takes layers of one ior, but layer 1 (\"" + first.name +
+                           "\") has " + std::to_string(first.ior[b]) + " and layer " +
+                           std::to_string(i + 1) + " (\"" + layer.name + "\") has " +
+                           std::to_string(layer.ior[b]));
+    if (i > 0) layer.top = {};  // between equal indices a rough boundary does nothing
+  }
+  inside.layers.back().thickness = std::numeric_limits<double>::infinity();
+  inside.ior_below = inside.layers.back().ior;
+  inside.ground = {};
+  return inside;
+}
+
+std::vector<float> thickness_of_layers(const Material& material) {
+  std::vector<float> thickness;
+  for (std::size_t i = 0; i + 1 < material.layers.size(); ++i)
+    thickness.push_back(static_cast<float>(material.layers[i].thickness));
+  return thickness;
+}
+
+NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
+                        const std::vector<float>& thickness) {
+  const Box box = box_of_material(*scene.scene, material);
+  const float thinnest = thickness.empty() ? 1.0f : *std::ranges::min_element(thickness);
+  return {box.low, box.high, thinnest, 5e5};
+}
+
+}  // namespace
+
+template <int N>
+WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material)
+    : WalkLayers(scene, material, inside_mesh(scene.scene->materials[material])) {}
+
+template <int N>
+WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
+    : by_depth_(scene.geometry, scene.scene->meshes, material, thickness_of_layers(inside),
+                lattice_for(scene, material, thickness_of_layers(inside))),
+      bands_(static_cast<int>(inside.bands.size())) {
+  std::vector<LayerStack> stacks;
+  for (std::size_t b = 0; b < inside.bands.size(); ++b) {
+    stacks.push_back(layer_stack(inside, b));
+    ior_ += static_cast<float>(inside.layers[0].ior[b] / inside.ior_above[b]) /
+            static_cast<float>(bands_);
+    reflectance_[static_cast<int>(b)] =
+        static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
+  }
+  stack_ = make_first_order<N>(stacks);
+  least_extinction_ = Bands::filled(std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < inside.layers.size(); ++i) {
+    const Bands& sigma_t = stack_.layers[i].sigma_t;
+    Layer layer{.medium = make_walk_medium(stack_.layers[i].sigma_s, sigma_t, bands_)};
+    for (const LayerStack& stack : stacks)
+      layer.phases.push_back(phase_function(stack.layers()[i]));
+    for (const PhaseFunction& phase : layer.phases)
+      layer.is_same_phase = layer.is_same_phase && phase == layer.phases[0];
+    layer.least_extinction = *std::min_element(sigma_t.v, sigma_t.v + bands_);
+    if (i > 0)
+      layer.least_depth =
+          layers_[i - 1].least_depth +
+          layers_[i - 1].least_extinction * static_cast<float>(inside.layers[i - 1].thickness);
+    least_extinction_ = min(least_extinction_, sigma_t);
+    layers_.push_back(std::move(layer));
+  }
+}
+
+template <int N>
+float WalkLayers<N>::shortest_free_path() const {
+  float most = 1e-6f;
+  for (const Layer& layer : layers_) most = std::max(most, largest(layer.medium.sigma_t));
+  return 1.0f / most;
+}
+
+template <int N>
+BandValues<N> WalkLayers<N>::optical_thickness(const Ray& way, const DepthLayers::Place& start,
+                                               float length) const {
+  Bands sum;
+  by_depth_.for_parts(way, start, length, [&](std::size_t layer, float part) {
+    sum += part * layers_[layer].medium.sigma_t;
+    return true;
+  });
+  return sum;
+}
+
+template <int N>
+float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const {
+  const Layer& layer = layers_[place.layer];
+  return layer.least_depth +
+         layer.least_extinction * std::max(place.depth - by_depth_.top(place.layer), 0.0f);
+}
+
+template <int N>
+BandValues<N> WalkLayers<N>::phase(std::size_t layer, float cos_turn) const {
+  return first_order::layer_phase(stack_, stack_.layers[layer],
+                                  Bands::filled(std::clamp(cos_turn, -1.0f, 1.0f)));
+}
+
+template <int N>
+void WalkLayers<N>::scatter(std::size_t index, WalkPath<N>& path, WalkNumbers& numbers) const {
+  const Layer& layer = layers_[index];
+  const Vec2f u = numbers.pair();
+  const int band =
+      layer.is_same_phase ? 0 : draw_band(path.carried, bands_, numbers.stream().uniform_float());
+  const auto cos_theta =
+      static_cast<float>(sample_cos_theta(layer.phases[static_cast<std::size_t>(band)],
+                                          static_cast<double>(u.x), numbers.stream().uniform()));
+  const float sin_theta = std::sqrt(std::max(1.0f - cos_theta * cos_theta, 0.0f));
+  const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
+  const Framef frame = make_frame(path.ray.direction);
+  path.ray.direction =
+      normalize(frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta}));
+  if (layer.is_same_phase) return;
+  const Bands carried = path.carried * phase(index, cos_theta);
+  float before = 0.0f, density = 0.0f;
+  for (int b = 0; b < bands_; ++b) {
+    before += path.carried[b];
+    density += carried[b];
+  }
+  path.carried = (before / density) * carried;
+}
+
+template class WalkLayers<4>;
+template class WalkLayers<8>;
+template class WalkLayers<16>;
+
+}  // namespace lamina

@@ -1,0 +1,68 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lamina/core/band_values.h"
+#include "lamina/materials/material.h"
+#include "lamina/optics/phase_function.h"
+#include "lamina/render/depth_layers.h"
+#include "lamina/render/walk_space.h"
+#include "lamina/scattering/first_order.h"
+
+namespace lamina {
+
+/// What fills the meshes of one material, as paths inside see it: layers by depth, all of one index
+/// of refraction. The last layer fills the rest, whatever its thickness.
+template <int N>
+class WalkLayers {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @throws InvalidInput if the indices of layers differ
+  WalkLayers(const RenderScene& scene, std::uint32_t material);
+
+  [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
+  [[nodiscard]] const WalkMedium<N>& medium(std::size_t layer) const {
+    return layers_[layer].medium;
+  }
+  [[nodiscard]] int bands() const { return bands_; }
+  [[nodiscard]] float ior() const { return ior_; }  ///< over that outside
+  [[nodiscard]] float shortest_free_path() const;   ///< of all layers and bands [mm]
+  /// Of the flux that enters, by diffusion.
+  [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
+
+  /// Extinction along a straight way inside.
+  [[nodiscard]] Bands optical_thickness(const Ray& way, const DepthLayers::Place& start,
+                                        float length) const;
+  /// Of the shortest way out, in the band where it is least, at least.
+  [[nodiscard]] float least_optical_depth(const DepthLayers::Place& place) const;
+
+  /// The least extinction that a band has in any layer [1/mm].
+  [[nodiscard]] float least_extinction(int band) const { return least_extinction_[band]; }
+
+  [[nodiscard]] Bands phase(std::size_t layer, float cos_turn) const;
+  /// Turns a path. All bands count by the density of the mixture.
+  void scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const;
+
+ private:
+  WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside);
+
+  struct Layer {
+    WalkMedium<N> medium;
+    std::vector<PhaseFunction> phases;  ///< [band]
+    bool is_same_phase = true;          ///< in all bands
+    float least_depth = 0.0f;           ///< optical, of its top in the band where it is least
+    float least_extinction = 0.0f;      ///< of the bands [1/mm]
+  };
+  DepthLayers by_depth_;
+  std::vector<Layer> layers_;
+  FirstOrderStack<Bands> stack_;
+  Bands reflectance_, least_extinction_;
+  int bands_;
+  float ior_ = 0.0f;
+};
+
+}  // namespace lamina
