@@ -11,6 +11,8 @@
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/materials/material.h"
+#include "lamina/optics/multiple_scattering.h"
+#include "lamina/render/render_scene.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/adding_doubling_bsdf.h"
 #include "small_scenes.h"
@@ -156,6 +158,63 @@ TEST(MediaWalk, WhiteLayersInEvenLightAreInvisible) {
   scene.camera = camera_above(4.0);
   const Image image = render(scene).image;
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean_of(image, c), 1.0, 0.005) << c;
+}
+
+/// A half-space under facets, the same in all bands so that they share all paths.
+Material rough_medium(double sigma_a, double alpha) {
+  const std::vector<double> a(3, sigma_a), s(3, 2.0);
+  Material material = material_of({layer_of(a, s, 0.3, infinite)});
+  material.layers[0].top = {.roughness = alpha, .distribution = MicrofacetDistribution::ggx};
+  return material;
+}
+
+TEST(MediaWalk, WhiteObjectWithARoughBoundaryIsInvisibleInEvenLight) {
+  Scene scene = scene_of(make_sphere(1.0f), rough_medium(0.0, 0.4), EnvironmentLight{}, 32);
+  scene.camera = camera_above(1.4);
+  EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.005);
+}
+
+// Of what has entered, the part that leaves again: the renderer's mirror is of V-shaped grooves.
+TEST(MediaWalk, WidePlateWithARoughBoundaryReflectsAsAddingDoublingHasIt) {
+  const Material material = rough_medium(0.1, 0.5);
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 128);
+  const SlabTotals totals = adding_doubling(layer_stack(material, 0)).totals;
+  const RenderScene prepared(scene);
+  const double mirrored = prepared.boundaries[0].own->at(0.5f, 1.0f);
+  const double expected =
+      totals.diffuse_reflectance * (1.0 - mirrored) / (1.0 - totals.specular_reflectance);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.01 * expected);
+}
+
+// A lamp in one direction, found where paths meet the rough boundary.
+TEST(MediaWalk, WidePlateWithARoughBoundaryScattersALampAsAddingDoublingHasIt) {
+  const Material material = rough_medium(0.3, 0.5);
+  const double mu = 0.6, zero[] = {0.0};
+  const Scene scene =
+      scene_of(make_plate(60.0f, 30.0f), material,
+               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 768);
+  const RoughInterface<double> facets =
+      make_rough_interface<double>(material.layers[0].top, 1.0, 1.4);
+  Random random(3);
+  double mirrored = 0.0;  // by any number of facets
+  for (int i = 0; i < 20'000; ++i)
+    mirrored += evaluate_multiple_scattering(facets, {0.8, 0, mu}, {0, 0, 1}, random) / 20'000;
+  const double expected =
+      mu * (stack_bsdf(layer_stack(material, 0), std::acos(mu), zero, zero).brdf[0] - mirrored);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.015 * expected);
+}
+
+// The same light as a lamp, which searches and paths share, and as a part of the sky, which paths
+// alone find.
+TEST(MediaWalk, RoughBoundaryPassesALampAsItPassesSky) {
+  const Light lamp = RectangleLight{
+      .center = {0, 0, 1}, .edge_u = {400, 0, 0}, .edge_v = {0, -400, 0}, .radiance = {2, 2, 2}};
+  const Scene scene = scene_of(make_plate(20.0f, 10.0f), rough_medium(0.3, 0.3), lamp, 256);
+  Scene open = scene;
+  open.lights = {EnvironmentLight{.scale = {2, 2, 2}}};
+  const double of_sky = mean_inside(render(open).image, 0);
+  EXPECT_GT(of_sky, 0.2);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), of_sky, 0.02 * of_sky);
 }
 
 TEST(MediaWalk, RefusesLayersOfDifferentIndices) {

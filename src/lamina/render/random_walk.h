@@ -31,8 +31,8 @@ namespace lamina {
 /// the chance of doing so. So the mean is that of complete paths, whatever was known, and few
 /// need to be.
 ///
-/// The boundary is taken as smooth: a coat or a rough one counts for the light that leaves towards
-/// the eye, not inside.
+/// The boundary is taken as smooth; a coat counts for the light that leaves towards the eye, not
+/// inside. MediaWalk has rough ones.
 template <int N>
 class RandomWalk final : public SubsurfaceTransport<N> {
  public:

@@ -163,7 +163,7 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         break;
       }
       case Method::random_walk: {
-        if (surface->material.layers.size() > 1) {
+        if (is_for_media_walk(materials[i])) {
           transport = std::make_unique<MediaWalk<N>>(scene, conversion, i);
           break;
         }

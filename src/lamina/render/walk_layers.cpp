@@ -63,6 +63,7 @@ template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
     : by_depth_(scene.geometry, scene.scene->meshes, material, thickness_of_layers(inside),
                 lattice_for(scene, material, thickness_of_layers(inside))),
+      boundary_(inside.layers.front().top),
       bands_(static_cast<int>(inside.bands.size())) {
   std::vector<LayerStack> stacks;
   for (std::size_t b = 0; b < inside.bands.size(); ++b) {

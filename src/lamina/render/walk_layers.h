@@ -30,7 +30,8 @@ class WalkLayers {
   }
   [[nodiscard]] int bands() const { return bands_; }
   [[nodiscard]] float ior() const { return ior_; }  ///< over that outside
-  [[nodiscard]] float shortest_free_path() const;   ///< of all layers and bands [mm]
+  [[nodiscard]] const Interface& boundary() const { return boundary_; }
+  [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
   /// Of the flux that enters, by diffusion.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
@@ -61,6 +62,7 @@ class WalkLayers {
   std::vector<Layer> layers_;
   FirstOrderStack<Bands> stack_;
   Bands reflectance_, least_extinction_;
+  Interface boundary_;
   int bands_;
   float ior_ = 0.0f;
 };

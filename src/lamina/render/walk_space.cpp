@@ -72,23 +72,28 @@ bool WalkSpace<N>::is_inside(const Vec3f& position) const {
 }
 
 template <int N>
+void WalkSpace<N>::bounce(WalkPath<N>& path, const SurfacePoint& point, const Hit& hit,
+                          Vec2f u) const {
+  const auto* diffuse =
+      std::get_if<DiffuseSurface>(&scene_.scene->materials[point.material].surface);
+  path.carried *= diffuse
+                      ? conversion_.from_rgb(scene_.textures.color(
+                            diffuse->color, make_surface_point(scene_.scene->meshes, hit, 0.0f)))
+                      : Bands{};
+  Vec3f n = point.geometric_normal;
+  if (dot(n, path.ray.direction) > 0.0f) n = -n;
+  const float r = std::sqrt(u.x), phi = 2.0f * std::numbers::pi_v<float> * u.y;
+  path.ray.direction = normalize(make_frame(n).to_world(
+      {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(1.0f - r * r, 0.0f))}));
+}
+
+template <int N>
 bool WalkSpace<N>::meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
                                 float u_boundary) const {
   step.point = make_bare_surface_point(scene_.scene->meshes, hit);
   const SurfacePoint& point = step.point;
-  const SurfaceMaterial& material = scene_.scene->materials[point.material];
-  if (point.material != material_ || !(dot(point.geometric_normal, path.ray.direction) > 0.0f)) {
-    // A blocker: its base, without its boundary.
-    const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface);
-    path.carried *= diffuse
-                        ? conversion_.from_rgb(scene_.textures.color(
-                              diffuse->color, make_surface_point(scene_.scene->meshes, hit, 0.0f)))
-                        : Bands{};
-    Vec3f n = point.geometric_normal;
-    if (dot(n, path.ray.direction) > 0.0f) n = -n;
-    const float r = std::sqrt(u.x), phi = 2.0f * std::numbers::pi_v<float> * u.y;
-    path.ray.direction = normalize(make_frame(n).to_world(
-        {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(1.0f - r * r, 0.0f))}));
+  if (is_blocker(point, path.ray.direction)) {
+    bounce(path, point, hit, u);
   } else {
     const Vec3f n = point.smooth_normal;
     const float cos_inside = dot(n, path.ray.direction);

@@ -116,9 +116,12 @@ class WalkSpace {
     return lamina::draw_band(carried, bands_, u);
   }
 
-  /// Turns a path at what it meets from inside. True if it leaves.
-  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
-                                  float u_boundary) const;
+  /// Whether what a path meets stops it, and is not the boundary of its medium seen from inside.
+  [[nodiscard]] bool is_blocker(const SurfacePoint& point, const Vec3f& direction) const {
+    return point.material != material_ || !(dot(point.geometric_normal, direction) > 0.0f);
+  }
+  /// Turns a path at a blocker, by its base, without its boundary.
+  void bounce(WalkPath<N>& path, const SurfacePoint& point, const Hit& hit, Vec2f u) const;
 
   [[nodiscard]] bool is_inside(const Vec3f& position) const;
   [[nodiscard]] const SafeDistances& safe() const { return *safe_; }
@@ -133,6 +136,10 @@ class WalkSpace {
   }
 
  private:
+  /// Turns a path at what it meets from inside. True if it leaves.
+  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
+                                  float u_boundary) const;
+
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   std::uint32_t material_;
