@@ -78,7 +78,7 @@ Hit hit_of(const RTCRayHit& query) {
 struct ProbeQuery {
   QueryContext context;
   const std::vector<Mesh>* meshes;
-  std::uint32_t material;
+  std::optional<std::uint32_t> material;
   ProbeHits* found;
 };
 
@@ -87,7 +87,7 @@ void collect_hit(const RTCFilterFunctionNArguments* arguments) {
   arguments->valid[0] = 0;  // turned down, so that the traversal goes on behind it
   const auto mesh = RTCHitN_geomID(arguments->hit, 1, 0);
   const auto triangle = RTCHitN_primID(arguments->hit, 1, 0);
-  if ((*query.meshes)[mesh].material[triangle] != query.material) return;
+  if (query.material && (*query.meshes)[mesh].material[triangle] != *query.material) return;
   if (query.found->count == ProbeHits::capacity) return;
   query.found->hits[static_cast<std::size_t>(query.found->count++)] = {
       .distance = RTCRayN_tfar(arguments->ray, 1, 0),
@@ -256,7 +256,7 @@ Hit RayGeometry::closest_point(const Vec3f& position, float radius,
   return nearest.nearest;
 }
 
-void RayGeometry::all_hits(const Ray& ray, float length, std::uint32_t material,
+void RayGeometry::all_hits(const Ray& ray, float length, std::optional<std::uint32_t> material,
                            ProbeHits& found) const {
   found.count = 0;
   ProbeQuery probe{

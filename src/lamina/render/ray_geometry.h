@@ -59,8 +59,10 @@ class RayGeometry {
   /// Whether anything lies between the distances t_near and t_far.
   [[nodiscard]] bool is_blocked(const Ray& ray, float t_near, float t_far) const;
 
-  /// All hits with triangles of a material within the length of a segment: one traversal.
-  void all_hits(const Ray& ray, float length, std::uint32_t material, ProbeHits& found) const;
+  /// All hits with triangles of a material, or with any, within the length of a segment: one
+  /// traversal.
+  void all_hits(const Ray& ray, float length, std::optional<std::uint32_t> material,
+                ProbeHits& found) const;
 
   /// The point of a surface nearest to a position, within a radius: of triangles of one material or
   /// all. `Hit::distance` is the distance to it.

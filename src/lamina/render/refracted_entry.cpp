@@ -12,20 +12,15 @@ constexpr float least_cosine = 1e-3f;
 constexpr int most_steps = 8;
 constexpr float tolerance = 1e-4f;  // of the miss, over the path's length
 
-struct Found {
-  SurfacePoint point;
-  Hit hit;
-};
-
 /// The boundary on the way from inside, if it is what a ray meets first.
-std::optional<Found> meet_boundary(const RenderScene& scene, const Vec3f& inside,
-                                   const Vec3f& direction, std::uint32_t material) {
+std::optional<BoundaryHit> meet_boundary(const RenderScene& scene, const Vec3f& inside,
+                                         const Vec3f& direction, std::uint32_t material) {
   const Hit hit = scene.geometry.first_hit({inside, direction}, 0.0f);
   if (!hit.is_hit()) return std::nullopt;
   const SurfacePoint point = make_bare_surface_point(scene.scene->meshes, hit);
   if (point.material != material || !(dot(point.geometric_normal, direction) > 0.0f))
     return std::nullopt;
-  return Found{point, hit};
+  return BoundaryHit{point, hit};
 }
 
 struct Refraction {
@@ -44,7 +39,7 @@ struct Derivatives {
   std::array<Vec3f, 2> edge, across;  ///< of the entry; of the beam where it passes the point
 };
 
-Derivatives derivatives(const Mesh& mesh, const Found& entry, const Refraction& r,
+Derivatives derivatives(const Mesh& mesh, const BoundaryHit& entry, const Refraction& r,
                         const Vec3f& to_light, float light_distance, float length, float ior) {
   const auto& t = mesh.triangles[entry.hit.triangle];
   const Vec3f n = entry.point.smooth_normal;
@@ -69,35 +64,14 @@ Derivatives derivatives(const Mesh& mesh, const Found& entry, const Refraction& 
   return d;
 }
 
-}  // namespace
-
-Vec3f refract_inside(const Vec3f& outside, const Vec3f& n, float ior) {
-  return refraction(outside, n, ior).inside;
-}
-
-std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, const Vec3f& inside,
-                                                  std::uint32_t material, float ior,
-                                                  const LightSample& light) {
-  const auto found = meet_boundary(scene, inside, light.direction, material);
-  if (!found || !(found->hit.distance < light.distance)) return std::nullopt;
-  const Refraction r = refraction(light.direction, found->point.smooth_normal, ior);
-  if (!(r.cos_outside > least_cosine)) return std::nullopt;
-  return RefractedEntry{.point = found->point,
-                        .to_light = light.direction,
-                        .light_distance = light.distance - found->hit.distance,
-                        .to_surface = r.inside,
-                        .length = found->hit.distance * r.cos_outside / r.cos_inside,
-                        .cos_outside = r.cos_outside,
-                        .cos_inside = r.cos_inside,
-                        .focus = r.cos_outside / r.cos_inside};
-}
-
-std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
-                                                   std::uint32_t material, float ior,
-                                                   const LightSample& light, const Vec3f& first) {
+/// @param find  direction to the boundary met, if any
+template <class Find>
+std::optional<RefractedEntry> search_entry(const RenderScene& scene, const Vec3f& inside, float ior,
+                                           const LightSample& light, const Vec3f& first,
+                                           const Find& find) {
   const bool is_far = !std::isfinite(light.distance);
   const Vec3f light_position = is_far ? Vec3f{} : inside + light.distance * light.direction;
-  auto found = meet_boundary(scene, inside, first, material);
+  auto found = find(first);
   for (int step = 0; found && step < most_steps; ++step) {
     const SurfacePoint& point = found->point;
     const Vec3f offset = light_position - point.position;
@@ -133,9 +107,46 @@ std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, con
     Vec3f move = a * d.edge[0] + b * d.edge[1];
     const float size = lamina::length(move), most = 2.0f * length;
     if (size > most) move *= most / size;
-    found = meet_boundary(scene, inside, normalize(point.position + move - inside), material);
+    found = find(normalize(point.position + move - inside));
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+Vec3f refract_inside(const Vec3f& outside, const Vec3f& n, float ior) {
+  return refraction(outside, n, ior).inside;
+}
+
+std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, const Vec3f& inside,
+                                                  std::uint32_t material, float ior,
+                                                  const LightSample& light) {
+  const auto found = meet_boundary(scene, inside, light.direction, material);
+  if (!found || !(found->hit.distance < light.distance)) return std::nullopt;
+  const Refraction r = refraction(light.direction, found->point.smooth_normal, ior);
+  if (!(r.cos_outside > least_cosine)) return std::nullopt;
+  return RefractedEntry{.point = found->point,
+                        .to_light = light.direction,
+                        .light_distance = light.distance - found->hit.distance,
+                        .to_surface = r.inside,
+                        .length = found->hit.distance * r.cos_outside / r.cos_inside,
+                        .cos_outside = r.cos_outside,
+                        .cos_inside = r.cos_inside,
+                        .focus = r.cos_outside / r.cos_inside};
+}
+
+std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
+                                                   std::uint32_t material, float ior,
+                                                   const LightSample& light, const Vec3f& first) {
+  return search_entry(scene, inside, ior, light, first, [&](const Vec3f& direction) {
+    return meet_boundary(scene, inside, direction, material);
+  });
+}
+
+std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
+                                                   const FindBoundary& find_boundary, float ior,
+                                                   const LightSample& light, const Vec3f& first) {
+  return search_entry(scene, inside, ior, light, first, find_boundary);
 }
 
 }  // namespace lamina

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "lamina/core/vec.h"
@@ -61,5 +62,17 @@ struct RefractedEntry {
                                                                  std::uint32_t material, float ior,
                                                                  const LightSample& light,
                                                                  const Vec3f& first);
+
+/// Where a ray from inside, in a direction, meets the boundary that refracts.
+struct BoundaryHit {
+  SurfacePoint point;
+  Hit hit;
+};
+using FindBoundary = std::function<std::optional<BoundaryHit>(const Vec3f& direction)>;
+
+/// The same through a boundary that is not the first surface on the way.
+[[nodiscard]] std::optional<RefractedEntry> find_refracted_entry(
+    const RenderScene& scene, const Vec3f& inside, const FindBoundary& find_boundary, float ior,
+    const LightSample& light, const Vec3f& first);
 
 }  // namespace lamina

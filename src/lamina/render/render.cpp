@@ -130,6 +130,7 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
                          "\": maps of skin are for method \"texture_space\"");
   }
   if (scene.scene->render.method == Method::layered_bsdf) return transports;
+  std::shared_ptr<const WalkMedia<N>> media;  // of all that share it
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
     if (!surface) continue;
@@ -163,8 +164,9 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         break;
       }
       case Method::random_walk: {
-        if (is_for_media_walk(materials[i])) {
-          transport = std::make_unique<MediaWalk<N>>(scene, conversion, i);
+        if (is_for_media_walk(scene, i)) {
+          if (!media) media = std::make_shared<WalkMedia<N>>(scene, conversion);
+          transport = std::make_unique<MediaWalk<N>>(media, i);
           break;
         }
         auto random_walk = std::make_unique<RandomWalk<N>>(scene, conversion, i);

@@ -111,7 +111,8 @@ LampLight<N> WalkLamps<N>::known(const Vec3f& p, const LightGatherer<N>& light) 
 
 template <int N>
 std::optional<typename WalkLamps<N>::SameWay> WalkLamps<N>::find_same_way(
-    const WalkPath<N>& path, const SurfacePoint& exit, const Vec3f& lamp_position) const {
+    const WalkPath<N>& path, const SurfacePoint& exit, const Vec3f& lamp_position,
+    const FindBoundary* find_boundary) const {
   if (!path.has_scattered) return std::nullopt;
   const Vec3f offset = lamp_position - path.ray.origin;
   const float distance = length(offset);
@@ -122,7 +123,7 @@ std::optional<typename WalkLamps<N>::SameWay> WalkLamps<N>::find_same_way(
                                             sample.pdf = seen.pdf;
                                         });
   std::optional<SameWay> found;
-  for_ways_in(path.ray.origin, sample, [&](const RefractedEntry& entry) {
+  for_ways_in(path.ray.origin, sample, find_boundary, [&](const RefractedEntry& entry) {
     if (length(entry.point.position - exit.position) < same_way * entry.length)
       found = {entry, sample.pdf * space_.ior() * space_.ior() / entry.focus};
   });

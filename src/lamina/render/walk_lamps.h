@@ -56,18 +56,22 @@ class WalkLamps {
   [[nodiscard]] LampLight<N> known(const Vec3f& p, const LightGatherer<N>& light) const;
 
   /// Light of one point of a lamp, drawn at random: `on_light(FoundLamp)` for each way.
+  ///
+  /// @param find_boundary  from the place; null: what is met first, if it is of the material
   template <class OnLight>
   void search(const Vec3f& inside, float u_light, Vec2f u, const LightGatherer<N>& light,
-              const OnLight& on_light) const;
+              const OnLight& on_light, const FindBoundary* find_boundary = nullptr) const;
 
   /// Radiance from outside along a ray that leaves at a point, less what a search from the place of
   /// the path's last event finds.
   ///
   /// @param weight_of_search  (RefractedEntry, pdf) to its share of the light that both find
+  /// @param find_boundary     as `search` has it
   template <class WeightOfSearch>
   [[nodiscard]] Bands light_from_outside(const WalkPath<N>& path, const WalkStep& leaving,
                                          const LightGatherer<N>& light, PixelSamples& samples,
-                                         const WeightOfSearch& weight_of_search) const;
+                                         const WeightOfSearch& weight_of_search,
+                                         const FindBoundary* find_boundary = nullptr) const;
 
  private:
   /// At a point of reference among the places where light was sought.
@@ -78,7 +82,8 @@ class WalkLamps {
   /// Ways of light from a point of a lamp to a place inside, through the boundary. Calls
   /// `on_way(RefractedEntry)` for each that is found, the same ones for the same arguments.
   template <class OnWay>
-  void for_ways_in(const Vec3f& inside, const LightSample& lamp, const OnWay& on_way) const;
+  void for_ways_in(const Vec3f& inside, const LightSample& lamp, const FindBoundary* find_boundary,
+                   const OnWay& on_way) const;
   [[nodiscard]] Node search_around(std::size_t node, const LightGatherer<N>& light) const;
   /// What a search from the last event finds of a path's way to a lamp.
   struct SameWay {
@@ -87,7 +92,8 @@ class WalkLamps {
   };
   [[nodiscard]] std::optional<SameWay> find_same_way(const WalkPath<N>& path,
                                                      const SurfacePoint& exit,
-                                                     const Vec3f& lamp_position) const;
+                                                     const Vec3f& lamp_position,
+                                                     const FindBoundary* find_boundary) const;
 
   const WalkSpace<N>& space_;
   Bands sigma_t_, reduced_sigma_t_;
@@ -100,10 +106,13 @@ class WalkLamps {
 template <int N>
 template <class OnWay>
 void WalkLamps<N>::for_ways_in(const Vec3f& inside, const LightSample& lamp,
-                               const OnWay& on_way) const {
+                               const FindBoundary* find_boundary, const OnWay& on_way) const {
   const auto enters = [&](const Vec3f& first) {
-    const auto entry =
-        find_refracted_entry(space_.scene(), inside, space_.material(), space_.ior(), lamp, first);
+    const auto entry = find_boundary
+                           ? find_refracted_entry(space_.scene(), inside, *find_boundary,
+                                                  space_.ior(), lamp, first)
+                           : find_refracted_entry(space_.scene(), inside, space_.material(),
+                                                  space_.ior(), lamp, first);
     if (entry) on_way(*entry);
     return entry.has_value();
   };
@@ -117,11 +126,12 @@ void WalkLamps<N>::for_ways_in(const Vec3f& inside, const LightSample& lamp,
 template <int N>
 template <class OnLight>
 void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
-                          const LightGatherer<N>& light, const OnLight& on_light) const {
+                          const LightGatherer<N>& light, const OnLight& on_light,
+                          const FindBoundary* find_boundary) const {
   const LightSample lamp = space_.scene().lights.sample_light(inside, u_light, u);
   const bool is_sky = !lamp.is_delta && !std::isfinite(lamp.distance);
   if (!(lamp.pdf > 0.0f) || is_sky) return;
-  for_ways_in(inside, lamp, [&](const RefractedEntry& entry) {
+  for_ways_in(inside, lamp, find_boundary, [&](const RefractedEntry& entry) {
     const float ior = space_.ior();
     const float entering =
         1.0f - static_cast<float>(fresnel(std::min(entry.cos_outside, 1.0f), ior));
@@ -142,14 +152,15 @@ template <int N>
 template <class WeightOfSearch>
 BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const WalkStep& leaving,
                                                const LightGatherer<N>& light, PixelSamples& samples,
-                                               const WeightOfSearch& weight_of_search) const {
+                                               const WeightOfSearch& weight_of_search,
+                                               const FindBoundary* find_boundary) const {
   const Ray ray{leave_surface(leaving.point, leaving.outside), leaving.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
   space_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::max(), false, [&](const LightSeen& seen) {
         if (!seen.is_lamp) return;
-        const auto found =
-            find_same_way(path, leaving.point, ray.origin + seen.distance * ray.direction);
+        const auto found = find_same_way(path, leaving.point,
+                                         ray.origin + seen.distance * ray.direction, find_boundary);
         const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)
           radiance += weight * space_.conversion().from_rgb(seen.radiance) *

@@ -17,9 +17,28 @@ namespace {
 
 constexpr double same_ior = 1e-6;
 
+/// Nothing but an index, in the bands of the scene.
+Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
+  Material clear;
+  for (const SurfaceMaterial& material : scene.materials)
+    if (const auto* other = std::get_if<SubsurfaceSurface>(&material.surface))
+      clear.bands = other->material.bands;
+  const std::vector<double> zero(clear.bands.size(), 0.0);
+  const std::vector<double> ior(clear.bands.size(), static_cast<double>(glass.ior));
+  clear.ior_above.assign(clear.bands.size(), 1.0);
+  clear.ior_below = ior;
+  clear.layers = {{.sigma_a = zero, .sigma_s = zero, .g = zero, .ior = ior}};
+  const double roughness =
+      glass.smoothness ? 2.0 / std::max(glass.smoothness->value, 0.1f) : glass.roughness.value;
+  clear.layers[0].top = {std::clamp(roughness, 0.0, 1.0), glass.distribution};
+  return clear;
+}
+
 /// The layers of a material as they lie inside a mesh.
 /// @throws InvalidInput if their indices differ
-Material inside_mesh(const SurfaceMaterial& surface) {
+Material inside_mesh(const Scene& scene, const SurfaceMaterial& surface) {
+  if (const auto* glass = std::get_if<DielectricSurface>(&surface.surface))
+    return clear_medium(scene, *glass);
   Material inside = std::get<SubsurfaceSurface>(surface.surface).material;
   const MaterialLayer& first = inside.layers.front();
   for (std::size_t i = 0; i < inside.layers.size(); ++i) {
@@ -37,6 +56,11 @@ Material inside_mesh(const SurfaceMaterial& surface) {
   inside.ior_below = inside.layers.back().ior;
   inside.ground = {};
   return inside;
+}
+
+bool is_diffusing(const LayerStack& stack) {
+  return std::ranges::all_of(stack.layers(),
+                             [](const Layer& layer) { return layer.medium.sigma_s > 0.0; });
 }
 
 std::vector<float> thickness_of_layers(const Material& material) {
@@ -57,7 +81,7 @@ NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
 
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material)
-    : WalkLayers(scene, material, inside_mesh(scene.scene->materials[material])) {}
+    : WalkLayers(scene, material, inside_mesh(*scene.scene, scene.scene->materials[material])) {}
 
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
@@ -70,8 +94,10 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
     stacks.push_back(layer_stack(inside, b));
     ior_ += static_cast<float>(inside.layers[0].ior[b] / inside.ior_above[b]) /
             static_cast<float>(bands_);
-    reflectance_[static_cast<int>(b)] =
-        static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
+    own_ior_ += static_cast<float>(inside.layers[0].ior[b]) / static_cast<float>(bands_);
+    if (is_diffusing(stacks[b]))
+      reflectance_[static_cast<int>(b)] =
+          static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
   }
   stack_ = make_first_order<N>(stacks);
   least_extinction_ = Bands::filled(std::numeric_limits<float>::infinity());

@@ -14,8 +14,8 @@
 
 namespace lamina {
 
-/// What fills the meshes of one material, as paths inside see it: layers by depth, all of one index
-/// of refraction. The last layer fills the rest, whatever its thickness.
+/// What fills the meshes of one translucent or dielectric material, as paths inside see it: layers
+/// by depth, all of one index of refraction. The last layer fills the rest, whatever its thickness.
 template <int N>
 class WalkLayers {
  public:
@@ -29,7 +29,8 @@ class WalkLayers {
     return layers_[layer].medium;
   }
   [[nodiscard]] int bands() const { return bands_; }
-  [[nodiscard]] float ior() const { return ior_; }  ///< over that outside
+  [[nodiscard]] float ior() const { return ior_; }          ///< over that outside
+  [[nodiscard]] float own_ior() const { return own_ior_; }  ///< over that of vacuum
   [[nodiscard]] const Interface& boundary() const { return boundary_; }
   [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
   /// Of the flux that enters, by diffusion.
@@ -64,7 +65,7 @@ class WalkLayers {
   Bands reflectance_, least_extinction_;
   Interface boundary_;
   int bands_;
-  float ior_ = 0.0f;
+  float ior_ = 0.0f, own_ior_ = 0.0f;
 };
 
 }  // namespace lamina
