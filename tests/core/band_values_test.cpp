@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "lamina/core/brief_bands.h"
+
 namespace lamina {
 namespace {
 
@@ -36,6 +38,24 @@ TEST(BandValues, FunctionsKeepTheirStatedErrors) {
             2e-7);
   EXPECT_EQ(exp_minus(Bands::filled(0.0f))[0], 1.0f);
   EXPECT_EQ(exp_minus(Bands::filled(1e12f))[7], 0.0f);
+}
+
+// Eight bits with the leading one, rounded to nearest.
+TEST(BandValues, InHalfTheMemoryKeepTheirStatedError) {
+  const auto kept = [](double x) {
+    Bands bands;
+    bands[5] = static_cast<float>(-x);
+    return static_cast<double>(-in_full(brief(bands))[5]);
+  };
+  double worst = 0.0;
+  for (int i = 0; i < 10'000; ++i) {
+    const double x = std::exp(-80.0 + 0.016 * i);
+    worst = std::max(worst, std::abs(kept(x) / x - 1.0));
+  }
+  EXPECT_LT(worst, 0x1.01p-8);
+  EXPECT_GT(worst, 0x1.8p-9);  // or it would be in full
+  EXPECT_EQ(kept(0.0), 0.0);
+  EXPECT_EQ(in_full(brief(Bands::filled(1.0f)))[0], 1.0f);
 }
 
 }  // namespace

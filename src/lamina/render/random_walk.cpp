@@ -17,8 +17,8 @@ constexpr int most_events = 100'000;
 constexpr std::uint32_t walks = 4;  // from where a ray of the eye enters
 // How often a path searches for a lamp and goes on: these times what that may change of the light
 // that it brings home, and at least so often. By the least work for the same noise.
-constexpr float search_scale = 0.7f, least_search = 0.1f;
-constexpr float going_scale = 3.0f, least_going = 0.1f;
+constexpr float search_scale = 1.5f, least_search = 0.05f;
+constexpr float going_scale = 5.0f, least_going = 0.1f;
 // Light over that of the scene below which noise does not matter.
 constexpr float least_reference = 5e-4f;
 
@@ -44,13 +44,13 @@ RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& con
   is_isotropic_ = is_same_phase_ && phases_[0] == PhaseFunction(HenyeyGreenstein{.g = 0.0});
   stack_ = make_first_order<N>(stacks);
   const Bands sigma_s = stack_.layers[0].sigma_s, sigma_t = stack_.layers[0].sigma_t;
-  Bands reduced_sigma_s;
   for (int b = 0; b < N; ++b)
-    reduced_sigma_s[b] =
-        sigma_s[b] *
-        static_cast<float>(1.0 -
-                           mean_cosine(phases_[static_cast<std::size_t>(std::min(b, bands_ - 1))]));
+    mean_cosine_[b] =
+        static_cast<float>(mean_cosine(phases_[static_cast<std::size_t>(std::min(b, bands_ - 1))]));
+  const Bands reduced_sigma_s = sigma_s - mean_cosine_ * sigma_s;
   const Bands reduced_sigma_t = reduced_sigma_s + (sigma_t - sigma_s);
+  for (int b = 0; b < N; ++b)
+    reduction_[b] = sigma_t[b] > 0.0f ? reduced_sigma_t[b] / sigma_t[b] : 1.0f;
   medium_ = make_walk_medium(sigma_s, sigma_t, bands_);
   reduced_ = make_walk_medium(reduced_sigma_s, reduced_sigma_t, bands_);
   const auto shortest = [](const Bands& extinction) {
@@ -123,7 +123,7 @@ template <int N>
 typename RandomWalk<N>::Known RandomWalk<N>::what_is_known(const Vec3f& place, bool in_detail,
                                                            const LightGatherer<N>& light) const {
   Known known = light_.at(place);
-  if (lamps_->are_there() && (in_detail || !(known.weight() > 0.0f))) {
+  if (lamps_->are_there() && (in_detail || !known.is_known())) {
     const LampLight<N> lamp = lamps_->known(place, light);
     known.lamps = lamp.fluence;
     for (int axis = 0; axis < 3; ++axis) known.others[axis] = lamp.direction[axis];
@@ -147,7 +147,10 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
     const Known known = what_is_known(path.ray.origin, event == 0, light);
     const Bands into_path = phase(dot(known.direction(), path.ray.direction));
     const Bands from_lamps = into_path * known.lamps;
-    const Bands& expected = known.scattered;
+    // Of a path that goes on in a direction w: scattered + (flow · w) change. Here, their mean.
+    const Bands change = reduction_ * known.scattered;
+    const Bands expected =
+        known.scattered + dot(known.flow(), path.ray.direction) * mean_cosine_ * change;
     radiance += path.carried * (from_lamps + expected);
     if (event == 0)
       reference = std::max(largest(path.carried * (from_lamps + expected)), 0.0f) +
@@ -156,10 +159,9 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
 
     // A search for a lamp, now and then.
     const float most = std::min(largest(path.carried), 1.0f);
-    const float going =
-        known.weight() > 0.0f
-            ? std::clamp(going_scale * importance * known.spread(), least_going * most, 1.0f)
-            : most;
+    const float going = known.is_known() ? std::clamp(going_scale * importance * known.spread(),
+                                                      least_going * most, 1.0f)
+                                         : most;
     const float peak = std::max(largest(into_path), 0.25f / pi);
     const float searching =
         lamps_->are_there()
@@ -181,8 +183,9 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
     // On, now and then.
     if (!(random.uniform_float() < going)) return radiance;
     path.carried *= 1.0f / going;
-    radiance += (-1.0f * path.carried) * expected;
     scatter(path, numbers);
+    radiance +=
+        (-1.0f * path.carried) * (known.scattered + dot(known.flow(), path.ray.direction) * change);
     step = space_->advance(path, medium_, numbers);
   }
   if (step.end == WalkStep::End::leaves)
@@ -196,7 +199,8 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
 
 /// Of the two that find the same light of a lamp: a search, and paths that leave. The power
 /// heuristic of [VeachGuibas1995] for densities over directions at the event; where a curved
-/// boundary focuses light, paths find it more easily.
+/// boundary focuses light, paths find it more easily. As if every event searched: where few do,
+/// the lamp must not be left to paths that meet it by chance.
 ///
 /// @param pdf  with which a search draws the way [1/sr]; infinite for what no path meets
 template <int N>
@@ -211,8 +215,7 @@ float RandomWalk<N>::weight_of_search(const typename WalkPath<N>::Event& event,
     carried += event.carried[b];
   }
   rival *= event.going / carried;
-  const float own = event.searching * pdf;
-  return own * own / (own * own + rival * rival);
+  return pdf * pdf / (pdf * pdf + rival * rival);
 }
 
 template class RandomWalk<4>;

@@ -70,10 +70,12 @@ class RandomWalk final : public SubsurfaceTransport<N> {
   std::vector<PhaseFunction> phases_;  ///< [band]
   bool is_same_phase_ = true;          ///< in all bands
   bool is_isotropic_ = false;
+  Bands mean_cosine_;
   Bands reflectance_;
   float typical_radiance_;
   WalkMedium<N> medium_, reduced_;
   float reduced_free_path_;
+  Bands reduction_;  ///< of the extinction
   std::unique_ptr<WalkSpace<N>> space_;
   std::unique_ptr<WalkLamps<N>> lamps_;
   WalkLight<N> light_;

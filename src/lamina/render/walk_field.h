@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/render/lazy_values.h"
 #include "lamina/render/ray_geometry.h"
 
 namespace lamina {
@@ -95,27 +95,26 @@ class SafeDistances {
 
   [[nodiscard]] float at(const Vec3f& p) const {
     const NodeLattice::Nearest nearest = lattice_.nearest(p);
-    return node_at(nearest.node).distance - length(p - nearest.position);
+    return step_ * static_cast<float>(steps_at(nearest.node) - 1) - length(p - nearest.position);
   }
-  /// About the outward normal of the surface that is nearest.
-  [[nodiscard]] Vec3f nearest_normal(const Vec3f& p) const {
-    return node_at(lattice_.nearest(p).node).normal;
-  }
+  /// About the outward normal of the surface that is nearest; 0 far inside.
+  [[nodiscard]] Vec3f nearest_normal(const Vec3f& p) const;
 
  private:
-  struct Node {
-    float distance;
-    Vec3f normal;
-  };
-  [[nodiscard]] Node node_at(std::size_t node) const {
-    return nodes_.at(node, [this](std::size_t i) { return find_node(i); });
+  /// One more than the distance in steps.
+  [[nodiscard]] int steps_at(std::size_t node) const {
+    const std::uint8_t steps = steps_[node].load(std::memory_order_acquire);
+    return steps > 0 ? steps : find_out(node);
   }
-  [[nodiscard]] Node find_node(std::size_t node) const;
+  int find_out(std::size_t node) const;
 
   const RayGeometry& geometry_;
   const std::vector<Mesh>& meshes_;
   NodeLattice lattice_;
-  mutable LazyValues<Node> nodes_;
+  float step_;  ///< [mm]
+  // A byte for the distance, so that the caches hold those of all nodes; 0: not known yet.
+  mutable std::vector<std::atomic<std::uint8_t>> steps_;
+  mutable std::vector<std::atomic<std::uint32_t>> normals_;  ///< 10 bits for each coordinate
 };
 
 }  // namespace lamina

@@ -154,12 +154,12 @@ BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const Wa
                                                const LightGatherer<N>& light, PixelSamples& samples,
                                                const WeightOfSearch& weight_of_search,
                                                const FindBoundary* find_boundary) const {
-  const Ray ray{leave_surface(leaving.point, leaving.outside), leaving.outside};
+  const Ray ray{leave_surface(*leaving.point, leaving.outside), leaving.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
   space_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::max(), false, [&](const LightSeen& seen) {
         if (!seen.is_lamp) return;
-        const auto found = find_same_way(path, leaving.point,
+        const auto found = find_same_way(path, *leaving.point,
                                          ray.origin + seen.distance * ray.direction, find_boundary);
         const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)

@@ -50,11 +50,38 @@ template <int N>
 struct Links {
   std::size_t of_node;
   std::vector<std::uint32_t> node;
+  std::vector<Vec3f> direction;
   std::vector<BandValues<N>> weight, given;
 
   Links(std::size_t nodes, std::size_t each)
-      : of_node(each), node(nodes * each), weight(nodes * each), given(nodes * each) {}
+      : of_node(each),
+        node(nodes * each),
+        direction(nodes * each),
+        weight(nodes * each),
+        given(nodes * each) {}
 };
+
+/// What is known at the nodes next to one outside, so that places between them need no other rule.
+template <class Known, class IsInside>
+Known mean_around(const std::vector<Known>& known, const NodeLattice& lattice, std::size_t node,
+                  const IsInside& is_inside) {
+  Known total;
+  float count = 0.0f;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3f step{static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1),
+                     static_cast<float>(i / 9 - 1)};
+    const std::size_t n = lattice.nearest(lattice.position(node) + lattice.spacing() * step).node;
+    if (!is_inside(n)) continue;
+    const float weight = 1.0f / dot(step, step);
+    total.scattered += weight * known[n].scattered;
+    total.lamps += weight * known[n].lamps;
+    total.others += weight * known[n].others;
+    count += weight;
+  }
+  if (!(count > 0.0f)) return {};
+  return {(1.0f / count) * total.scattered, (1.0f / count) * total.lamps,
+          (1.0f / count) * total.others};
+}
 
 }  // namespace
 
@@ -65,8 +92,9 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
   const NodeLattice& lattice = lattice_[0];
   const std::size_t nodes = lattice.count();
   const std::uint64_t seed = space.scene().scene->render.seed;
-  nodes_.resize(nodes);
+  std::vector<Known> known(nodes);
   std::vector<Places> places(nodes);
+  const auto is_inside = [&](std::size_t n) { return places[n].count > 0; };
   std::vector<Bands> reduced_lamps(nodes);  // scattered into any direction
   const auto for_nodes = [&](const auto& body) {
     parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
@@ -78,22 +106,21 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
     places[n] = places_around(space, lattice, n, random);
     const std::size_t count = places[n].count;
     if (count == 0) return;
-    nodes_[n].others[5] = 1.0f;
     if (!lamps.are_there()) return;
     for (std::size_t i = 0; i < count; ++i) {
       const LampLight<N> lamp = lamps.known(places[n].at[i], light);
       const float share = 1.0f / static_cast<float>(count);
-      nodes_[n].lamps += share * lamp.fluence;
+      known[n].lamps += share * lamp.fluence;
       reduced_lamps[n] += (0.25f / pi * share) * lamp.reduced;
-      for (int axis = 0; axis < 3; ++axis) nodes_[n].others[axis] += share * lamp.direction[axis];
-      nodes_[n].others[4] += share * lamp.spread;
+      for (int axis = 0; axis < 3; ++axis) known[n].others[axis] += share * lamp.direction[axis];
+      known[n].others[4] += share * lamp.spread;
     }
   });
 
   Links<N> links(nodes, std::clamp(static_cast<std::size_t>(most_links / N) / nodes,
                                    least_links_of_node, most_links_of_node));
   for_nodes([&](std::size_t n) {
-    if (!(nodes_[n].weight() > 0.0f)) return;
+    if (!is_inside(n)) return;
     WalkNumbers numbers(make_random(seed + 2, n));
     const Vec2f shift = numbers.pair();
     for (std::size_t i = 0; i < links.of_node; ++i) {
@@ -104,8 +131,9 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
           1.0f - 2.0f * (static_cast<float>(i) + shift.x) / static_cast<float>(links.of_node);
       const float phi = 2.0f * pi * (shift.y + 0.618034f * static_cast<float>(i));
       const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+      links.direction[k] = {r * std::cos(phi), r * std::sin(phi), z};
       const Vec3f place = places[n].at[i % places[n].count];
-      WalkPath<N> path{.ray = {place, {r * std::cos(phi), r * std::sin(phi), z}},
+      WalkPath<N> path{.ray = {place, links.direction[k]},
                        .carried = Bands::filled(1.0f),
                        .has_scattered = true,
                        .safe = std::max(space.safe().at(place), 0.0f)};
@@ -121,10 +149,10 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
       const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
       float total = 0.0f;
       for (std::size_t c = 0; c < 8; ++c)
-        total += corners.weight[c] * nodes_[corners.node[c]].weight();
+        if (is_inside(corners.node[c])) total += corners.weight[c];
       float left = total * numbers.stream().uniform_float();
       for (std::size_t c = 0; c < 8 && total > 0.0f; ++c) {
-        if (!(nodes_[corners.node[c]].weight() > 0.0f)) continue;
+        if (!is_inside(corners.node[c])) continue;
         links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
         links.weight[k] = path.carried;
         links.given[k] = path.carried * reduced_lamps[corners.node[c]];
@@ -136,15 +164,15 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
 
   const float share = 1.0f / static_cast<float>(links.of_node);
   const auto brought = [&](std::size_t k) {
-    return links.given[k] + links.weight[k] * nodes_[links.node[k]].scattered;
+    return links.given[k] + links.weight[k] * known[links.node[k]].scattered;
   };
   const auto renew = [&](std::size_t n) {  // returns the change
-    if (!(nodes_[n].weight() > 0.0f)) return 0.0f;
+    if (!is_inside(n)) return 0.0f;
     Bands sum;
     for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) sum += brought(k);
     sum *= share;
-    const Bands change = sum - nodes_[n].scattered;
-    nodes_[n].scattered += over_relaxation * change;
+    const Bands change = sum - known[n].scattered;
+    known[n].scattered += over_relaxation * change;
     return largest(abs(change));
   };
   // Gauss and Seidel's iteration, to and fro, over-relaxed.
@@ -153,23 +181,35 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
     for (std::size_t i = 0; i < nodes; ++i) {
       const std::size_t n = sweep % 2 ? nodes - 1 - i : i;
       change = std::max(change, renew(n));
-      brightest = std::max(brightest, largest(nodes_[n].scattered));
+      brightest = std::max(brightest, largest(known[n].scattered));
     }
     if (!(change > tolerance * brightest)) break;
   }
   for_nodes([&](std::size_t n) {
-    if (!(nodes_[n].weight() > 0.0f)) return;
+    if (!is_inside(n)) return;
+    // What depends on the direction, to the first order.
+    const float mean = sum(known[n].scattered);
+    Vec3f moment;
+    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k)
+      moment += (sum(brought(k)) - mean) * links.direction[k];
+    const Vec3f flow = mean > 0.0f ? (3.0f * share / mean) * moment : Vec3f{};
     Bands squares;
     for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) {
-      const Bands d = brought(k) - nodes_[n].scattered;
+      const Bands d = brought(k) - (1.0f + dot(flow, links.direction[k])) * known[n].scattered;
       squares += d * d;
     }
-    nodes_[n].others[3] = std::sqrt(share * largest(squares));
+    known[n].others[3] = std::sqrt(share * largest(squares));
+    for (int axis = 0; axis < 3; ++axis) known[n].others[5 + axis] = flow[axis];
   });
   for_nodes([&](std::size_t n) {
     // Unlike in reality, lamps are weakened by the reduced extinction here. What that lets pass is
     // not straight any more.
-    nodes_[n].scattered += reduced_lamps[n] - (0.25f / pi) * nodes_[n].lamps;
+    known[n].scattered += reduced_lamps[n] - (0.25f / pi) * known[n].lamps;
+  });
+  nodes_.resize(nodes);
+  for_nodes([&](std::size_t n) {
+    const Known node = is_inside(n) ? known[n] : mean_around(known, lattice, n, is_inside);
+    nodes_[n] = {brief(node.scattered), brief(node.lamps), brief(node.others)};
   });
 }
 
@@ -178,22 +218,20 @@ WalkLight<N>::Known WalkLight<N>::at(const Vec3f& p) const {
   if (lattice_.empty()) return {};
   const NodeLattice::Corners corners = lattice_[0].corners(p);
   Known sum;
-  for (std::size_t i = 0; i < 8; ++i) {  // nodes outside hold zeros
-    const Known& node = nodes_[corners.node[i]];
-    sum.scattered += corners.weight[i] * node.scattered;
-    sum.lamps += corners.weight[i] * node.lamps;
-    sum.others += corners.weight[i] * node.others;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Node& node = nodes_[corners.node[i]];
+    sum.scattered += corners.weight[i] * in_full(node.scattered);
+    sum.lamps += corners.weight[i] * in_full(node.lamps);
+    sum.others += corners.weight[i] * in_full(node.others);
   }
-  if (!(sum.weight() > 0.0f)) return {};
-  const float scale = 1.0f / sum.weight();
-  return {scale * sum.scattered, scale * sum.lamps, scale * sum.others};
+  return sum;
 }
 
 template <int N>
 void WalkLight<N>::scale(float factor) {
-  for (Known& node : nodes_) {
-    node.scattered *= factor;
-    node.lamps *= factor;
+  for (Node& node : nodes_) {
+    node.scattered = brief(factor * in_full(node.scattered));
+    node.lamps = brief(factor * in_full(node.lamps));
   }
 }
 

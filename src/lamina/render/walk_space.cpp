@@ -90,8 +90,8 @@ void WalkSpace<N>::bounce(WalkPath<N>& path, const SurfacePoint& point, const Hi
 template <int N>
 bool WalkSpace<N>::meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
                                 float u_boundary) const {
-  step.point = make_bare_surface_point(scene_.scene->meshes, hit);
-  const SurfacePoint& point = step.point;
+  const SurfacePoint& point =
+      step.point.emplace(make_bare_surface_point(scene_.scene->meshes, hit));
   if (is_blocker(point, path.ray.direction)) {
     bounce(path, point, hit, u);
   } else {

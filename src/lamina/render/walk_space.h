@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lamina/core/band_values.h"
@@ -66,8 +67,8 @@ template <int N>
 /// What a path comes to.
 struct WalkStep {
   enum class End { event, leaves, lost } end = End::lost;
-  SurfacePoint point;  ///< where it leaves
-  Vec3f outside;       ///< towards where
+  std::optional<SurfacePoint> point;  ///< where it leaves
+  Vec3f outside;                      ///< towards where
 };
 
 /// A band, each drawn in proportion to what it carries.
