@@ -107,19 +107,14 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
   for (Panel& panel : panels_) panel.probability /= total;
   for (Spot& spot : spots_) spot.probability /= total;
   for (Sky& sky : skies_) sky.probability /= total;
+  make_parts();
 }
 
 LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) const {
   for (const Spot& spot : spots_) {
     u_light -= spot.probability;
     if (!(u_light < 0.0f)) continue;
-    if (spot.is_far)
-      return {spot.where, std::numeric_limits<float>::infinity(), spot.strength, spot.probability,
-              true};
-    const Vec3f d = spot.where - position;
-    const float distance2 = dot(d, d), distance = std::sqrt(distance2);
-    if (!(distance2 > 0.0f)) return {};
-    return {d / distance, distance, spot.strength / distance2, spot.probability, true};
+    return sample_spot(spot, position);
   }
   for (const Panel& panel : panels_) {
     u_light -= panel.probability;
@@ -136,6 +131,16 @@ LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) 
             seen.pdf * sky.probability, false};
   }
   return {};
+}
+
+LightSample Lights::sample_spot(const Spot& spot, const Vec3f& position) const {
+  if (spot.is_far)
+    return {spot.where, std::numeric_limits<float>::infinity(), spot.strength, spot.probability,
+            true};
+  const Vec3f d = spot.where - position;
+  const float distance2 = dot(d, d), distance = std::sqrt(distance2);
+  if (!(distance2 > 0.0f)) return {};
+  return {d / distance, distance, spot.strength / distance2, spot.probability, true};
 }
 
 LightSample Lights::sample_panel(const Panel& panel, const Vec3f& position, Vec2f u) {

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -29,6 +31,21 @@ struct LightSeen {
   bool is_lamp = false;   ///< not the sky
 };
 
+/// Parts of lights as seen from a point.
+struct LightPartsSeen {
+  std::size_t count;
+  const float *x, *y, *z;  ///< directions towards their middles
+  const float* flux;       ///< irradiance on a facing surface
+  const float* spread2;    ///< mean square of the distance of their directions from the middle
+};
+
+inline constexpr std::size_t most_light_parts = 320, most_near_light_parts = 64;
+
+/// What Lights::near_parts fills.
+struct NearLightParts {
+  std::array<float, most_near_light_parts> x, y, z, flux, spread2;
+};
+
 /// All lights of a scene. A light casts no shadow: it adds to what is seen behind it.
 class Lights {
  public:
@@ -38,6 +55,20 @@ class Lights {
   /// Draws a light, with a probability that follows the irradiance it gives at the middle of the
   /// scene, and a direction towards it.
   [[nodiscard]] LightSample sample_light(const Vec3f& position, float u_light, Vec2f u) const;
+
+  /// The lights are cut into parts, for choosing among them by what a surface makes of each: first
+  /// those that are far away, whose directions are the same everywhere. 0: there are no lights to
+  /// draw from, or too many.
+  [[nodiscard]] std::size_t part_count() const { return parts_.size(); }
+  [[nodiscard]] LightPartsSeen far_parts() const;
+  [[nodiscard]] LightPartsSeen near_parts(const Vec3f& position, NearLightParts& storage) const;
+
+  /// A direction towards a part, with the pdf of sample_light; and the probability with which
+  /// sample_light draws one of this part.
+  [[nodiscard]] LightSample sample_part(std::size_t part, const Vec3f& position, Vec2f u) const;
+  [[nodiscard]] float probability_of_part(std::size_t part) const {
+    return parts_[part].probability;
+  }
 
   /// The lights seen along a ray between the distances `from` and `limit`, which is infinite if it
   /// meets nothing. `on_light(LightSeen)` is called for each.
@@ -83,9 +114,23 @@ class Lights {
   [[nodiscard]] static float pdf_panel(const Panel& panel, const Vec3f& position,
                                        const Vec3f& direction, float distance);
 
+  /// What the random numbers of a rectangle in the unit square draw from one light.
+  struct Part {
+    enum class Of { sky, spot, panel } of;
+    std::size_t light;
+    Vec2f low, size;
+    float probability;
+  };
+  [[nodiscard]] LightSample sample_spot(const Spot& spot, const Vec3f& position) const;
+  void make_parts();
+  /// Halves a rectangle of a sky's random numbers so many times, across its longer side in the sky.
+  void cut_sky(std::size_t sky, Vec2f low, Vec2f size, int halvings);
+
   std::vector<Panel> panels_;
   std::vector<Spot> spots_;
   std::vector<Sky> skies_;
+  std::vector<Part> parts_;                      ///< far ones first
+  std::array<std::vector<float>, 5> far_parts_;  ///< x, y, z, flux, spread2
   float typical_irradiance_ = 0.0f;
 };
 

@@ -103,9 +103,9 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     world_.scene.lights.for_lights_seen(
         ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
           if (seen.is_lamp && !path.sees_lamps) return;
-          const float weight =
-              weight_of_surface_sample(world_.options.direct_light, path.pdf, seen.pdf) /
-              (path.index * path.index);
+          const float weight = weight_of_surface_sample(world_.options.direct_light, path.pdf,
+                                                        seen.pdf, path.candidates) /
+                               (path.index * path.index);
           const Bands arriving = weight * throughput * world_.conversion.from_rgb(seen.radiance);
           radiance += path.pdf == 0.0f ? without_caustics(arriving, path) : arriving;
         });
@@ -147,7 +147,6 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const PathSurface<N> surface = make_path_surface(world_, point, -ray.direction);
     const bool is_first = path.is_from_eye && first;
     path.footprint = footprint;
-    float chance = specular_chance(surface);
     bool goes_on = true, is_specular = false;
     if (is_first) first->albedo = world_.conversion.to_rgb(surface.reflectance);
     if (path.is_from_eye && surface.transport) {
@@ -160,24 +159,25 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
         first->subsurface = world_.conversion.to_rgb(inside);
       }
       if (surface.boundary.count == 0) break;
-      chance = std::min(1.0f, 0.2f + 4.0f * reflectance(surface.boundary, surface.wo.z));
       const Bands mirrored =
-          throughput * direct_light(world_, surface, false, chance, 0.0f, samples).specular;
+          throughput * direct_light(world_, surface, false, 1.0f, 0.0f, samples).specular;
       radiance += mirrored;
       if (is_first) first->specular += world_.conversion.to_rgb(mirrored);
       const SpecularSample sample =
           sample_specular(surface.boundary, surface.wo, samples.next_1d(), samples.next_2d());
-      goes_on = sample.weight > 0.0f && samples.next_1d() < chance;
+      goes_on = sample.weight > 0.0f;
       is_specular = true;
       if (goes_on) {
-        throughput *= sample.weight / chance;
-        path.pdf = sample.is_mirror ? 0.0f : sample.pdf * chance;
+        throughput *= sample.weight;
+        path.pdf = sample.is_mirror ? 0.0f : sample.pdf;
+        path.candidates = candidates_for_mirrors(world_);
         path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
         ray.direction = surface.frame.to_world(sample.wi);
         goes_on = dot(ray.direction, surface.point.geometric_normal) > 0.0f;
         ray.origin = leave_surface(surface.point, ray.direction);
       }
     } else {
+      const float chance = specular_chance(surface);
       const Reflected<N> direct =
           direct_light(world_, surface, true, chance, 1.0f - chance, samples);
       radiance += without_caustics(throughput * direct.specular, path) + throughput * direct.base;
@@ -187,6 +187,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
         first->subsurface = world_.conversion.to_rgb(throughput * direct.base);
       }
       goes_on = scatter(surface, chance, ray, path, throughput, is_specular, samples);
+      path.candidates = light_candidates;
     }
     if (!goes_on) break;
     if (is_first) {

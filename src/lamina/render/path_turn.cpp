@@ -21,6 +21,13 @@ struct Lobes {
 template <int N>
 Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surface, bool with_base,
                           float specular_chance, float base_chance, PixelSamples& samples) {
+  // Where there is a mirror alone, lights are chosen by what it makes of them.
+  std::optional<MirroredParts> parts;
+  if (!with_base && world.scene.lights.part_count() > 0)
+    parts.emplace(world.scene.lights,
+                  MirrorView{surface.boundary, surface.frame.z, surface.frame.to_world(surface.wo)},
+                  surface.point.position);
+  const float candidates = with_base ? light_candidates : candidates_for_mirrors(world);
   const auto reflected = [&](const LightSample& light) {
     const Vec3f wi = surface.frame.to_local(light.direction);
     Lobes lobes;
@@ -31,30 +38,32 @@ Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surfa
     float pdf = base_chance * pdf_base(surface, wi);
     if (lobes.specular > 0.0f && !light.is_delta)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    lobes.scale = std::abs(wi.z) * weight_of_light_sample(world.options.direct_light, light, pdf);
+    lobes.scale =
+        std::abs(wi.z) * weight_of_light_sample(world.options.direct_light, light, pdf, candidates);
     return lobes;
   };
   const float brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
   const float brightness_beyond = with_base ? sum(surface.transmittance) / N : 0.0f;
-  const LightDrawn<N> drawn =
-      draw_light(world, surface.point, samples, [&](const LightSample& light) {
-        const Lobes lobes = reflected(light);
-        const bool is_beyond = dot(light.direction, surface.frame.z) < 0.0f;
-        return lobes.scale *
-               (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
-      });
+  const auto value = [&](const LightSample& light) {
+    const Lobes lobes = reflected(light);
+    const bool is_beyond = dot(light.direction, surface.frame.z) < 0.0f;
+    return lobes.scale *
+           (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
+  };
+  const LightDrawn<N> drawn = draw_light(world, surface.point, samples, value,
+                                         Dielectrics::let_through, parts ? &*parts : nullptr);
   if (!(drawn.weight > 0.0f)) return {};
   Lobes lobes = reflected(drawn.light);
   const Vec3f wi = surface.frame.to_local(drawn.light.direction);
   if (surface.layered && with_base) {
-    const auto value = surface.layered->evaluate(wi, samples);
-    float pdf = base_chance * (1.0f - surface.mirrored_chance) * value.pdf;
+    const auto layers = surface.layered->evaluate(wi, samples);
+    float pdf = base_chance * (1.0f - surface.mirrored_chance) * layers.pdf;
     if (lobes.specular > 0.0f)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
     const float scale = wi.z * weight_of_light_sample(world.options.direct_light, drawn.light, pdf);
     const BandValues<N> arriving =
         drawn.weight * scale * drawn.clear * world.conversion.from_rgb(drawn.light.radiance);
-    return {.specular = lobes.specular * arriving, .base = value.bsdf * arriving};
+    return {.specular = lobes.specular * arriving, .base = layers.bsdf * arriving};
   }
   const BandValues<N> arriving =
       drawn.weight * lobes.scale * drawn.clear * world.conversion.from_rgb(drawn.light.radiance);

@@ -12,11 +12,19 @@ struct Reflected {
   BandValues<N> specular, base;
 };
 
+/// Without the base lights are chosen by what the boundary mirrors of them.
+///
 /// @param specular_chance, base_chance  with which `scatter` draws by the boundary and by the base
 template <int N>
 [[nodiscard]] Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surface,
                                         bool with_base, float specular_chance, float base_chance,
                                         PixelSamples& samples);
+
+/// What lights that are chosen by a mirror are worth, in candidates of others.
+template <int N>
+[[nodiscard]] float candidates_for_mirrors(const PathWorld<N>& world) {
+  return world.scene.lights.part_count() > 0 ? mirrored_candidates : light_candidates;
+}
 
 /// Turns a path at a diffuse or coated surface, by the boundary with the given chance; false if it
 /// ends there.
