@@ -109,11 +109,11 @@ TEST(DepthLayers, CutWaysThroughABallIntoTheChordsOfItsShells) {
 // eye sends back.
 TEST(MediaWalk, WidePlateOfLayersReflectsAsAddingDoublingHasIt) {
   const Material material = two_layers();
-  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 320);
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 128);
   const Image image = render(scene).image;
   for (std::size_t c = 0; c < 3; ++c) {
     const double expected = adding_doubling(layer_stack(material, c)).totals.diffuse_reflectance;
-    EXPECT_NEAR(mean_inside(image, c), expected, 0.01 * expected) << c;
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.015 * expected) << c;
   }
 }
 
@@ -123,12 +123,12 @@ TEST(MediaWalk, WidePlateOfLayersScattersALampAsAddingDoublingHasIt) {
   const double mu = 0.6, zero[] = {0.0};
   const Scene scene =
       scene_of(make_plate(60.0f, 30.0f), material,
-               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 256);
+               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 96);
   const Image image = render(scene).image;
   for (std::size_t c = 0; c < 3; ++c) {
     const double expected =
         mu * stack_bsdf(layer_stack(material, c), std::acos(mu), zero, zero).brdf[0];
-    EXPECT_NEAR(mean_inside(image, c), expected, 0.01 * expected) << c;
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.015 * expected) << c;
   }
 }
 
@@ -142,22 +142,22 @@ TEST(MediaWalk, LayersOfOneMediumAreOneLayer) {
   for (const std::size_t layers : {1u, 3u}) {
     std::vector<MaterialLayer> stack(layers, layer_of(sigma_a, sigma_s, 0.4, 0.1));
     stack.back().thickness = infinite;
-    Scene scene = scene_of(make_sphere(2.0f), material_of(stack), lamp, 40);
+    Scene scene = scene_of(make_sphere(2.0f), material_of(stack), lamp, 16);
     scene.camera = {.position = {40, 0, 40}, .up = {0, 1, 0}, .horizontal_fov = 0.01};
     const Image image = render(scene).image;
     for (std::size_t c = 0; c < 3; ++c) mean[layers > 1][c] = mean_inside(image, c);
   }
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[1][c], mean[0][c], 0.03 * mean[0][c]) << c;
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[1][c], mean[0][c], 0.04 * mean[0][c]) << c;
 }
 
 TEST(MediaWalk, WhiteLayersInEvenLightAreInvisible) {
   Scene scene = scene_of(make_sphere(3.0f),
                          material_of({layer_of({0, 0, 0}, {5, 5, 5}, 0.7, 0.2),
                                       layer_of({0, 0, 0}, {1, 1, 1}, 0.0, infinite)}),
-                         EnvironmentLight{}, 24);
+                         EnvironmentLight{}, 8);
   scene.camera = camera_above(4.0);
   const Image image = render(scene).image;
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean_of(image, c), 1.0, 0.005) << c;
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean_of(image, c), 1.0, 0.01) << c;
 }
 
 /// A half-space under facets, the same in all bands so that they share all paths.
@@ -169,7 +169,7 @@ Material rough_medium(double sigma_a, double alpha) {
 }
 
 TEST(MediaWalk, WhiteObjectWithARoughBoundaryIsInvisibleInEvenLight) {
-  Scene scene = scene_of(make_sphere(1.0f), rough_medium(0.0, 0.4), EnvironmentLight{}, 32);
+  Scene scene = scene_of(make_sphere(1.0f), rough_medium(0.0, 0.4), EnvironmentLight{}, 24);
   scene.camera = camera_above(1.4);
   EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.005);
 }
@@ -177,13 +177,13 @@ TEST(MediaWalk, WhiteObjectWithARoughBoundaryIsInvisibleInEvenLight) {
 // Of what has entered, the part that leaves again: the renderer's mirror is of V-shaped grooves.
 TEST(MediaWalk, WidePlateWithARoughBoundaryReflectsAsAddingDoublingHasIt) {
   const Material material = rough_medium(0.1, 0.5);
-  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 128);
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 96);
   const SlabTotals totals = adding_doubling(layer_stack(material, 0)).totals;
   const RenderScene prepared(scene);
   const double mirrored = prepared.boundaries[0].own->at(0.5f, 1.0f);
   const double expected =
       totals.diffuse_reflectance * (1.0 - mirrored) / (1.0 - totals.specular_reflectance);
-  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.01 * expected);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.015 * expected);
 }
 
 // A lamp in one direction, found where paths meet the rough boundary.
@@ -192,7 +192,7 @@ TEST(MediaWalk, WidePlateWithARoughBoundaryScattersALampAsAddingDoublingHasIt) {
   const double mu = 0.6, zero[] = {0.0};
   const Scene scene =
       scene_of(make_plate(60.0f, 30.0f), material,
-               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 768);
+               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 320);
   const RoughInterface<double> facets =
       make_rough_interface<double>(material.layers[0].top, 1.0, 1.4);
   Random random(3);
@@ -209,23 +209,47 @@ TEST(MediaWalk, WidePlateWithARoughBoundaryScattersALampAsAddingDoublingHasIt) {
 TEST(MediaWalk, RoughBoundaryPassesALampAsItPassesSky) {
   const Light lamp = RectangleLight{
       .center = {0, 0, 1}, .edge_u = {400, 0, 0}, .edge_v = {0, -400, 0}, .radiance = {2, 2, 2}};
-  const Scene scene = scene_of(make_plate(20.0f, 10.0f), rough_medium(0.3, 0.3), lamp, 256);
+  const Scene scene = scene_of(make_plate(20.0f, 10.0f), rough_medium(0.3, 0.3), lamp, 96);
   Scene open = scene;
   open.lights = {EnvironmentLight{.scale = {2, 2, 2}}};
   const double of_sky = mean_inside(render(open).image, 0);
   EXPECT_GT(of_sky, 0.2);
-  EXPECT_NEAR(mean_inside(render(scene).image, 0), of_sky, 0.02 * of_sky);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), of_sky, 0.03 * of_sky);
 }
 
-TEST(MediaWalk, RefusesLayersOfDifferentIndices) {
-  Material material = two_layers();
-  material.layers[1].ior = material.ior_below = {1.3, 1.3, 1.3};
-  const Scene scene = scene_of(make_sphere(1.0f), material, EnvironmentLight{}, 1);
+/// The same in all bands, with a boundary between the layers.
+Material layers_of_two_indices(double sigma_a, double roughness) {
+  const std::vector<double> a(3, sigma_a), above(3, 4.0), below(3, 2.0);
+  Material material =
+      material_of({layer_of(a, above, 0.3, 0.3, 1.3), layer_of(a, below, 0.0, infinite, 1.6)});
+  material.layers[1].top = {.roughness = roughness};
+  return material;
+}
+
+TEST(MediaWalk, WidePlateOfLayersOfTwoIndicesReflectsAsAddingDoublingHasIt) {
+  for (const double roughness : {0.0, 0.4}) {
+    const Material material = layers_of_two_indices(0.2, roughness);
+    const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 96);
+    const double expected = adding_doubling(layer_stack(material, 0)).totals.diffuse_reflectance;
+    EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.02 * expected) << roughness;
+  }
+}
+
+TEST(MediaWalk, WhiteBallOfLayersOfTwoIndicesIsInvisibleInEvenLight) {
+  Scene scene = scene_of(make_sphere(0.6f), layers_of_two_indices(0.0, 0.0), EnvironmentLight{}, 6);
+  scene.camera = camera_above(0.8);
+  EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.01);
+}
+
+TEST(MediaWalk, RefusesLightsWithoutAnAreaOverLayersOfDifferentIndices) {
+  const Scene scene =
+      scene_of(make_sphere(1.0f), layers_of_two_indices(0.1, 0.0),
+               DirectionalLight{.direction = {0, 0, 1}, .irradiance = {1, 1, 1}}, 1);
   try {
     (void)render(scene);
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("layer 2 (\"layer\") has 1.3"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("layers of different ior"), std::string::npos)
         << error.what();
   }
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/depth_layers.h"
 
-#include <numeric>
+#include "lamina/render/surface_point.h"
 
 namespace lamina {
 namespace {
@@ -39,6 +39,13 @@ float DepthLayers::find_depth(const Vec3f& p) const {
     most = std::min(most, length((1.0f - at.x - at.y) * at_a + at.x * at_b + at.y * at_c - p));
   }
   return std::min(geometry_.closest_point(p, most, material_, 0.0f).distance, most);
+}
+
+Vec3f DepthLayers::outward(const Vec3f& p) const {
+  const Hit hit = geometry_.closest_point(p, reach_, material_, 0.0f);
+  if (!hit.is_hit()) return {0, 0, 1};
+  const SurfacePoint nearest = make_bare_surface_point(meshes_, hit);
+  return hit.distance > 0.0f ? normalize(nearest.position - p) : nearest.geometric_normal;
 }
 
 std::size_t DepthLayers::layer_at(float depth) const {

@@ -40,6 +40,13 @@ class DepthLayers {
   template <class OnPart>
   void for_parts(const Ray& way, const Place& start, float length, const OnPart& on_part) const;
 
+  /// Towards the surface, unit length: the normal of the boundary between layers.
+  [[nodiscard]] Vec3f outward(const Vec3f& p) const;
+  /// How far beside a boundary a place is surely in one layer [mm].
+  [[nodiscard]] float nudge(const Vec3f& p) const {
+    return std::max(0.04f * short_step_, 4e-6f * length(p));
+  }
+
   [[nodiscard]] std::size_t count() const { return tops_.size(); }
   /// Depth of a layer's upper boundary [mm].
   [[nodiscard]] float top(std::size_t layer) const { return tops_[layer]; }

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <utility>
+#include <variant>
 
 #include "lamina/core/error.h"
 
@@ -15,29 +14,6 @@ namespace {
 constexpr int most_turns = 200'000, most_bodies = 1000;  // of a path; on one way
 constexpr std::uint32_t walks = 4;                       // from where a ray of the eye enters
 constexpr float least_search = 0.05f;
-
-/// Source: [VeachGuibas1995].
-[[nodiscard]] float power_heuristic(float own, float other) {
-  return own > 0.0f ? 1.0f / (1.0f + (other / own) * (other / own)) : 0.0f;
-}
-
-/// Of the two that find the same light of a lamp, a search and paths that leave, for densities over
-/// directions at the event.
-///
-/// @param leaving  what each band carries, weakened on the way out and turned by the phase function
-/// @param pdf      with which a search draws the way [1/sr]; infinite for what no path meets
-template <int N>
-float weight_of_search(const typename WalkPath<N>::Event& event, const BandValues<N>& leaving,
-                       float pdf, int bands) {
-  if (!std::isfinite(pdf)) return 1.0f;
-  float rival = 0.0f, carried = 0.0f;
-  for (int b = 0; b < bands; ++b) {
-    rival += leaving[b];
-    carried += event.carried[b];
-  }
-  rival *= event.going / carried;
-  return power_heuristic(event.searching * pdf, rival);
-}
 
 }  // namespace
 
@@ -61,8 +37,19 @@ MediaWalk<N>::MediaWalk(std::shared_ptr<const WalkMedia<N>> media, std::uint32_t
                          "inside a mesh, but this one has \"" + scene.materials[material].name +
                          "\" and \"" + scene.materials[media_->bodies().material_of(m)].name +
                          "\"; split it");
-  if (const BodyMedium<N>* own = media_->of_material(material))
-    reflectance_ = own->layers.diffuse_reflectance();
+  const BodyMedium<N>* own = media_->of_material(material);
+  if (!own) return;
+  reflectance_ = own->layers.diffuse_reflectance();
+  const std::size_t last = own->layers.by_depth().count() - 1;
+  const bool has_points = std::ranges::any_of(scene.lights, [](const Light& light) {
+    return std::holds_alternative<PointLight>(light) ||
+           std::holds_alternative<DirectionalLight>(light);
+  });
+  if (!own->layers.sees_out(last) && has_points)
+    throw InvalidInput("material \"" + scene.materials[material].name +
+                       "\": random_walk does not " +
+                       "find point and distant lights through layers of different ior; use " +
+                       "rectangles, or one ior");
 }
 
 template <int N>
@@ -96,9 +83,15 @@ typename MediaWalk<N>::Step MediaWalk<N>::advance(WalkPath<N>& path, Place& plac
     if (!(reach < path.safe)) surface = media_->next_surface(path.ray, place, t_near, reach);
     if (!surface.hit.is_hit() && !(least > 0.0f)) return {};  // through a hole
     float end = begin;
+    const std::size_t first = place.depth.layer;
     const Ray rest{path.ray.origin + begin * path.ray.direction, path.ray.direction};
     layers.by_depth().for_parts(rest, place.depth, std::min(surface.hit.distance, reach) - begin,
                                 [&](std::size_t layer, float part) {
+                                  if (layers.own_ior(layer) != layers.own_ior(first)) {
+                                    step = {Step::End::layer, {}, layer};
+                                    return false;
+                                  }
+                                  place.depth.layer = layer;
                                   const WalkMedium<N>& here = layers.medium(layer);
                                   const float whole = part * here.sigma_t[band];
                                   if (left < whole) {
@@ -118,6 +111,10 @@ typename MediaWalk<N>::Step MediaWalk<N>::advance(WalkPath<N>& path, Place& plac
       step.end = Step::End::event;
       break;
     }
+    if (step.end == Step::End::layer) {
+      path.ray.origin += end * path.ray.direction;
+      break;
+    }
     if (!surface.hit.is_hit()) return {};
     if (!surface.passes) {
       step = {Step::End::surface, surface};
@@ -125,7 +122,7 @@ typename MediaWalk<N>::Step MediaWalk<N>::advance(WalkPath<N>& path, Place& plac
     }
     begin = surface.hit.distance;
     t_near = behind(surface.hit, surface.point);
-    place = media_->place(surface.crossing.beyond, path.ray.origin + begin * path.ray.direction);
+    place = surface.beyond;
   }
 
   // exp(-extinction) of each band; what all share cancels.
@@ -144,88 +141,31 @@ typename MediaWalk<N>::Step MediaWalk<N>::advance(WalkPath<N>& path, Place& plac
 }
 
 template <int N>
-BandValues<N> MediaWalk<N>::search(const WalkPath<N>& path, const Place& place,
-                                   const LightGatherer<N>& light, Random& random) const {
-  const BodyMedium<N>& medium = *place.medium;
-  const Vec3f& origin = path.ray.origin;
-  const auto find = [&](const Vec3f& direction) {
-    return media_->find_boundary({origin, direction}, place);
-  };
-  const FindBoundary find_boundary = std::cref(find);
-  Bands found;
-  const float u_light = random.uniform_float(), u = random.uniform_float();
-  medium.lamps.search(
-      origin, u_light, {u, random.uniform_float()}, light,
-      [&](const FoundLamp<N>& lamp) {
-        const Vec3f& direction = lamp.entry.to_surface;
-        const Bands turned =
-            exp_minus(media_->optical_thickness({origin, direction}, place, lamp.entry.length)) *
-            medium.layers.phase(place.depth.layer, dot(direction, path.ray.direction));
-        found += weight_of_search(path.last, turned * path.last.carried, lamp.pdf,
-                                  medium.layers.bands()) *
-                 turned * lamp.unweakened;
-      },
-      medium.has_neighbors ? &find_boundary : nullptr);
-  return found;
+void MediaWalk<N>::start_anew(WalkPath<N>& path, Place& place) const {
+  path.has_scattered = false;
+  path.safe = 0.0f;
+  place = media_->place(place.holders, path.ray.origin);
 }
 
 template <int N>
-BandValues<N> MediaWalk<N>::light_outside(const WalkPath<N>& path, const Place& last,
-                                          const BoundaryTurn& turn, const SurfacePoint& point,
-                                          const LightGatherer<N>& light,
-                                          PixelSamples& samples) const {
-  const BodyMedium<N>& medium = *last.medium;
-  const Ray& before = path.last.ray;
-  const auto find = [&](const Vec3f& direction) {
-    return media_->find_boundary({before.origin, direction}, last);
-  };
-  const FindBoundary find_boundary = std::cref(find);
-  const WalkStep leaving{WalkStep::End::leaves, point, turn.direction};
-  return medium.lamps.light_from_outside(
-      path, leaving, light, samples,
-      [&](const RefractedEntry& entry, float pdf) {
-        const Bands leaves =
-            exp_minus(
-                media_->optical_thickness({before.origin, entry.to_surface}, last, entry.length)) *
-            medium.layers.phase(last.depth.layer, dot(entry.to_surface, before.direction)) *
-            path.last.carried;
-        return weight_of_search(path.last, leaves, pdf, medium.layers.bands());
-      },
-      medium.has_neighbors ? &find_boundary : nullptr);
-}
-
-template <int N>
-BandValues<N> MediaWalk<N>::search_beyond(const WalkBoundary& boundary, const SurfacePoint& point,
-                                          const LightGatherer<N>& light,
-                                          PixelSamples& samples) const {
-  const float u_light = samples.next_1d();
-  const LightSample lamp =
-      media_->scene().lights.sample_light(point.position, u_light, samples.next_2d());
-  const bool is_sky = !lamp.is_delta && !std::isfinite(lamp.distance);
-  if (!(lamp.pdf > 0.0f) || is_sky) return {};
-  const BoundaryLight through = light_through(boundary, lamp.direction, samples);
-  if (!(through.value > 0.0f)) return {};
-  const float weight = lamp.is_delta ? 1.0f : power_heuristic(lamp.pdf, through.pdf);
-  return (weight * through.value / lamp.pdf) *
-         light.clear_fraction({leave_surface(point, lamp.direction), lamp.direction},
-                              0.9999f * lamp.distance) *
-         media_->conversion().from_rgb(lamp.radiance);
-}
-
-template <int N>
-BandValues<N> MediaWalk<N>::light_beyond(const BoundaryTurn& turn, const SurfacePoint& point,
-                                         const LightGatherer<N>& light,
-                                         PixelSamples& samples) const {
-  const Ray ray{leave_surface(point, turn.direction), turn.direction};
-  Bands radiance = light.arriving_radiance(ray, samples);
-  media_->scene().lights.for_lights_seen(
-      ray, 0.0f, std::numeric_limits<float>::max(), false, [&](const LightSeen& seen) {
-        if (!seen.is_lamp) return;
-        radiance += power_heuristic(turn.pdf, seen.pdf) *
-                    media_->conversion().from_rgb(seen.radiance) *
-                    light.clear_fraction(ray, 0.9999f * seen.distance);
-      });
-  return radiance;
+void MediaWalk<N>::meet_layer(WalkPath<N>& path, Place& place, std::size_t next,
+                              PixelSamples& samples) const {
+  const WalkLayers<N>& layers = place.medium->layers;
+  const Vec3f outward = layers.by_depth().outward(path.ray.origin);
+  const SurfacePoint point{.position = path.ray.origin,
+                           .geometric_normal = outward,
+                           .smooth_normal = outward,
+                           .normal = outward};
+  const std::size_t here = place.depth.layer, deeper = std::max(here, next);
+  const WalkBoundary boundary =
+      make_walk_boundary(point, path.ray.direction, layers.own_ior(next) / layers.own_ior(here),
+                         layers.boundary(deeper));
+  const BoundaryTurn turn = sample_turn(boundary, samples);
+  path.ray.direction = turn.direction;
+  const bool goes_deeper = (turn.passes ? next : here) == deeper;
+  const float nudge = layers.by_depth().nudge(path.ray.origin);
+  path.ray.origin += (goes_deeper ? -nudge : nudge) * outward;
+  start_anew(path, place);
 }
 
 template <int N>
@@ -235,7 +175,7 @@ BandValues<N> MediaWalk<N>::walk(const ExitPoint& exit, const LightGatherer<N>& 
   Place place = media_->place(entry.beyond, exit.point.position);
   if (entry.is_blocked || !place.medium) return {};
   const Vec3f inward = sample_entry(exit.to_eye, exit.point.normal, place.medium->layers.ior(),
-                                    place.medium->layers.boundary(), samples);
+                                    place.medium->layers.boundary(0), samples);
   if (!(dot(inward, exit.point.geometric_normal) < 0.0f)) return {};
   const bool are_lamps_there = place.medium->lamps.are_there();
   WalkNumbers numbers(samples);
@@ -251,7 +191,7 @@ BandValues<N> MediaWalk<N>::walk(const ExitPoint& exit, const LightGatherer<N>& 
     if (step.end == Step::End::event) {
       // From deep inside a search finds little, and is seldom.
       const float searching =
-          are_lamps_there && !place.medium->is_rough
+          are_lamps_there && !place.medium->is_rough && layers.sees_out(place.depth.layer)
               ? std::clamp(std::exp(-layers.least_optical_depth(place.depth)), least_search, 1.0f)
               : 0.0f;
       const float going = std::min(largest(path.carried), 1.0f);
@@ -264,21 +204,26 @@ BandValues<N> MediaWalk<N>::walk(const ExitPoint& exit, const LightGatherer<N>& 
       layers.scatter(place.depth.layer, path, numbers);
       continue;
     }
+    if (step.end == Step::End::layer) {
+      meet_layer(path, place, step.layer, samples);
+      continue;
+    }
     const Surface& surface = step.surface;
     const SurfacePoint& point = surface.point;
     if (surface.crossing.is_blocked) {
       place.medium->space.bounce(path, point, surface.hit, numbers.pair());
     } else {
+      const BodyMedium<N>* beyond = surface.beyond.medium;
+      const float eta = beyond ? beyond->layers.own_ior(surface.beyond.depth.layer) /
+                                     layers.own_ior(place.depth.layer)
+                               : 1.0f / layers.ior();
       const WalkBoundary boundary =
-          make_walk_boundary(point, path.ray.direction,
-                             surface.beyond ? surface.beyond->layers.own_ior() / layers.own_ior()
-                                            : 1.0f / layers.ior(),
-                             media_->facets(place, surface));
+          make_walk_boundary(point, path.ray.direction, eta, media_->facets(place, surface));
       const bool is_rough = !is_specular(boundary.scattering.interface);
-      if (is_rough && !surface.beyond && are_lamps_there)
+      if (is_rough && !beyond && are_lamps_there)
         radiance += path.carried * search_beyond(boundary, point, light, samples);
       const BoundaryTurn turn = sample_turn(boundary, samples);
-      if (turn.passes && !surface.beyond)
+      if (turn.passes && !beyond)
         return radiance +
                path.carried * (is_rough ? light_beyond(turn, point, light, samples)
                                         : light_outside(path, last, turn, point, light, samples));
@@ -286,9 +231,7 @@ BandValues<N> MediaWalk<N>::walk(const ExitPoint& exit, const LightGatherer<N>& 
       if (turn.passes) place.holders = surface.crossing.beyond;
     }
     path.ray.origin = leave_surface(point, path.ray.direction);
-    path.has_scattered = false;
-    path.safe = 0.0f;
-    place = media_->place(place.holders, path.ray.origin);
+    start_anew(path, place);
   }
   return radiance;
 }

@@ -28,7 +28,8 @@ class MediaWalk final : public SubsurfaceTransport<N> {
   using Bands = BandValues<N>;
 
   /// @param media  shared by the walks of all materials
-  /// @throws InvalidInput if a mesh of the material is open, or has several media
+  /// @throws InvalidInput if a mesh of the material is open, or has several media; for lights
+  ///         without an area over layers of different indices
   MediaWalk(std::shared_ptr<const WalkMedia<N>> media, std::uint32_t material);
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
@@ -44,13 +45,20 @@ class MediaWalk final : public SubsurfaceTransport<N> {
   using Surface = typename WalkMedia<N>::Surface;
   [[nodiscard]] Bands walk(const ExitPoint& exit, const LightGatherer<N>& light,
                            PixelSamples& samples) const;
-  /// What a path comes to: it scatters (not yet turned), or meets a surface.
+  /// What a path comes to: it scatters (not yet turned), meets a surface, or a layer of another
+  /// index.
   struct Step {
-    enum class End { event, surface, lost } end = End::lost;
+    enum class End { event, surface, layer, lost } end = End::lost;
     Surface surface;
+    std::size_t layer = 0;
   };
   /// Follows a path, by draws as in WalkSpace; `place` is that of its origin, then of its end.
   [[nodiscard]] Step advance(WalkPath<N>& path, Place& place, WalkNumbers& numbers) const;
+  /// Turns a path at the boundary to the next layer.
+  void meet_layer(WalkPath<N>& path, Place& place, std::size_t next, PixelSamples& samples) const;
+  /// A path has turned at a surface.
+  void start_anew(WalkPath<N>& path, Place& place) const;
+
   /// Light that a lamp sends to the last event through the smooth boundary, scattered into the
   /// path.
   [[nodiscard]] Bands search(const WalkPath<N>& path, const Place& place,

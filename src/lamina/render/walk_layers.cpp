@@ -15,7 +15,8 @@
 namespace lamina {
 namespace {
 
-constexpr double same_ior = 1e-6;
+constexpr float same_ior = 1e-6f;
+constexpr float beyond_measure = 1e9f;
 
 /// Nothing but an index, in the bands of the scene.
 Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
@@ -35,23 +36,10 @@ Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
 }
 
 /// The layers of a material as they lie inside a mesh.
-/// @throws InvalidInput if their indices differ
 Material inside_mesh(const Scene& scene, const SurfaceMaterial& surface) {
   if (const auto* glass = std::get_if<DielectricSurface>(&surface.surface))
     return clear_medium(scene, *glass);
   Material inside = std::get<SubsurfaceSurface>(surface.surface).material;
-  const MaterialLayer& first = inside.layers.front();
-  for (std::size_t i = 0; i < inside.layers.size(); ++i) {
-    MaterialLayer& layer = inside.layers[i];
-    for (std::size_t b = 0; b < inside.bands.size(); ++b)
-      if (std::abs(layer.ior[b] - first.ior[b]) > same_ior)
-        throw InvalidInput("material \"" + surface.name +
-                           "\": random_walk takes layers of one ior, but layer 1 (\"" + first.name +
-                           "\") has " + std::to_string(first.ior[b]) + " and layer " +
-                           std::to_string(i + 1) + " (\"" + layer.name + "\") has " +
-                           std::to_string(layer.ior[b]));
-    if (i > 0) layer.top = {};  // between equal indices a rough boundary does nothing
-  }
   inside.layers.back().thickness = std::numeric_limits<double>::infinity();
   inside.ior_below = inside.layers.back().ior;
   inside.ground = {};
@@ -87,14 +75,14 @@ template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
     : by_depth_(scene.geometry, scene.scene->meshes, material, thickness_of_layers(inside),
                 lattice_for(scene, material, thickness_of_layers(inside))),
-      boundary_(inside.layers.front().top),
       bands_(static_cast<int>(inside.bands.size())) {
+  Material smooth = inside;  // what the phase functions are taken from has no rough boundaries
+  for (MaterialLayer& layer : smooth.layers) layer.top = {};
   std::vector<LayerStack> stacks;
   for (std::size_t b = 0; b < inside.bands.size(); ++b) {
-    stacks.push_back(layer_stack(inside, b));
+    stacks.push_back(layer_stack(smooth, b));
     ior_ += static_cast<float>(inside.layers[0].ior[b] / inside.ior_above[b]) /
             static_cast<float>(bands_);
-    own_ior_ += static_cast<float>(inside.layers[0].ior[b]) / static_cast<float>(bands_);
     if (is_diffusing(stacks[b]))
       reflectance_[static_cast<int>(b)] =
           static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
@@ -109,6 +97,14 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
     for (const PhaseFunction& phase : layer.phases)
       layer.is_same_phase = layer.is_same_phase && phase == layer.phases[0];
     layer.least_extinction = *std::min_element(sigma_t.v, sigma_t.v + bands_);
+    layer.top = inside.layers[i].top;
+    for (const double ior : inside.layers[i].ior)
+      layer.ior += static_cast<float>(ior) / static_cast<float>(bands_);
+    if (i > 0) {
+      const Layer& above = layers_[i - 1];
+      if (std::abs(layer.ior - above.ior) < same_ior) layer.ior = above.ior;
+      layer.sees_out = above.sees_out && layer.ior == above.ior;
+    }
     if (i > 0)
       layer.least_depth =
           layers_[i - 1].least_depth +
@@ -130,8 +126,9 @@ BandValues<N> WalkLayers<N>::optical_thickness(const Ray& way, const DepthLayers
                                                float length) const {
   Bands sum;
   by_depth_.for_parts(way, start, length, [&](std::size_t layer, float part) {
-    sum += part * layers_[layer].medium.sigma_t;
-    return true;
+    const bool is_straight = layers_[layer].ior == layers_[start.layer].ior;
+    sum += is_straight ? part * layers_[layer].medium.sigma_t : Bands::filled(beyond_measure);
+    return is_straight;
   });
   return sum;
 }

@@ -21,7 +21,6 @@ class WalkLayers {
  public:
   using Bands = BandValues<N>;
 
-  /// @throws InvalidInput if the indices of layers differ
   WalkLayers(const RenderScene& scene, std::uint32_t material);
 
   [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
@@ -29,14 +28,17 @@ class WalkLayers {
     return layers_[layer].medium;
   }
   [[nodiscard]] int bands() const { return bands_; }
-  [[nodiscard]] float ior() const { return ior_; }          ///< over that outside
-  [[nodiscard]] float own_ior() const { return own_ior_; }  ///< over that of vacuum
-  [[nodiscard]] const Interface& boundary() const { return boundary_; }
+  [[nodiscard]] float ior() const { return ior_; }  ///< of the first layer over that outside
+  [[nodiscard]] float own_ior(std::size_t layer) const { return layers_[layer].ior; }
+  /// Whether no layer above refracts.
+  [[nodiscard]] bool sees_out(std::size_t layer) const { return layers_[layer].sees_out; }
+  /// The upper boundary of a layer.
+  [[nodiscard]] const Interface& boundary(std::size_t layer) const { return layers_[layer].top; }
   [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
   /// Of the flux that enters, by diffusion.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
-  /// Extinction along a straight way inside.
+  /// Extinction along a straight way inside; beyond measure where a boundary of layers refracts.
   [[nodiscard]] Bands optical_thickness(const Ray& way, const DepthLayers::Place& start,
                                         float length) const;
   /// Of the shortest way out, in the band where it is least, at least.
@@ -56,16 +58,18 @@ class WalkLayers {
     WalkMedium<N> medium;
     std::vector<PhaseFunction> phases;  ///< [band]
     bool is_same_phase = true;          ///< in all bands
-    float least_depth = 0.0f;           ///< optical, of its top in the band where it is least
-    float least_extinction = 0.0f;      ///< of the bands [1/mm]
+    Interface top;
+    float ior = 0.0f;               ///< over that of vacuum
+    bool sees_out = true;           ///< no layer above refracts
+    float least_depth = 0.0f;       ///< optical, of its top in the band where it is least
+    float least_extinction = 0.0f;  ///< of the bands [1/mm]
   };
   DepthLayers by_depth_;
   std::vector<Layer> layers_;
   FirstOrderStack<Bands> stack_;
   Bands reflectance_, least_extinction_;
-  Interface boundary_;
   int bands_;
-  float ior_ = 0.0f, own_ior_ = 0.0f;
+  float ior_ = 0.0f;
 };
 
 }  // namespace lamina

@@ -13,6 +13,11 @@ namespace {
 constexpr float same_ior = 1e-5f;
 constexpr int most_bodies = 1000;  // on one way
 
+template <int N>
+float ior(const MediaPlace<N>& place) {
+  return place.medium->layers.own_ior(place.depth.layer);
+}
+
 }  // namespace
 
 template <int N>
@@ -22,8 +27,8 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
       space(scene, conversion, material, layers.ior(), layers.bands(), layers.shortest_free_path()),
       // Nothing is asked of what lamps send beforehand: a lattice as coarse as can be.
       lamps(space, layers.medium(0).sigma_t, layers.medium(0).sigma_t, 1e6f),
-      is_rough(!is_specular(
-          make_rough_interface<double>(layers.boundary(), static_cast<double>(layers.ior()), 1.0))),
+      is_rough(!is_specular(make_rough_interface<double>(layers.boundary(0),
+                                                         static_cast<double>(layers.ior()), 1.0))),
       has_neighbors(bodies.is_near_others(material)) {}
 
 template <int N>
@@ -62,9 +67,8 @@ typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& way,
   surface.point = make_bare_surface_point(scene_.scene->meshes, surface.hit);
   surface.crossing = bodies_.cross(start.holders, surface.point, way.direction);
   if (surface.crossing.is_blocked) return surface;
-  surface.beyond = filling(surface.crossing.beyond);
-  surface.passes = surface.beyond && std::abs(surface.beyond->layers.own_ior() -
-                                              start.medium->layers.own_ior()) < same_ior;
+  surface.beyond = place(surface.crossing.beyond, surface.point.position);
+  surface.passes = surface.beyond.medium && std::abs(ior(surface.beyond) - ior(start)) < same_ior;
   return surface;
 }
 
@@ -84,7 +88,7 @@ BandValues<N> WalkMedia<N>::optical_thickness(const Ray& way, const MediaPlace<N
     if (!surface.passes) break;
     begin = surface.hit.distance;
     t_near = behind(surface.hit, surface.point);
-    here = place(surface.crossing.beyond, way.origin + begin * way.direction);
+    here = surface.beyond;
   }
   return sum;
 }
@@ -97,15 +101,14 @@ std::optional<BoundaryHit> WalkMedia<N>::find_boundary(const Ray& way,
   for (int i = 0; i < most_bodies; ++i) {
     const Surface surface = next_surface(way, here, t_near, std::numeric_limits<float>::infinity());
     if (!surface.hit.is_hit() || surface.crossing.is_blocked) return std::nullopt;
-    if (!surface.beyond) {
+    if (!surface.beyond.medium) {
       if (here.medium->is_rough || !(dot(surface.point.geometric_normal, way.direction) > 0.0f))
         return std::nullopt;
       return BoundaryHit{surface.point, surface.hit};
     }
     if (!surface.passes) return std::nullopt;
     t_near = behind(surface.hit, surface.point);
-    here.holders = surface.crossing.beyond;
-    here.medium = surface.beyond;
+    here = surface.beyond;
   }
   return std::nullopt;
 }
@@ -115,7 +118,7 @@ const Interface& WalkMedia<N>::facets(const MediaPlace<N>& here, const Surface& 
   WalkHolders both = here.holders;
   for (int i = 0; i < surface.crossing.beyond.count; ++i)
     both.add(surface.crossing.beyond.each[static_cast<std::size_t>(i)].mesh, 1);
-  return filling(both)->layers.boundary();
+  return filling(both)->layers.boundary(0);
 }
 
 template struct BodyMedium<4>;

@@ -43,7 +43,6 @@ class WalkMedia {
  public:
   using Bands = BandValues<N>;
 
-  /// @throws InvalidInput if the indices of layers of a material differ
   WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion);
 
   [[nodiscard]] const WalkBodies& bodies() const { return bodies_; }
@@ -63,8 +62,8 @@ class WalkMedia {
     Hit hit;
     SurfacePoint point;
     WalkBodies::Crossing crossing;
-    const BodyMedium<N>* beyond = nullptr;
-    bool passes = false;  ///< light goes straight on, in a medium of the same index
+    MediaPlace<N> beyond;  ///< without a medium: outside
+    bool passes = false;   ///< light goes straight on, in a medium of the same index
   };
   [[nodiscard]] Surface next_surface(const Ray& way, const MediaPlace<N>& start, float t_near,
                                      float t_far) const;
