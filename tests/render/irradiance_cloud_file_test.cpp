@@ -80,6 +80,24 @@ TEST(IrradianceCloudFile, OfAnotherSceneIsRefusedByThePartThatDiffers) {
   }
 }
 
+TEST(IrradianceCloudFile, OfAnotherVersionIsRefusedBySayingSo) {
+  const fs::path file = fresh_file("version");
+  save_irradiance_clouds(two_clouds(), some_scene, file);
+  std::string bytes = read_file_bytes(file);
+  const std::size_t at = bytes.find("version 1,");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 8] = '9';
+  std::ofstream(file, std::ios::binary) << bytes;
+  try {
+    (void)load_irradiance_clouds(file, some_scene);
+    FAIL() << "it was read";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("must be of version 1, but is of version 9"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 // Cut anywhere, or with any byte of the header or a number changed, a file is refused or gives
 // finite numbers; it never does worse.
 TEST(IrradianceCloudFile, DamageIsRefusedOrHarmless) {

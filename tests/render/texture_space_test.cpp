@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <sstream>
+#include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/texture_atlas.h"
 #include "lamina/scattering/adding_doubling.h"
@@ -168,6 +173,31 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   EXPECT_LT(image.at(12, 12)[green], light);  // within reach of the border
   scene.render.method = RenderSettings::Method::profile;
   EXPECT_THROW((void)render(scene), InvalidInput);
+}
+
+// As if another version of lamina had cut the surface otherwise into as many texels.
+TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "texels_elsewhere.ply";
+  std::filesystem::remove(file);
+  const Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 8.0);
+  const Image made = render(scene, {.cache = file}).image;
+  EXPECT_EQ(render(scene, {.cache = file}).image.pixels, made.pixels);
+  std::string bytes = read_file_bytes(file);
+  const std::size_t first = bytes.find("end_header\n") + 11;
+  float x = 0.0f;
+  std::memcpy(&x, &bytes[first], sizeof x);
+  x += 0.2f;
+  std::memcpy(&bytes[first], &x, sizeof x);
+  std::ofstream(file, std::ios::binary) << bytes;
+  try {
+    (void)render(scene, {.cache = file});
+    FAIL() << "it was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("another version of lamina made the cache"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

@@ -38,9 +38,9 @@ std::string property_lines(std::size_t bands) {
   return text + "end_header\n";
 }
 
-constexpr const char* first_lines =
-    "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version 1, lengths in "
-    "mm\n";
+constexpr int version = 1;  // of what the file means; older ones are refused
+constexpr const char* format_lines = "ply\nformat binary_little_endian 1.0\n";
+constexpr const char* version_words = "comment lamina irradiance cloud, version";
 
 /// The parts of a scene, by the words that a message uses.
 std::array<std::pair<const char*, std::uint64_t>, 5> parts(const SceneFingerprint& f) {
@@ -54,7 +54,7 @@ std::array<std::pair<const char*, std::uint64_t>, 5> parts(const SceneFingerprin
 std::string header(const std::vector<IrradianceCloud>& clouds, const SceneFingerprint& made_for) {
   std::ostringstream text;
   text.precision(9);
-  text << first_lines;
+  text << format_lines << version_words << ' ' << version << ", lengths in mm\n";
   for (const auto& [name, value] : parts(made_for))
     text << "comment " << name << ' ' << hexadecimal(value) << '\n';
   std::size_t count = 0;
@@ -130,7 +130,13 @@ std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path&
   const std::string bytes = read_file_bytes(file);
   Lines lines(bytes, file.string());
   std::istringstream words;
-  lines.expect(first_lines);
+  lines.expect(format_lines);
+  int found_version = 0;
+  if (!lines.next(version_words, words) || !(words >> found_version))
+    lines.refuse("is not a point cloud of lamina's, or damaged");
+  if (found_version != version)
+    lines.refuse("must be of version " + std::to_string(version) + ", but is of version " +
+                 std::to_string(found_version) + "; remove it to make it anew");
   for (const auto& [name, value] : parts(wanted)) {
     std::string found;
     if (!lines.next(std::string("comment ") + name, words) || !(words >> found))

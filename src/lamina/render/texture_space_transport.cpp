@@ -196,6 +196,13 @@ void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
     throw InvalidInput("texture_space: " + std::to_string(cloud.points.size()) +
                        " samples of light do not fit " + std::to_string(texels) + " texels");
   CellField<N> entering(texels);
+  for (std::size_t i = 0; i < texels; ++i) {
+    const Vec3f offset = cloud.points[i].position - atlas_->texels()[i].position;
+    if (!(length(offset) < 0.01f * spacing_))
+      throw InvalidInput("texture_space: sample of light " + std::to_string(i) +
+                         " must lie on its texel, but is " + std::to_string(length(offset)) +
+                         " mm away: another version of lamina made the cache; remove it");
+  }
   for (std::size_t i = 0; i < texels; ++i)
     for (std::size_t b = 0; b < cloud.bands; ++b)
       entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
