@@ -241,6 +241,19 @@ TEST(MediaWalk, WhiteBallOfLayersOfTwoIndicesIsInvisibleInEvenLight) {
   EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.01);
 }
 
+// Three layers of three indices, 0.08 mm thick together, on a ball that they are thin against: what
+// a flat stack reflects straight up.
+TEST(MediaWalk, LargeBallOfSkinReflectsAsFlatSkin) {
+  const Material skin = find_material("donner_jensen_skin");
+  Scene scene = scene_of(make_sphere(60.0f, 96), skin, EnvironmentLight{}, 32);
+  scene.camera = {.position = {900, 0, 20}, .up = {0, 1, 0}, .horizontal_fov = 0.001};
+  const Image image = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = adding_doubling(layer_stack(skin, c)).totals.diffuse_reflectance;
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.04 * expected) << c;
+  }
+}
+
 TEST(MediaWalk, RefusesLightsWithoutAnAreaOverLayersOfDifferentIndices) {
   const Scene scene =
       scene_of(make_sphere(1.0f), layers_of_two_indices(0.1, 0.0),
