@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <variant>
 
 #include "commands.h"
 #include "console.h"
@@ -79,15 +81,30 @@ nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
           {"skin", skin_json(recipe.base, maps)}};
 }
 
+/// Says what is to be known of the patches that a recipe spreads.
+template <class Features, class KindOf>
+void warn_of_patches(const Features& features, const KindOf& kind_of,
+                     nlohmann::ordered_json& json) {
+  for (const auto& feature : features)
+    if (const auto* synthesis = std::get_if<Synthesis>(&kind_of(feature)))
+      for (const std::string& warning : synthesis->warnings) {
+        fmt::print(stderr, "lamina: warning: {}\n", warning);
+        json["warnings"].push_back(warning);
+      }
+}
+
 void run_maps(const MapsOptions& options) {
   const bool has_seed = options.seed.is_given();
   std::vector<SkinMap> maps;
   nlohmann::ordered_json json = make_result("maps");
+  json["warnings"] = nlohmann::ordered_json::array();
   std::string text;
   std::string user;  // of the maps: a file to render
   nlohmann::ordered_json user_json;
   if (auto on_mesh = load_surface_map_recipe(options.recipe)) {
     if (has_seed) on_mesh->seed = options.common.seed;
+    const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
+    warn_of_patches(on_mesh->features, kind_of, json);
     for (SurfaceFeature& feature : on_mesh->features)
       if (auto* color = std::get_if<ColorOfSkin>(&feature.kind); color && !color->exposure) {
         const ColorMatch match = match_exposure(*on_mesh, *color);
@@ -104,6 +121,7 @@ void run_maps(const MapsOptions& options) {
   } else {
     SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
     if (has_seed) recipe.seed = options.common.seed;
+    warn_of_patches(recipe.features, std::identity{}, json);
     maps = make_skin_maps(recipe);
     user = "patch";
     user_json = patch_json(recipe, maps);

@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numeric>
+#include <string>
 
+#include "lamina/image/image_file.h"
 #include "lamina/materials/skin_features.h"
 
 namespace lamina {
@@ -160,6 +164,35 @@ TEST(MapExample, AsFactorsLeavesTheMean) {
   recipe.base.skin.melanin = 0.2;
   std::get<Synthesis>(recipe.features[0]).are_factors = true;
   EXPECT_NEAR(mean(make_skin_maps(recipe)[0].values.pixels), 0.2, 0.2 * 0.08);
+}
+
+// Melanin beyond its range in one texel, and blood whose first channel is the same everywhere.
+TEST(MapExample, OfAPatchWithOddMapsSaysSo) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "patch_of_odd_maps";
+  std::filesystem::create_directories(folder);
+  Image melanin = make_image(64, 64, {"Y"}), blood = make_image(64, 64, {"R", "G", "B"});
+  for (std::size_t i = 0; i < 64 * 64; ++i) {
+    melanin.pixels[i] = 0.01f + 1e-5f * static_cast<float>(i % 64);
+    blood.pixels[3 * i] = 0.01f;
+    blood.pixels[3 * i + 1] = 0.001f * static_cast<float>(i % 7);
+  }
+  melanin.pixels[5] = 7.0f;
+  save_exr(melanin, folder / "melanin.exr", ExrPrecision::single_float);
+  save_exr(blood, folder / "blood.exr", ExrPrecision::single_float);
+  std::ofstream(folder / "patch.json")
+      << R"({ "lamina": "patch", "version": 1, "mm_per_pixel": 0.1, "skin": {
+               "melanin": { "map": "melanin.exr" }, "hemoglobin_dermis": { "map": "blood.exr" } } })";
+  std::ofstream(folder / "maps.json")
+      << R"({ "lamina": "maps", "version": 1, "width": 64, "height": 64, "mm_per_pixel": 0.1,
+              "skin": {}, "features": [ { "synthesis": { "patch": "patch.json" } } ] })";
+  const SkinMapRecipe recipe = load_skin_map_recipe(folder / "maps.json");
+  const auto& warnings = std::get<Synthesis>(recipe.features.at(0)).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("patch.json: "), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("clamped"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[1].find("map of hemoglobin_dermis: the same everywhere"), std::string::npos)
+      << warnings[1];
 }
 
 }  // namespace

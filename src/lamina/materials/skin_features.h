@@ -77,7 +77,8 @@ struct Unevenness {
 /// The maps of a small piece of skin, captured or made, spread over all of it.
 struct Synthesis {
   MapExample example;
-  bool are_factors = false;  ///< the maps over their means multiply what is there
+  bool are_factors = false;                ///< the maps over their means multiply what is there
+  std::vector<std::string> warnings = {};  ///< what was clamped, and which maps hold one value only
 };
 
 using SkinFeature =

@@ -1,5 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "lamina/core/error.h"
 #include "lamina/core/json_input.h"
@@ -105,6 +108,7 @@ SkinFeature decode_synthesis(const JsonInput& value) {
   const JsonObject object = value.object({"patch", "tile", "use"});
   const JsonInput file = object.required("patch");
   std::vector<SkinMap> maps;
+  std::vector<std::string> warnings;
   double mm_per_texel = 0.0;
   try {
     const JsonDocument document = load_json(file.file_path());
@@ -114,13 +118,22 @@ SkinFeature decode_synthesis(const JsonInput& value) {
                                      "light", "totals", "transport"});
     mm_per_texel = patch.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
     const JsonInput skin = patch.required("skin");
-    maps = decode_skin_maps(skin).maps;
+    SkinMaps decoded = decode_skin_maps(skin);
+    maps = std::move(decoded.maps);
+    warnings = std::move(decoded.warnings);
     if (maps.empty()) skin.fail("must have a map to spread, but has numbers only");
     const auto [width, height] = patch_size(patch, maps);
     if (std::min(width, height) < MapExample::least_side)
       patch.value().fail("must have at least " + std::to_string(MapExample::least_side) +
                          " texels each way to be spread");
-    for (SkinMap& map : maps) map.values = resampled(map.values, width, height);
+    for (SkinMap& map : maps) {
+      const auto [low, high] = std::ranges::minmax(map.values.pixels);
+      if (low == high)
+        warnings.push_back("map of " + std::string(map.name) +
+                           ": the same everywhere, so spreading it does nothing but set it");
+      map.values = resampled(map.values, width, height);
+    }
+    for (std::string& warning : warnings) warning = file.file_path().string() + ": " + warning;
   } catch (const FileError& error) {
     file.fail(error.what());
   }
@@ -131,7 +144,8 @@ SkinFeature decode_synthesis(const JsonInput& value) {
   bool are_factors = false;
   if (const auto use = object.optional("use"))
     are_factors = use->choice<bool>({{"values", false}, {"factors", true}});
-  return Synthesis{MapExample(std::move(maps), mm_per_texel, tile), are_factors};
+  return Synthesis{MapExample(std::move(maps), mm_per_texel, tile), are_factors,
+                   std::move(warnings)};
 }
 
 SkinFeature decode_feature(const JsonInput& value) {
