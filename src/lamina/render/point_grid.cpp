@@ -9,6 +9,7 @@ namespace lamina {
 namespace {
 
 constexpr float least_agreement = 0.25f;  // of normals
+constexpr float width_of_reach = 2.1f;    // of a cell; 2 would do if numbers were not rounded
 
 std::int32_t cell_of(float x, float width) {
   return static_cast<std::int32_t>(std::floor(std::clamp(x / width, -1e9f, 1e9f)));
@@ -31,7 +32,7 @@ PointGrid::PointGrid(std::span<const Place> places, float reach)
   first_.assign(std::bit_ceil(places.size() / 4 + 8) + 1, 0);
   std::vector<std::size_t> slots;
   slots.reserve(places.size());
-  const float width = 2.0f * reach_;
+  const float width = width_of_reach * reach_;
   for (const Place& p : places) {
     slots.push_back(slot(cell_of(p.position.x, width), cell_of(p.position.y, width),
                          cell_of(p.position.z, width)));
@@ -57,7 +58,7 @@ std::size_t PointGrid::slot(std::int32_t x, std::int32_t y, std::int32_t z) cons
 
 PointGrid::Near PointGrid::near(const Vec3f& position, const Vec3f& normal) const {
   Near found;
-  const float width = 2.0f * reach_, reach2 = reach_ * reach_;
+  const float width = width_of_reach * reach_, reach2 = reach_ * reach_;
   // The ball around the position meets the cells of its box's corners, and no others.
   std::array<std::size_t, 8> seen;
   auto seen_end = seen.begin();

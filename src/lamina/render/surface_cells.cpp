@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr float least_agreement = 0.5f;     // of two normals within one cell
 constexpr float elements_per_cell = 14.0f;  // about
-constexpr float seed_distance = 0.79f;  // over the spacing: as dense as asked for
+constexpr float seed_distance = 0.79f;      // over the spacing: as dense as asked for
 
 struct Corners {
   Vec3f p0, p1, p2;
@@ -36,17 +36,27 @@ struct Place {
   Vec3f position, normal;
 };
 
-/// Cuts a triangle into n² congruent ones, with a random point on each.
-void cut(const Corners& c, std::uint32_t mesh, std::uint32_t triangle, float spacing,
-         std::uint64_t seed, std::vector<SurfaceElement>& elements) {
+/// A triangle to cut, and where its elements go.
+struct Piece {
+  std::uint32_t mesh = 0, triangle = 0;
+  std::uint32_t cuts = 0;  // of each edge: into cuts² congruent elements
+  std::size_t first = 0;
+};
+
+std::uint32_t count_cuts(const Corners& c, float spacing) {
   const float area = area_of(c);
-  if (!(area > 0.0f)) return;
+  if (!(area > 0.0f)) return 0;
   const float longest = std::max({length(c.p1 - c.p0), length(c.p2 - c.p1), length(c.p0 - c.p2)});
   const float wanted = std::max(std::sqrt(elements_per_cell * area) / spacing,  // small enough,
                                 longest / spacing);                             // slivers too
-  const int n = static_cast<int>(std::clamp(std::ceil(wanted), 1.0f, 4096.0f));
-  const float step = 1.0f / static_cast<float>(n);
-  Random random = make_random(seed, (std::uint64_t{mesh} << 32) | triangle);
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(wanted), 1.0f, 4096.0f));
+}
+
+/// Cuts a triangle into congruent elements, with a random point on each.
+void cut(const Corners& c, const Piece& piece, std::uint64_t seed, SurfaceElement* element) {
+  const int n = static_cast<int>(piece.cuts);
+  const float step = 1.0f / static_cast<float>(n), area = area_of(c) * step * step;
+  Random random = make_random(seed, (std::uint64_t{piece.mesh} << 32) | piece.triangle);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < 2 * (n - i) - 1; ++j) {
       float a = random.uniform_float(), b = random.uniform_float();
@@ -55,32 +65,52 @@ void cut(const Corners& c, std::uint32_t mesh, std::uint32_t triangle, float spa
       const bool is_upright = j % 2 == 0;
       const float u = static_cast<float>(j / 2) + (is_upright ? a : 1.0f - a);
       const float v = static_cast<float>(i) + (is_upright ? b : 1.0f - b);
-      elements.push_back({mesh, triangle, u * step, v * step, area * step * step});
+      *element++ = {piece.mesh, piece.triangle, u * step, v * step, area};
     }
+}
+
+/// Calls `body(i)` for each i in [begin, end), on all threads.
+template <class Body>
+void for_each_index(std::size_t begin, std::size_t end, const Body& body) {
+  constexpr std::size_t chunk = 1024;
+  parallel_for((end - begin + chunk - 1) / chunk, [&](std::size_t c) {
+    const std::size_t first = begin + c * chunk;
+    for (std::size_t i = first; i < std::min(end, first + chunk); ++i) body(i);
+  });
 }
 
 /// Seeds that are found by place: a grid of cubes as wide as the distance that seeds keep.
 class SeedGrid {
  public:
-  SeedGrid(std::size_t expected, float distance, const std::vector<Place>& places)
-      : distance_(distance), places_(places), heads_(std::bit_ceil(2 * expected + 16), none) {}
+  SeedGrid(std::size_t expected, float distance)
+      : distance_(distance), heads_(std::bit_ceil(2 * expected + 16), none) {}
 
-  void add(std::uint32_t element) {
-    std::uint32_t& head = heads_[slot(cube(places_[element].position))];
-    next_.push_back(head);
-    element_.push_back(element);
-    head = static_cast<std::uint32_t>(element_.size() - 1);
+  void add(const Place& place) {
+    std::uint32_t& head = heads_[slot(cube(scaled(place.position)))];
+    seeds_.push_back({place, head});
+    head = static_cast<std::uint32_t>(seeds_.size() - 1);
   }
 
-  /// The nearest seed within the distance whose normal agrees, or none.
+  /// The nearest seed within the distance whose normal agrees, or none; `any` such seed if that
+  /// is enough.
   [[nodiscard]] std::uint32_t nearest(const Place& place, bool any) const {
-    const Cube middle = cube(place.position);
+    const Vec3f at = scaled(place.position);
+    const Cube middle = cube(at);
     std::uint32_t found = none;
     float best = distance_ * distance_;
-    for (int k = 0; k < 27; ++k) {
-      const Cube near{middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1};
-      for (std::uint32_t s = heads_[slot(near)]; s != none; s = next_[s]) {
-        const Place& other = places_[element_[s]];
+    for (const auto& step : nearest_first) {
+      float to_cube2 = 0.0f;
+      Cube near = middle;
+      for (int axis = 0; axis < 3; ++axis) {
+        near[axis] += step[axis];
+        const float within = at[axis] - static_cast<float>(middle[axis]);
+        const float gap = step[axis] == 0 ? 0.0f : step[axis] < 0 ? within : 1.0f - within;
+        to_cube2 += gap * gap;
+      }
+      // A little more, for cubes are rounded.
+      if (to_cube2 * distance_ * distance_ > 1.001f * best) continue;
+      for (std::uint32_t s = heads_[slot(near)]; s != none; s = seeds_[s].next) {
+        const Place& other = seeds_[s].place;
         const Vec3f offset = other.position - place.position;
         const float d2 = dot(offset, offset);
         if (d2 > best || (d2 == best && found <= s)) continue;
@@ -93,15 +123,22 @@ class SeedGrid {
     return found;
   }
 
-  [[nodiscard]] std::size_t size() const { return element_.size(); }
+  [[nodiscard]] std::size_t size() const { return seeds_.size(); }
 
  private:
   using Cube = std::array<std::int32_t, 3>;
-  [[nodiscard]] Cube cube(const Vec3f& p) const {
-    const auto index = [&](float x) {
-      return static_cast<std::int32_t>(std::floor(std::clamp(x / distance_, -1e9f, 1e9f)));
-    };
-    return {index(p.x), index(p.y), index(p.z)};
+  struct Seed {
+    Place place;
+    std::uint32_t next = none;  // in the same slot
+  };
+
+  [[nodiscard]] Vec3f scaled(const Vec3f& p) const {
+    const auto bounded = [&](float x) { return std::clamp(x / distance_, -1e9f, 1e9f); };
+    return {bounded(p.x), bounded(p.y), bounded(p.z)};
+  }
+  static Cube cube(const Vec3f& at) {
+    const auto index = [](float x) { return static_cast<std::int32_t>(std::floor(x)); };
+    return {index(at.x), index(at.y), index(at.z)};
   }
   [[nodiscard]] std::size_t slot(const Cube& c) const {
     const auto word = [](std::int32_t i) { return static_cast<std::uint32_t>(i); };
@@ -113,9 +150,21 @@ class SeedGrid {
     return h & (heads_.size() - 1);
   }
 
+  /// Steps to the cubes around one: itself, faces, edges, corners.
+  static constexpr std::array<Cube, 27> nearest_first = [] {
+    std::array<Cube, 27> steps{};
+    std::size_t filled = 0;
+    for (int far = 0; far <= 3; ++far)
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z)
+            if (x * x + y * y + z * z == far) steps[filled++] = {x, y, z};
+    return steps;
+  }();
+
   float distance_;
-  const std::vector<Place>& places_;
-  std::vector<std::uint32_t> heads_, next_, element_;
+  std::vector<std::uint32_t> heads_;
+  std::vector<Seed> seeds_;
 };
 
 /// The surface seen from nowhere: only its place.
@@ -145,52 +194,87 @@ double surface_area(const std::vector<Mesh>& meshes, std::uint32_t material) {
   return area;
 }
 
-SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
-                                float spacing, std::uint64_t seed) {
-  std::vector<SurfaceElement> elements;
-  for_triangles(meshes, material, [&](const Corners& c, std::uint32_t mesh, std::uint32_t t) {
-    cut(c, mesh, t, spacing, seed, elements);
-  });
-  constexpr std::size_t chunk = 4096;
-  const std::size_t count = elements.size(), chunks = (count + chunk - 1) / chunk;
-  const auto for_elements = [&](const auto& body) {
-    parallel_for(chunks, [&](std::size_t c) {
-      for (std::size_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) body(i);
-    });
-  };
-  std::vector<Place> places(count);
-  for_elements([&](std::size_t i) { places[i] = place_of(meshes, elements[i]); });
+namespace {
 
+std::vector<SurfaceElement> cut_surface(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                        float spacing, std::uint64_t seed) {
+  std::vector<Piece> pieces;
+  std::size_t count = 0;
+  for_triangles(meshes, material, [&](const Corners& c, std::uint32_t mesh, std::uint32_t t) {
+    const std::uint32_t cuts = count_cuts(c, spacing);
+    if (cuts > 0) pieces.push_back({mesh, t, cuts, count});
+    count += std::size_t{cuts} * cuts;
+  });
+  std::vector<SurfaceElement> elements(count);
+  for_each_index(0, pieces.size(), [&](std::size_t i) {
+    const Piece& piece = pieces[i];
+    cut(corners(meshes[piece.mesh], piece.triangle), piece, seed, &elements[piece.first]);
+  });
+  return elements;
+}
+
+/// A maximal Poisson-disk set of the places, taken in random order.
+SeedGrid choose_seeds(const std::vector<Place>& places, float spacing, std::uint64_t seed) {
+  const std::size_t count = places.size();
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   Random random = make_random(seed, 0x5eedce11u);
   for (std::size_t i = count; i > 1; --i)
     std::swap(order[i - 1],
               order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
-  SeedGrid seeds(count / static_cast<std::size_t>(elements_per_cell), seed_distance * spacing,
-                 places);
-  for (const std::uint32_t element : order)
-    if (seeds.nearest(places[element], true) == none) seeds.add(element);
-  std::vector<std::uint32_t> owner(count);
-  for_elements([&](std::size_t i) { owner[i] = seeds.nearest(places[i], false); });
-
-  // Elements side by side by cell: a counting sort.
-  SurfaceCells result;
-  result.cells.resize(seeds.size());
-  for (const std::uint32_t cell : owner) ++result.cells[cell].count;
-  for (std::size_t c = 1; c < seeds.size(); ++c)
-    result.cells[c].first = result.cells[c - 1].first + result.cells[c - 1].count;
-  std::vector<std::uint32_t> filled(seeds.size(), 0);
-  result.elements.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    SurfaceCell& cell = result.cells[owner[i]];
-    result.elements[cell.first + filled[owner[i]]++] = elements[i];
-    const float area = elements[i].area;
-    cell.area += area;
-    cell.position += area * places[i].position;
-    cell.normal += area * places[i].normal;
+  SeedGrid seeds(count / static_cast<std::size_t>(elements_per_cell), seed_distance * spacing);
+  // All threads look at a batch; what no earlier seed is near is looked at again, one by one,
+  // beside the new seeds of its batch. So the set is that of one thread.
+  std::vector<char> may_be_seed;
+  for (std::size_t begin = 0; begin < count;) {
+    const std::size_t end =
+        std::min(count, begin + std::clamp<std::size_t>(seeds.size(), 256, 65536));
+    may_be_seed.assign(end - begin, 0);
+    for_each_index(begin, end, [&](std::size_t i) {
+      may_be_seed[i - begin] = seeds.nearest(places[order[i]], true) == none;
+    });
+    for (std::size_t i = begin; i < end; ++i)
+      if (may_be_seed[i - begin] && seeds.nearest(places[order[i]], true) == none)
+        seeds.add(places[order[i]]);
+    begin = end;
   }
+  return seeds;
+}
+
+}  // namespace
+
+SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                float spacing, std::uint64_t seed) {
+  std::vector<SurfaceElement> elements = cut_surface(meshes, material, spacing, seed);
+  const std::size_t count = elements.size();
+  SurfaceCells result;
+  std::vector<std::uint32_t> owner(count);
+  {
+    std::vector<Place> places(count);
+    for_each_index(0, count, [&](std::size_t i) { places[i] = place_of(meshes, elements[i]); });
+    const SeedGrid seeds = choose_seeds(places, spacing, seed);
+    for_each_index(0, count, [&](std::size_t i) { owner[i] = seeds.nearest(places[i], false); });
+    result.cells.resize(seeds.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      SurfaceCell& cell = result.cells[owner[i]];
+      const float area = elements[i].area;
+      ++cell.count;
+      cell.area += area;
+      cell.position += area * places[i].position;
+      cell.normal += area * places[i].normal;
+    }
+  }
+  // Elements side by side by cell: a counting sort, with `first` as the place of the next.
+  std::uint32_t filled = 0;
   for (SurfaceCell& cell : result.cells) {
+    cell.first = filled;
+    filled += cell.count;
+  }
+  result.elements.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    result.elements[result.cells[owner[i]].first++] = elements[i];
+  for (SurfaceCell& cell : result.cells) {
+    cell.first -= cell.count;
     cell.position *= 1.0f / cell.area;
     cell.normal = normalize(cell.normal);
     result.area += static_cast<double>(cell.area);
