@@ -170,5 +170,40 @@ TEST(RefractedEntry, ObeysSnellsLawAndFocusesAsNeighbouringRaysDo) {
   }
 }
 
+// Light that leaves almost along the surface is found, too: what a search misses there, paths that
+// meet a lamp bring as specks.
+TEST(RefractedEntry, IsFoundForGrazingLight) {
+  const float ior = 1.4f;
+  const Scene scene = scene_of(make_sphere(5.0f, 200), one_layer(0.0, 1.4), EnvironmentLight{});
+  const RenderScene prepared(scene);
+  int sought = 0, found = 0;
+  for (const float x : {0.0f, 0.7f, 2.0f})
+    for (double angle = 0.5; angle < 1.6; angle += 0.002) {
+      const Vec3f inside{x, 0.0f, 4.5f - 0.5f * x}, direction = along(angle, 0.3);
+      const Hit hit = prepared.geometry.first_hit({inside, direction}, 0.0f);
+      const SurfacePoint exit = make_bare_surface_point(scene.meshes, hit);
+      const Vec3f n = exit.smooth_normal;
+      const float cos_inside = dot(direction, n);
+      const float sin_outside = ior * std::sqrt(1.0f - cos_inside * cos_inside);
+      if (!(sin_outside > 0.98f && sin_outside < 0.999f)) continue;
+      const float cos_outside = std::sqrt(1.0f - sin_outside * sin_outside);
+      const Vec3f towards = normalize(ior * direction + (cos_outside - ior * cos_inside) * n);
+      const LightSample light{.direction = towards,
+                              .distance = std::numeric_limits<float>::infinity(),
+                              .radiance = {1, 1, 1},
+                              .pdf = 1.0f,
+                              .is_delta = true};
+      ++sought;
+      for (const Vec3f& first : {refract_inside(towards, {0, 0, 1}, ior), towards}) {
+        const auto entry = find_refracted_entry(prepared, inside, 0, ior, light, first);
+        if (!entry || !(length(entry->point.position - exit.position) < 0.05f)) continue;
+        ++found;
+        break;
+      }
+    }
+  EXPECT_GT(sought, 20);
+  EXPECT_EQ(found, sought);
+}
+
 }  // namespace
 }  // namespace lamina

@@ -9,8 +9,9 @@ namespace lamina {
 namespace {
 
 constexpr float least_cosine = 1e-3f;
-constexpr int most_steps = 8;
+constexpr int most_steps = 10, most_halvings = 2;
 constexpr float tolerance = 1e-4f;  // of the miss, over the path's length
+constexpr float small_step = 0.1f;  // over that length: within a triangle it needs no ray
 
 /// The boundary on the way from inside, if it is what a ray meets first.
 std::optional<BoundaryHit> meet_boundary(const RenderScene& scene, const Vec3f& inside,
@@ -72,13 +73,21 @@ std::optional<RefractedEntry> search_entry(const RenderScene& scene, const Vec3f
   const bool is_far = !std::isfinite(light.distance);
   const Vec3f light_position = is_far ? Vec3f{} : inside + light.distance * light.direction;
   auto found = find(first);
+  Vec3f last, move;  // the last point that the light reaches, and the step from there
+  int halvings = 0;
   for (int step = 0; found && step < most_steps; ++step) {
     const SurfacePoint& point = found->point;
     const Vec3f offset = light_position - point.position;
     const Vec3f to_light = is_far ? light.direction : normalize(offset);
     const float light_distance = is_far ? light.distance : length(offset);
     const Refraction r = refraction(to_light, point.smooth_normal, ior);
-    if (!(r.cos_outside > least_cosine)) return std::nullopt;
+    if (!(r.cos_outside > least_cosine)) {
+      // Too far, over the horizon of the light: near grazing light steps must be small.
+      if (step == 0 || halvings++ == most_halvings) return std::nullopt;
+      move *= 0.5f;
+      found = find(normalize(last + move - inside));
+      continue;
+    }
     const float length = dot(point.position - inside, r.inside);
     if (!(length > 0.0f)) return std::nullopt;
     const Vec3f miss = point.position - length * r.inside - inside;
@@ -104,10 +113,18 @@ std::optional<RefractedEntry> search_entry(const RenderScene& scene, const Vec3f
     // The step along the edges that closes the miss, by Cramer's rule in the plane across the beam.
     const float a = -dot(cross(miss, d.across[1]), area) / area2;
     const float b = -dot(cross(d.across[0], miss), area) / area2;
-    Vec3f move = a * d.edge[0] + b * d.edge[1];
+    last = point.position;
+    move = a * d.edge[0] + b * d.edge[1];
     const float size = lamina::length(move), most = 2.0f * length;
     if (size > most) move *= most / size;
-    found = find(normalize(point.position + move - inside));
+    const float w1 = found->hit.u + a, w2 = found->hit.v + b;
+    if (size < small_step * length && w1 >= 0.0f && w2 >= 0.0f && w1 + w2 <= 1.0f) {
+      found->hit.u = w1;
+      found->hit.v = w2;
+      found->point = make_bare_surface_point(scene.scene->meshes, found->hit);
+    } else {
+      found = find(normalize(point.position + move - inside));
+    }
   }
   return std::nullopt;
 }

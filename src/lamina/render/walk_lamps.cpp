@@ -124,7 +124,8 @@ std::optional<typename WalkLamps<N>::SameWay> WalkLamps<N>::find_same_way(
                                         });
   std::optional<SameWay> found;
   for_ways_in(path.ray.origin, sample, find_boundary, [&](const RefractedEntry& entry) {
-    if (length(entry.point.position - exit.position) < same_way * entry.length)
+    if (length(entry.point.position - exit.position) <
+        same_way * entry.length + least_distance(space_.scene()))
       found = {entry, sample.pdf * space_.ior() * space_.ior() / entry.focus};
   });
   return found;
