@@ -178,14 +178,14 @@ TEST(RefractedEntry, IsFoundForGrazingLight) {
   const RenderScene prepared(scene);
   int sought = 0, found = 0;
   for (const float x : {0.0f, 0.7f, 2.0f})
-    for (double angle = 0.5; angle < 1.6; angle += 0.002) {
+    for (double angle = 0.5; angle < 1.6; angle += 0.0001) {
       const Vec3f inside{x, 0.0f, 4.5f - 0.5f * x}, direction = along(angle, 0.3);
       const Hit hit = prepared.geometry.first_hit({inside, direction}, 0.0f);
       const SurfacePoint exit = make_bare_surface_point(scene.meshes, hit);
       const Vec3f n = exit.smooth_normal;
       const float cos_inside = dot(direction, n);
       const float sin_outside = ior * std::sqrt(1.0f - cos_inside * cos_inside);
-      if (!(sin_outside > 0.98f && sin_outside < 0.999f)) continue;
+      if (!(sin_outside > 0.98f && sin_outside < 0.9999f)) continue;
       const float cos_outside = std::sqrt(1.0f - sin_outside * sin_outside);
       const Vec3f towards = normalize(ior * direction + (cos_outside - ior * cos_inside) * n);
       const LightSample light{.direction = towards,
