@@ -38,10 +38,12 @@ Material material_of(std::vector<MaterialLayer> layers) {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// A dense layer of 0.3 mm on a clearer half-space.
+/// A dense layer of 0.3 mm on a clearer half-space. Bands turn by different angles.
 Material two_layers() {
-  return material_of({layer_of({0.3, 0.6, 2.0}, {6, 8, 10}, 0.5, 0.3),
-                      layer_of({0.1, 0.4, 0.8}, {2, 2, 2}, 0.0, infinite)});
+  Material material = material_of({layer_of({0.3, 0.6, 2.0}, {6, 8, 10}, 0.5, 0.3),
+                                   layer_of({0.1, 0.4, 0.8}, {2, 2, 2}, 0.0, infinite)});
+  material.layers[0].g = {0.6, 0.5, 0.4};
+  return material;
 }
 
 Scene scene_of(Mesh mesh, Material material, Light light, int samples) {
@@ -109,7 +111,7 @@ TEST(DepthLayers, CutWaysThroughABallIntoTheChordsOfItsShells) {
 // eye sends back.
 TEST(MediaWalk, WidePlateOfLayersReflectsAsAddingDoublingHasIt) {
   const Material material = two_layers();
-  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 128);
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 384);
   const Image image = render(scene).image;
   for (std::size_t c = 0; c < 3; ++c) {
     const double expected = adding_doubling(layer_stack(material, c)).totals.diffuse_reflectance;
@@ -141,6 +143,7 @@ TEST(MediaWalk, LayersOfOneMediumAreOneLayer) {
   double mean[2][3];
   for (const std::size_t layers : {1u, 3u}) {
     std::vector<MaterialLayer> stack(layers, layer_of(sigma_a, sigma_s, 0.4, 0.1));
+    for (MaterialLayer& layer : stack) layer.g = {0.6, 0.4, 0.2};
     stack.back().thickness = infinite;
     Scene scene = scene_of(make_sphere(2.0f), material_of(stack), lamp, 16);
     scene.camera = {.position = {40, 0, 40}, .up = {0, 1, 0}, .horizontal_fov = 0.01};
