@@ -76,7 +76,7 @@ RowTotals row_totals(const HeterogeneousLayers& model, int y) {
   return totals;
 }
 
-/// What one sweep down and up makes, at a texel as if all were like it, of light that goes up at
+/// What one sweep up and down makes, at a texel as if all were like it, of light that goes down at
 /// the junctions; [to][from].
 using Local = std::array<std::array<double, 3>, 3>;
 
@@ -85,22 +85,23 @@ constexpr std::size_t most_junctions = 3;
 Local local_sweep(const RowTotals& totals, const std::vector<const float*>& junctions,
                   std::size_t x) {
   const std::size_t n = junctions.size();
+  const auto at = [&](std::size_t layer, Which which) {
+    return static_cast<double>(totals[layer][which][x]);
+  };
   Local sweep{};
   for (std::size_t from = 0; from < n; ++from) {
-    std::array<double, most_junctions> up{}, down{}, next{};
-    up[from] = 1.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      down[j] = static_cast<double>(totals[j][reflection_below][x]) * up[j];
-      if (j > 0) down[j] += static_cast<double>(totals[j][transmission_down][x]) * down[j - 1];
-      down[j] *= static_cast<double>(junctions[j][x]);
-    }
+    std::array<double, most_junctions> up{}, down{};
     for (std::size_t j = n; j-- > 0;) {
-      next[j] = static_cast<double>(totals[j + 1][reflection_above][x]) * down[j];
-      if (j + 1 < n)
-        next[j] += static_cast<double>(totals[j + 1][transmission_up][x]) * next[j + 1];
-      next[j] *= static_cast<double>(junctions[j][x]);
+      up[j] = j == from ? at(j + 1, reflection_above) : 0.0;
+      if (j + 1 < n) up[j] += at(j + 1, transmission_up) * up[j + 1];
+      up[j] *= static_cast<double>(junctions[j][x]);
     }
-    for (std::size_t to = 0; to < n; ++to) sweep[to][from] = next[to];
+    for (std::size_t j = 0; j < n; ++j) {
+      down[j] = at(j, reflection_below) * up[j];
+      if (j > 0) down[j] += at(j, transmission_down) * down[j - 1];
+      down[j] *= static_cast<double>(junctions[j][x]);
+      sweep[j][from] = down[j];
+    }
   }
   return sweep;
 }
@@ -124,36 +125,49 @@ std::array<double, most_junctions> sum_of_sweeps(Local sweep, std::size_t n,
   return light;
 }
 
-/// Adds to the light of the last sweep what all further sweeps would bring, and to the light that
-/// has arrived on the last layer, unless that is empty, what they would bring there.
-void close(const HeterogeneousLayers& model, std::vector<Plane>& up, Plane& arriving) {
-  const std::size_t n = up.size();
+/// Adds to the light that goes down in the last sweep what all further sweeps would bring there.
+/// What is below spreads it then: so little of the error that texels are not like one another
+/// stays.
+void close(const HeterogeneousLayers& model, std::vector<Plane>& down) {
+  const std::size_t n = down.size();
   const auto width = static_cast<std::size_t>(model.ladder.width);
   for (int y = 0; y < model.ladder.height; ++y) {
     const RowTotals totals = row_totals(model, y);
     const std::size_t row = static_cast<std::size_t>(y) * width;
     std::vector<const float*> junctions;
     for (const Plane& junction : model.junctions) junctions.push_back(&junction.values[row]);
-    if (n == 1 && arriving.values.empty()) {  // skin: the sum of a geometric series
+    if (n == 1) {  // skin: the sum of a geometric series
       const float* back = totals[0][reflection_below].data();
       const float* deep = totals[1][reflection_above].data();
-      float* light = &up[0].values[row];
+      float* light = &down[0].values[row];
       for (std::size_t x = 0; x < width; ++x)
         light[x] /= 1.0f - junctions[0][x] * junctions[0][x] * back[x] * deep[x];
       continue;
     }
     for (std::size_t x = 0; x < width; ++x) {
       std::array<double, most_junctions> light{};
-      for (std::size_t j = 0; j < n; ++j) light[j] = static_cast<double>(up[j].values[row + x]);
+      for (std::size_t j = 0; j < n; ++j) light[j] = static_cast<double>(down[j].values[row + x]);
       light = sum_of_sweeps(local_sweep(totals, junctions, x), n, light);
-      double down = 0.0;
-      for (std::size_t j = 0; j < n; ++j) {
-        up[j].values[row + x] = static_cast<float>(light[j]);
-        down = static_cast<double>(totals[j][reflection_below][x]) * light[j] +
-               (j > 0 ? static_cast<double>(totals[j][transmission_down][x]) * down : 0.0);
-        down *= static_cast<double>(junctions[j][x]);
+      for (std::size_t j = 0; j < n; ++j) down[j].values[row + x] = static_cast<float>(light[j]);
+    }
+  }
+}
+
+/// Adds to the light on the last layer what the light that goes up brings there when it turns
+/// round, as if all texels were like the one at hand.
+void turn_round(const HeterogeneousLayers& model, const std::vector<Plane>& up, Plane& arriving) {
+  const auto width = static_cast<std::size_t>(model.ladder.width);
+  for (int y = 0; y < model.ladder.height; ++y) {
+    const RowTotals totals = row_totals(model, y);
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t at = static_cast<std::size_t>(y) * width + x;
+      float down = 0.0f;
+      for (std::size_t j = 0; j < up.size(); ++j) {
+        const float passed = j > 0 ? totals[j][transmission_down][x] * down : 0.0f;
+        down = model.junctions[j].values[at] *
+               (passed + totals[j][reflection_below][x] * up[j].values[at]);
       }
-      if (!arriving.values.empty()) arriving.values[row + x] += static_cast<float>(down);
+      arriving.values[at] += down;
     }
   }
 }
@@ -213,43 +227,43 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
     if (has_bottom) transmitted = operators.one(0, transmission_down, light);
   } else {
     std::vector<Plane> up(n), down(n);
-    Plane all_up;
     {
       auto [r, t] = operators.both(0, reflection_above, transmission_down, light);
       reflected = std::move(r);
       down[0] = std::move(t);
     }
-    Plane arriving;  // all light on the last layer, where it lets some through
-    double before = 0.0;
+    Plane all_up;    // through the uppermost junction
+    Plane arriving;  // on the last layer, where it lets some through
+    double all_down = 0.0;
     for (bool is_last = false; !is_last;) {
-      // Down: what came up before turns round, what goes down passes on.
-      std::vector<Plane> back(n), on(n);
+      // Down: what has turned round, and what passes on from above.
       for (std::size_t j = 0; j < n; ++j) {
-        if (result.terms > 0) down[j] = operators.one(j, reflection_below, up[j]);
-        if (j > 0) {
-          auto [r, t] = operators.both(j, reflection_above, transmission_down, down[j - 1]);
-          back[j - 1] = std::move(r);
-          add(down[j], t);
-        }
+        if (j > 0) add(down[j], operators.one(j, transmission_down, down[j - 1]));
         multiply(down[j], model.junctions[j]);
       }
-      if (has_bottom) add(arriving, down[n - 1]);
-      // Up again.
-      back[n - 1] = operators.one(n, reflection_above, down[n - 1]);
-      for (std::size_t j = n; j-- > 0;) {
-        up[j] = std::move(back[j]);
-        if (j + 1 < n) add(up[j], operators.one(j + 1, transmission_up, up[j + 1]));
-        multiply(up[j], model.junctions[j]);
-      }
       ++result.terms;
-      const double now = total(up[0]);
-      before += now;
-      result.last_term = before > 0.0 ? now / before : 0.0;
+      const double now = total(down[0]);
+      all_down += now;
+      result.last_term = all_down > 0.0 ? now / all_down : 0.0;
       is_last = options.terms > 0
                     ? result.terms >= options.terms
                     : result.last_term < 1.0 - options.kept || result.terms >= most_terms;
-      if (is_last && options.closes_locally) close(model, up, arriving);
+      if (has_bottom) add(arriving, down[n - 1]);
+      const bool closes = is_last && options.closes_locally;
+      if (closes) close(model, down);
+      // Up again; of what comes up, a part turns round once more.
+      for (std::size_t j = n; j-- > 0;) {
+        up[j] = operators.one(j + 1, reflection_above, down[j]);
+        if (j + 1 < n) {
+          auto [r, t] = operators.both(j + 1, reflection_below, transmission_up, up[j + 1]);
+          down[j + 1] = std::move(r);
+          add(up[j], t);
+        }
+        multiply(up[j], model.junctions[j]);
+      }
       add(all_up, up[0]);
+      if (closes && has_bottom) turn_round(model, up, arriving);
+      if (!is_last) down[0] = operators.one(0, reflection_below, up[0]);
     }
     add(reflected, operators.one(0, transmission_up, all_up));
     if (has_bottom) transmitted = operators.one(n, transmission_down, arriving);

@@ -47,14 +47,14 @@ struct TransportOptions {
   ProfileAt profile = ProfileAt::exit;
   int terms = 2;  ///< times that light goes down and comes back; 0: as many as `kept` asks for
   bool closes_locally = true;  ///< the terms left out as if the texel's surroundings were like it
-  double kept = 0.999;         ///< part of the light that comes back which no terms may miss
+  double kept = 0.999;         ///< part of the light that goes down which no terms may miss
 };
 
 struct TransportResult {
   Plane reflected;         ///< flux that leaves at the lit surface
   Plane transmitted;       ///< and at the other one; 0 under a half-space
   int terms = 0;           ///< that were summed
-  double last_term = 0.0;  ///< the last one's share of what came back, closure left out
+  double last_term = 0.0;  ///< the last one's share of what went down, closure left out
 };
 
 /// What becomes of light that has entered at the lit surface.
@@ -62,8 +62,9 @@ struct TransportResult {
 ///     M = R1+[Φ] + T1-[A R2+[A T1+[Φ]]] + T1-[A R2+[A R1-[A R2+[A T1+[Φ]]]]] + ...
 ///
 /// where every operator takes its profile where light comes out. All that comes back is summed
-/// before one T1-. The terms beyond the last are those of a uniform skin like the one at the texel:
-/// so a uniform skin under uniform light is exact from one term on.
+/// before one T1-. Before the last R2+, light that goes down becomes that of all further terms, as
+/// in a uniform skin like the one at the texel: so a uniform skin under uniform light is exact from
+/// one term on.
 ///
 /// Linear in the light; every step is a blur, which is its own adjoint, or a product with a map.
 ///

@@ -120,21 +120,19 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
   }
   for (int term = 1; term <= terms; ++term) {
     cross(down);
-    CellField<N> up = one(layers.lower, reflection_above, down);
-    pass_through(*layers.graph, layers.thin, down, up);
-    cross(up);
-    if (term == terms) {
-      for_cells(up.size(), [&](std::size_t i) {
+    if (term == terms)
+      for_cells(down.size(), [&](std::size_t i) {
         BandValues<N> again =
             layers.junction[i] * layers.junction[i] *
             total_at(layers.upper.operators[reflection_below], layers.upper.coordinate[i]) *
             total_at(layers.lower.operators[reflection_above], layers.lower.coordinate[i]);
         if (!layers.thin.far.empty()) again *= layers.thin.reflectance[i];
-        up[i] = up[i] / (BandValues<N>::filled(1.0f) - again);
+        down[i] = down[i] / (BandValues<N>::filled(1.0f) - again);
       });
-    } else {
-      down = one(layers.upper, reflection_below, up);
-    }
+    CellField<N> up = one(layers.lower, reflection_above, down);
+    pass_through(*layers.graph, layers.thin, down, up);
+    cross(up);
+    if (term < terms) down = one(layers.upper, reflection_below, up);
     if (all_up.empty())
       all_up = std::move(up);
     else
