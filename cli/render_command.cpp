@@ -264,8 +264,8 @@ void add_render_command(CLI::App& app) {
       .one_of({"none", "straight", "refracted"});
   command
       .add_option("--cache", options->cache,
-                  "keeps what hierarchy and texture_space sample: other cameras on the same scene "
-                  "read it instead. "
+                  "keeps the light that hierarchy samples, or that leaves at the texels of "
+                  "texture_space: other cameras on the same scene read it instead. "
                   "PLY, a point per sample. Refused if the scene has changed")
       .type_name("FILE");
   command

@@ -66,6 +66,26 @@ TEST(IrradianceCloudFile, IsReadBackAsItWas) {
   }
 }
 
+TEST(IrradianceCloudFile, OfLightThatHasSpreadIsReadBackAsItWas) {
+  const fs::path file = fresh_file("spread");
+  std::vector<IrradianceCloud> written = two_clouds();
+  for (IrradianceCloud& cloud : written) {
+    cloud.exitance = cloud.irradiance;
+    for (float& value : cloud.irradiance) value *= 0.1f;
+    cloud.reflectance = std::move(cloud.irradiance);
+    cloud.irradiance.clear();
+  }
+  save_irradiance_clouds(written, some_scene, file);
+  const std::vector<IrradianceCloud> read = load_irradiance_clouds(file, some_scene);
+  ASSERT_EQ(read.size(), written.size());
+  for (std::size_t c = 0; c < read.size(); ++c) {
+    EXPECT_EQ(read[c].points.size(), written[c].points.size());
+    EXPECT_EQ(read[c].exitance, written[c].exitance);
+    EXPECT_EQ(read[c].reflectance, written[c].reflectance);
+    EXPECT_TRUE(read[c].irradiance.empty());
+  }
+}
+
 TEST(IrradianceCloudFile, OfAnotherSceneIsRefusedByThePartThatDiffers) {
   const fs::path file = fresh_file("stale");
   save_irradiance_clouds(two_clouds(), some_scene, file);
@@ -84,7 +104,7 @@ TEST(IrradianceCloudFile, OfAnotherVersionIsRefusedBySayingSo) {
   const fs::path file = fresh_file("version");
   save_irradiance_clouds(two_clouds(), some_scene, file);
   std::string bytes = read_file_bytes(file);
-  const std::size_t at = bytes.find("version 1,");
+  const std::size_t at = bytes.find("version 2,");
   ASSERT_NE(at, std::string::npos);
   bytes[at + 8] = '9';
   std::ofstream(file, std::ios::binary) << bytes;
@@ -92,7 +112,7 @@ TEST(IrradianceCloudFile, OfAnotherVersionIsRefusedBySayingSo) {
     (void)load_irradiance_clouds(file, some_scene);
     FAIL() << "it was read";
   } catch (const FileError& error) {
-    EXPECT_NE(std::string(error.what()).find("must be of version 1, but is of version 9"),
+    EXPECT_NE(std::string(error.what()).find("must be of version 2, but is of version 9"),
               std::string::npos)
         << error.what();
   }

@@ -175,6 +175,24 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 
+// What is kept has spread already, so it is of that many terms.
+TEST(TextureSpace, KeptLightOfOtherTermsIsRefused) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "terms.ply";
+  std::filesystem::remove(file);
+  Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 8.0);
+  const Image made = render(scene, {.cache = file}).image;
+  scene.camera = camera_above(4.0);
+  EXPECT_NE(render(scene, {.cache = file}).image.pixels, made.pixels);
+  scene.render.texture_space.terms = 3;
+  try {
+    (void)render(scene, {.cache = file});
+    FAIL() << "it was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("is stale: the scene's settings"), std::string::npos)
+        << error.what();
+  }
+}
+
 // As if another version of lamina had cut the surface otherwise into as many texels.
 TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
   const std::filesystem::path file =

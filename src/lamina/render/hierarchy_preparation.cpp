@@ -22,7 +22,7 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
     for (HierarchyTransport<N>* hierarchy : hierarchies) {
       const auto found =
           std::ranges::find(clouds, hierarchy->material(), &IrradianceCloud::material);
-      if (found == clouds.end() || found->bands > N)
+      if (found == clouds.end() || found->bands > N || found->irradiance.empty())
         throw FileError(cache.string() + ": lacks a material of the scene");
       hierarchy->use(*found);
     }

@@ -25,8 +25,12 @@ struct IrradianceCloud {
   std::size_t bands = 0;
   float spacing = 0.0f;  ///< square root of the mean area of a patch [mm]
   std::vector<CloudPoint> points;
-  /// [point][band], flux per area that has passed the boundary, mean over the patch
+  /// [point][band], flux per area that has passed the boundary, mean over the patch; empty once it
+  /// has spread
   std::vector<float> irradiance;
+  /// [point][band], of light that has spread: flux per area that leaves, and the share that would
+  /// if all of the surface were like the patch. Empty before.
+  std::vector<float> exitance, reflectance;
 };
 
 }  // namespace lamina

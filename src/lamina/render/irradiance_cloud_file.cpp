@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is written as memory has it");
 
-constexpr std::size_t fixed_numbers = 14;  // of a vertex, before its irradiance
+constexpr std::size_t fixed_numbers = 14;  // of a vertex, before those of its bands
 
 std::string hexadecimal(std::uint64_t value) {
   std::ostringstream text;
@@ -28,17 +28,20 @@ std::string hexadecimal(std::uint64_t value) {
 }
 
 /// What a file says before its numbers, but for the number of vertices and the comments.
-std::string property_lines(std::size_t bands) {
+std::string property_lines(std::size_t bands, bool has_spread) {
   std::string text;
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "u", "v", "area", "red", "green",
                            "blue", "thickness", "material"})
     text += std::string("property float ") + name + "\n";
-  for (std::size_t b = 0; b < bands; ++b)
-    text += "property float irradiance_" + std::to_string(b) + "\n";
+  const std::vector<const char*> of_bands =
+      has_spread ? std::vector{"exitance_", "reflectance_"} : std::vector{"irradiance_"};
+  for (const char* name : of_bands)
+    for (std::size_t b = 0; b < bands; ++b)
+      text += std::string("property float ") + name + std::to_string(b) + "\n";
   return text + "end_header\n";
 }
 
-constexpr int version = 1;  // of what the file means; older ones are refused
+constexpr int version = 2;  // of what the file means; older ones are refused
 constexpr const char* format_lines = "ply\nformat binary_little_endian 1.0\n";
 constexpr const char* version_words = "comment lamina irradiance cloud, version";
 
@@ -64,7 +67,8 @@ std::string header(const std::vector<IrradianceCloud>& clouds, const SceneFinger
     count += cloud.points.size();
   }
   text << "comment bands " << clouds.front().bands << '\n';
-  text << "element vertex " << count << '\n' << property_lines(clouds.front().bands);
+  text << "element vertex " << count << '\n'
+       << property_lines(clouds.front().bands, !clouds.front().exitance.empty());
   return text.str();
 }
 
@@ -118,8 +122,16 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
                 albedo.z,
                 std::isfinite(thickness) ? thickness : 0.0f,
                 static_cast<float>(cloud.material)};
-      vertex.insert(vertex.end(), &cloud.irradiance[i * cloud.bands],
-                    &cloud.irradiance[i * cloud.bands] + cloud.bands);
+      const auto add = [&](const std::vector<float>& of_bands) {
+        vertex.insert(vertex.end(), &of_bands[i * cloud.bands],
+                      &of_bands[i * cloud.bands] + cloud.bands);
+      };
+      if (cloud.exitance.empty()) {
+        add(cloud.irradiance);
+      } else {
+        add(cloud.exitance);
+        add(cloud.reflectance);
+      }
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
     }
   write_file_bytes(file, std::as_bytes(std::span(bytes)));
@@ -160,8 +172,10 @@ std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path&
   std::size_t bands = 0;
   if (!lines.next("comment bands", words) || !(words >> bands) || bands < 1 || bands > 16)
     lines.refuse("has a damaged header");
-  lines.expect("element vertex " + std::to_string(count) + "\n" + property_lines(bands));
-  const std::size_t stride = fixed_numbers + bands;
+  const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
+  const bool has_spread = lines.rest().starts_with(before_properties + property_lines(bands, true));
+  lines.expect(before_properties + property_lines(bands, has_spread));
+  const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
   if (lines.rest().size() != count * stride * sizeof(float))
     lines.refuse("must hold " + std::to_string(count) + " vertices, but is cut off or too long");
   std::vector<float> vertex(stride);
@@ -180,7 +194,11 @@ std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path&
                .area = v[8],
                .albedo = {v[9], v[10], v[11]},
                .thickness = v[12] > 0.0f ? v[12] : std::numeric_limits<float>::infinity()};
-      cloud.irradiance.insert(cloud.irradiance.end(), v.begin() + fixed_numbers, v.end());
+      const auto first = v.begin() + fixed_numbers,
+                 second = first + static_cast<std::ptrdiff_t>(bands);
+      std::vector<float>& of_first = has_spread ? cloud.exitance : cloud.irradiance;
+      of_first.insert(of_first.end(), first, second);
+      cloud.reflectance.insert(cloud.reflectance.end(), second, v.end());
     }
   }
   return clouds;

@@ -11,10 +11,10 @@ namespace lamina {
 
 /// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
 /// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
-/// thickness [mm] (0: thick), material (its index), irradiance_0 … of each band. What it was made
-/// for is said in comments.
+/// thickness [mm] (0: thick), material (its index), and of each band irradiance_0 …; of light that
+/// has spread exitance_0 … and reflectance_0 … instead. What it was made for is said in comments.
 ///
-/// @param clouds  at least one, all of the same number of bands
+/// @param clouds  at least one, all of the same number of bands, and all spread or none
 /// @throws WriteError
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
                             const SceneFingerprint& made_for, const std::filesystem::path& file);

@@ -230,7 +230,7 @@ SceneFingerprint fingerprint(const Scene& scene) {
   settings.add(texel);
   settings.add(max_texels);
   settings.add(samples_of_texel);
-  (void)terms;  // of the transport, not of the samples
+  settings.add(terms);
   settings.add(scene.render.max_bounces);
   settings.add(scene.render.seed);
   return {.meshes = hash_of(scene.meshes),
@@ -265,7 +265,6 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(samples_per_pixel);
   hash.add(noise);
   hash.add(hierarchy.error);
-  hash.add(texture_space.terms);
   const auto& [resolution, lamp_views, dome_views, lookups] = shadow_map;
   for (const int number : {resolution, lamp_views, dome_views, lookups}) hash.add(number);
   (void)max_bounces, (void)seed;  // a part of parts.settings

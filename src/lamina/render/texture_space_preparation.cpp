@@ -42,33 +42,37 @@ bool prepare_texture_spaces(const std::vector<TextureSpaceTransport<N>*>& transp
                             const LightGatherer<N>& light, const std::filesystem::path& cache,
                             const Progress& progress) {
   if (transports.empty()) return true;
-  const std::optional<DiskCache> tables = user_cache();
   const SceneFingerprint made_for = cache.empty() ? SceneFingerprint{} : fingerprint(*scene.scene);
-  std::vector<IrradianceCloud> clouds;
-  const bool is_kept = !cache.empty() && std::filesystem::exists(cache);
-  if (is_kept) clouds = load_irradiance_clouds(cache, made_for);
-  for (TextureSpaceTransport<N>* transport : transports) {
-    const auto found = std::ranges::find(clouds, transport->material(), &IrradianceCloud::material);
-    if (is_kept && (found == clouds.end() || found->bands > N))
-      throw FileError(cache.string() + ": lacks a material of the scene");
-    // Texels are as the file has them, else as this camera needs them.
-    transport->make_texels(
-        is_kept ? 0.0f : nearest_pixel(*scene.scene, camera, transport->material()), tables,
-        is_kept ? found->spacing : 0.0f);
-  }
-  for (TextureSpaceTransport<N>* transport : transports) {
-    if (is_kept) {
-      transport->use(*std::ranges::find(clouds, transport->material(), &IrradianceCloud::material));
-      continue;
+  if (!cache.empty() && std::filesystem::exists(cache)) {
+    const std::vector<IrradianceCloud> clouds = load_irradiance_clouds(cache, made_for);
+    for (TextureSpaceTransport<N>* transport : transports) {
+      const auto found =
+          std::ranges::find(clouds, transport->material(), &IrradianceCloud::material);
+      if (found == clouds.end() || found->bands > N)
+        throw FileError(cache.string() + ": lacks a material of the scene");
+      transport->make_texels(0.0f, found->spacing);
+      transport->use(*found);
     }
+    return true;
+  }
+  const std::optional<DiskCache> tables = user_cache();
+  for (TextureSpaceTransport<N>* transport : transports) {
+    transport->make_texels(nearest_pixel(*scene.scene, camera, transport->material()));
+    transport->make_layers(tables);
+  }
+  std::vector<IrradianceCloud> clouds;
+  for (TextureSpaceTransport<N>* transport : transports) {
     const auto is_seen =
         cache.empty() ? seen_texels(scene, transport->texels()) : std::vector<bool>{};
     auto cloud = transport->sample_light(light, is_seen, scene.scene->render.seed, progress);
     if (!cloud) return false;
-    transport->use(*cloud);
-    if (!cache.empty()) clouds.push_back(*std::move(cloud));
+    clouds.push_back(*std::move(cloud));
   }
-  if (!cache.empty() && !is_kept) save_irradiance_clouds(clouds, made_for, cache);
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    transports[i]->spread(clouds[i]);
+    transports[i]->use(clouds[i]);
+  }
+  if (!cache.empty()) save_irradiance_clouds(clouds, made_for, cache);
   return true;
 }
 

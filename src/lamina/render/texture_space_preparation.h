@@ -12,7 +12,7 @@ namespace lamina {
 
 /// Samples the light on the surfaces of all materials in texture space and lets it spread.
 ///
-/// @param cache  a file that keeps the samples: read if it is there, else written. Empty: none, and
+/// @param cache  a file that keeps what leaves: read if it is there, else written. Empty: none, and
 ///               what this camera does not see is sampled sparingly.
 /// @return       whether it was completed
 /// @throws       as load_irradiance_clouds, save_irradiance_clouds, TextureSpaceTransport

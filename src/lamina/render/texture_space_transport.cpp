@@ -48,8 +48,7 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
 }
 
 template <int N>
-void TextureSpaceTransport<N>::make_texels(float pixel_size, const std::optional<DiskCache>& cache,
-                                           float spacing) {
+void TextureSpaceTransport<N>::make_texels(float pixel_size, float spacing) {
   const TextureSpaceSettings& settings = scene_.scene->render.texture_space;
   const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
   // Finer than the narrowest profiles matter there is nothing to see.
@@ -63,6 +62,10 @@ void TextureSpaceTransport<N>::make_texels(float pixel_size, const std::optional
     throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
                        "\": no texel of method texture_space lies on it: its faces have no area in "
                        "texture coordinates, or are all smaller than a texel");
+}
+
+template <int N>
+void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) {
   const TextureAtlas::Cells cells = atlas_->cells();
   graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
   layers_ = make_surface_layers<N>(graph_);
@@ -190,12 +193,35 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
 }
 
 template <int N>
+void TextureSpaceTransport<N>::spread(IrradianceCloud& cloud) {
+  const std::size_t texels = cloud.points.size();
+  CellField<N> entering(texels);
+  for (std::size_t i = 0; i < texels; ++i)
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
+  const CellField<N> leaving =
+      transport(*layers_, entering, scene_.scene->render.texture_space.terms);
+  layers_.reset();
+  graph_ = {};
+  const auto kept = [&](const CellField<N>& field) {
+    std::vector<float> values(texels * cloud.bands);
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        values[i * cloud.bands + b] =
+            std::max(field[i][static_cast<int>(b)], 0.0f);  // where weights overshoot
+    return values;
+  };
+  cloud.exitance = kept(leaving);
+  cloud.reflectance = kept(reflectance_);
+  cloud.irradiance = {};
+}
+
+template <int N>
 void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
   const std::size_t texels = atlas_->texels().size();
-  if (cloud.points.size() != texels)
+  if (cloud.points.size() != texels || cloud.exitance.empty())
     throw InvalidInput("texture_space: " + std::to_string(cloud.points.size()) +
                        " samples of light do not fit " + std::to_string(texels) + " texels");
-  CellField<N> entering(texels);
   for (std::size_t i = 0; i < texels; ++i) {
     const Vec3f offset = cloud.points[i].position - atlas_->texels()[i].position;
     if (!(length(offset) < 0.01f * spacing_))
@@ -203,13 +229,18 @@ void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
                          " must lie on its texel, but is " + std::to_string(length(offset)) +
                          " mm away: another version of lamina made the cache; remove it");
   }
-  for (std::size_t i = 0; i < texels; ++i)
-    for (std::size_t b = 0; b < cloud.bands; ++b)
-      entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
-  exitance_ = transport(*layers_, entering, scene_.scene->render.texture_space.terms);
-  for (Bands& value : exitance_)
-    for (int b = 0; b < N; ++b) value[b] = std::max(value[b], 0.0f);  // where weights overshoot
-  extend(exitance_);
+  const auto field_of = [&](const std::vector<float>& values) {
+    CellField<N> field;
+    field.reserve(texels + atlas_->borders().size());
+    field.resize(texels);
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        field[i][static_cast<int>(b)] = values[i * cloud.bands + b];
+    extend(field);
+    return field;
+  };
+  exitance_ = field_of(cloud.exitance);
+  reflectance_ = field_of(cloud.reflectance);
 }
 
 template <int N>

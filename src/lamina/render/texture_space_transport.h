@@ -32,12 +32,16 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
   /// @throws InvalidInput if the material is no recipe of skin, or has a color.
   TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
 
-  /// Cuts the surface into texels and works out what skin is at each. Comes before all else.
+  /// Cuts the surface into texels. Comes before all else.
   ///
   /// @param pixel_size  what a pixel sees at least [mm]: texels need not be smaller
   /// @param spacing     of the texels [mm]; 0: from the scene's settings and the size of a pixel
   /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
-  void make_texels(float pixel_size, const std::optional<DiskCache>& cache, float spacing = 0.0f);
+  void make_texels(float pixel_size, float spacing = 0.0f);
+
+  /// Works out what skin is at each texel. Comes before sample_light.
+  /// @param cache  of tables
+  void make_layers(const std::optional<DiskCache>& cache);
 
   /// Samples the light on the texels.
   ///
@@ -48,8 +52,11 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
                                                             std::uint64_t seed,
                                                             const Progress& progress) const;
 
-  /// Lets the light spread. Comes before leaving_radiance.
-  /// @throws InvalidInput if the samples are of other texels.
+  /// Lets light that was sampled spread, and forgets the layers.
+  void spread(IrradianceCloud& cloud);
+
+  /// Takes light that has spread. Comes before leaving_radiance.
+  /// @throws InvalidInput if it is of other texels.
   void use(const IrradianceCloud& cloud);
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
