@@ -39,9 +39,8 @@ void save_fit_plot(const std::string& file, const SkinPatch& patch,
   plot.title = "Error of the tables of Gaussians";
   plot.caption = fmt::format(
       "Largest over spatial frequencies up to {:.0f}/mm, of the value at 0, with {} Gaussians and "
-      "a "
-      "delta.",
-      2.0 / std::sqrt(tables[0].grid.first_variance), tables[0].grid.gaussians);
+      "a delta.",
+      highest_fitted_frequency, tables[0].grid.gaussians);
   plot.panel_width = 260.0;
   plot.panel_height = 180.0;
   const std::array<std::pair<const char*, GaussianTable LayerTables::*>, 4> operators = {

@@ -21,11 +21,11 @@ namespace {
 using Eigen::Index;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Frequencies up to where the narrowest Gaussian has fallen to e^-2, and 0. Every second one is
-/// used for the fit, all for its error.
+/// Frequencies in a geometric series, and 0. Every second one is used for the fit, all for its
+/// error.
 std::vector<double> test_frequencies(const std::vector<double>& variances) {
   constexpr int count = 220;
-  const double first = 0.05 / std::sqrt(variances.back()), last = 2.0 / std::sqrt(variances[1]);
+  const double first = 0.05 / std::sqrt(variances.back()), last = highest_fitted_frequency;
   std::vector<double> k = {0.0};
   for (int i = 0; i < count; ++i) k.push_back(first * std::pow(last / first, i / (count - 1.0)));
   return k;
