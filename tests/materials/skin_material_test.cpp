@@ -211,9 +211,8 @@ TEST(SkinMaterial, JunctionTakesItsShareOfTheLightThatCrosses) {
   EXPECT_LT(lost, 2.5 * p);  // light that comes back crosses it again
 }
 
-// Diffusion is too bright by .03 in light skin. Its own constants were fitted when it lost the
-// boundary of a thin epidermis; now they err as much as those made for exact totals.
-TEST(SkinMaterial, DiffusionIsTooBrightWithTheConstantsOfEitherMethod) {
+// Diffusion is too bright by .03 in light skin, and somewhat less with the constants made for it.
+TEST(SkinMaterial, DiffusionIsTooBrightAndLessSoWithItsOwnConstants) {
   const auto by_diffusion = [](SkinConstants constants) {
     const SkinParameters skin = with_constants(
         {.melanin = 0.0083, .hemoglobin_epidermis = 0.0012, .hemoglobin_dermis = 0.0031},
@@ -229,8 +228,9 @@ TEST(SkinMaterial, DiffusionIsTooBrightWithTheConstantsOfEitherMethod) {
       exact / static_cast<double>(wavelengths().size()) - 0.0278;  // specular at an index of 1.4
   const double made_for_it = by_diffusion(SkinConstants::calibrated_diffusion) - exact;
   const double mixed_up = by_diffusion(SkinConstants::calibrated) - exact;
-  EXPECT_NEAR(made_for_it, 0.03, 0.005);
   EXPECT_NEAR(mixed_up, 0.03, 0.005);
+  EXPECT_LT(made_for_it, 0.85 * mixed_up);
+  EXPECT_GT(made_for_it, 0.5 * mixed_up);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ SkinParameters with_constants(SkinParameters parameters, SkinConstants constants
       case SkinConstants::paper:
         return {1.0, 1.0, 0.0, 0.75};
       case SkinConstants::calibrated_diffusion:
-        return {0.167, 0.694, 1.06, 0.641};
+        return {0.207, 0.678, 0.94, 0.626};
       case SkinConstants::calibrated:
         break;
     }

@@ -64,13 +64,11 @@ struct SkinParameterRange {
 [[nodiscard]] std::span<const SkinParameterRange> skin_parameter_ranges();
 
 /// The constants that no map gives: saturations, baseline and scattering. They belong to the solver
-/// that they were fitted with.
+/// that they were fitted with (benchmarks/skin_constants.cpp).
 enum class SkinConstants {
-  paper,       ///< as printed in [Donner2008]; saturations .75, which it does not print
-  calibrated,  ///< fitted to 100 forearms [Cooksey2017] with exact totals
-  /// The same with the closed form of the multipole, before a thin epidermis kept its boundary in
-  /// it: since then these err as much as `calibrated`.
-  calibrated_diffusion,
+  paper,                 ///< as printed in [Donner2008]; saturations .75, which it does not print
+  calibrated,            ///< fitted to 100 forearms [Cooksey2017] with exact totals
+  calibrated_diffusion,  ///< the same with the closed form of the multipole
 };
 
 /// The parameters with their constants replaced by those of a set.
