@@ -186,12 +186,20 @@ void run_render(const RenderCommandOptions& options) {
   if (!s.is_complete && fs::exists(checkpoint))
     fmt::print(stderr, "lamina: stopped early; the same command with --resume goes on from {}\n",
                checkpoint.string());
+  std::string sampled;
+  for (const LightSamples& light : s.light_samples)
+    sampled +=
+        fmt::format("{}: {} samples of the light, {:.3g} mm apart{}\n",
+                    scene.materials[light.material].name, light.count, light.spacing,
+                    light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
+                                               100.0 * *light.change)
+                                 : "");
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   print(options.common,
-        fmt::format("{}{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
-                    s.is_complete ? "" : "stopped early: ", written, s.wall_seconds, s.cpu_seconds,
-                    s.samples_per_pixel, noise, s.peak_memory_mib));
+        fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                    s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
+                    s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
   nlohmann::ordered_json json = make_result("render");
   json["method"] = name_of(scene.render.method);
   json["wall_seconds"] = s.wall_seconds;
@@ -199,6 +207,13 @@ void run_render(const RenderCommandOptions& options) {
   json["samples_per_pixel"] = s.samples_per_pixel;
   if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
   json["peak_memory_mib"] = s.peak_memory_mib;
+  for (const LightSamples& light : s.light_samples) {
+    auto& entry = json["light_samples"].emplace_back();
+    entry["material"] = scene.materials[light.material].name;
+    entry["spacing_mm"] = light.spacing;
+    entry["count"] = light.count;
+    if (light.change) entry["change"] = *light.change;
+  }
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;

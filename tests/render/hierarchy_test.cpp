@@ -293,5 +293,39 @@ TEST(Hierarchy, HasNoNoiseUnderTheSurface) {
   EXPECT_LT(render(scene).statistics.relative_noise.value(), 0.01);
 }
 
+// Samples get closer until the light hardly changes; what is left is less than that, for the error
+// falls with the square of the spacing.
+TEST(Hierarchy, RefinesItsSamplesUntilTheLightHardlyChanges) {
+  Scene scene = scene_of(make_sphere(4.0f, 48), half_space({0.05, 0.3, 2.0}, 5.0, 1.0));
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{1, 0.2, 1}), .irradiance = {3, 3, 3}}};
+  scene.render.samples_per_pixel = 4;
+  const auto settled = [&](float refine, int max_points) {
+    scene.render.hierarchy = {
+        .spacing = 0.6f, .max_points = max_points, .irradiance_samples = 8, .refine = refine};
+    const RenderResult result = render(scene);
+    EXPECT_EQ(result.statistics.light_samples.size(), 1u);
+    return result;
+  };
+  const RenderResult loose = settled(0.2f, 100'000), strict = settled(0.03f, 100'000);
+  const LightSamples &coarse = loose.statistics.light_samples[0],
+                     &fine = strict.statistics.light_samples[0];
+  EXPECT_LE(coarse.change.value(), 0.2);
+  EXPECT_LE(fine.change.value(), 0.03);
+  EXPECT_LT(fine.spacing, 0.6 * coarse.spacing);
+  EXPECT_GT(fine.count, 3 * coarse.count);
+  scene.render.hierarchy = {.spacing = 0.5f * static_cast<float>(fine.spacing),
+                            .irradiance_samples = 32};
+  const RenderResult finest = render(scene);
+  EXPECT_FALSE(finest.statistics.light_samples[0].change);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(mean_of(strict.image, c), mean_of(finest.image, c), 0.03 * mean_of(finest.image, c))
+        << c;
+  // There is an end to it.
+  const RenderResult bounded = settled(1e-6f, 2000);
+  EXPECT_LT(bounded.statistics.light_samples[0].count, 2400u);
+  EXPECT_GT(bounded.statistics.light_samples[0].change.value(), 1e-6);
+}
+
 }  // namespace
 }  // namespace lamina

@@ -68,6 +68,7 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(scene.render.hierarchy.max_points, 20'000);
   EXPECT_EQ(scene.render.hierarchy.irradiance_samples, 8);
   EXPECT_EQ(scene.render.hierarchy.error, 0.1F);
+  EXPECT_EQ(scene.render.hierarchy.refine, 0.02F);
 
   EXPECT_EQ(scene.render.shadow_map.resolution, 128);
   EXPECT_EQ(scene.render.shadow_map.lamp_views, 4);

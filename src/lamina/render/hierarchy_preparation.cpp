@@ -2,19 +2,98 @@
 #include "lamina/render/hierarchy_preparation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
 #include "lamina/render/irradiance_cloud_file.h"
 #include "lamina/render/nearest_pixel.h"
 #include "lamina/render/scene_fingerprint.h"
+#include "lamina/render/surface_cells.h"
 
 namespace lamina {
+namespace {
+
+/// How many times as far apart as asked for samples are at first where they are refined.
+constexpr float first_spacing = 4.0f;
+
+/// Points spread evenly over a material, where samples of different density are compared.
+std::vector<SurfacePoint> make_probes(const Scene& scene, std::uint32_t material) {
+  constexpr double wanted = 500.0;
+  const auto spacing = static_cast<float>(std::sqrt(surface_area(scene.meshes, material) / wanted));
+  const SurfaceCells surface =
+      make_surface_cells(scene.meshes, material, spacing, scene.render.seed);
+  std::vector<SurfacePoint> probes;
+  for (const SurfaceCell& cell : surface.cells) {
+    const SurfaceElement& e = surface.elements_of(cell).front();
+    probes.push_back(make_surface_point(
+        scene.meshes,
+        {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle}, 0.0f));
+  }
+  return probes;
+}
+
+template <int N>
+std::vector<BandValues<N>> exitance_at(const HierarchyTransport<N>& hierarchy,
+                                       const std::vector<SurfacePoint>& probes) {
+  std::vector<BandValues<N>> exitance(probes.size());
+  parallel_for(probes.size(), [&](std::size_t i) { exitance[i] = hierarchy.exitance(probes[i]); });
+  return exitance;
+}
+
+/// Root mean square of the difference over that of the light, in the band where it is most.
+template <int N>
+double change_between(const std::vector<BandValues<N>>& before,
+                      const std::vector<BandValues<N>>& after) {
+  double most = 0.0;
+  for (int b = 0; b < N; ++b) {
+    double changed = 0.0, total = 0.0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const double now = static_cast<double>(after[i][b]);
+      const double difference = now - static_cast<double>(before[i][b]);
+      changed += difference * difference;
+      total += now * now;
+    }
+    if (total > 0.0) most = std::max(most, std::sqrt(changed / total));
+  }
+  return most;
+}
+
+/// Samples of the light, in use when it returns: nothing if progress asked to stop.
+///
+/// @param spacing  at which to stop, without refinement [mm]
+template <int N>
+std::optional<IrradianceCloud> sampled_light(HierarchyTransport<N>& hierarchy, const Scene& scene,
+                                             const LightGatherer<N>& light, float spacing,
+                                             const Progress& progress, LightSamples& done) {
+  const double refine = static_cast<double>(scene.render.hierarchy.refine);
+  const float closest = hierarchy.closest_spacing();
+  std::vector<SurfacePoint> probes;
+  if (refine > 0.0) probes = make_probes(scene, hierarchy.material());
+  std::vector<BandValues<N>> before;
+  for (float at = refine > 0.0 ? first_spacing * spacing : spacing;;
+       at = std::max(0.5f * at, closest)) {
+    auto cloud = hierarchy.sample_light(light, at, scene.render.seed, progress);
+    if (!cloud) return std::nullopt;
+    hierarchy.use(*cloud);
+    done.spacing = static_cast<double>(at);
+    done.count = cloud->points.size();
+    if (!(refine > 0.0)) return cloud;
+    auto exitance = exitance_at(hierarchy, probes);
+    if (!before.empty()) done.change = change_between(before, exitance);
+    if ((done.change && *done.change <= refine) || at <= closest) return cloud;
+    before = std::move(exitance);
+  }
+}
+
+}  // namespace
+
 template <int N>
 bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
                          const RenderScene& scene, const CameraRays& camera,
                          const LightGatherer<N>& light, const std::filesystem::path& cache,
-                         const Progress& progress) {
+                         const Progress& progress, std::vector<LightSamples>& sampled) {
   if (hierarchies.empty()) return true;
   const SceneFingerprint made_for = cache.empty() ? SceneFingerprint{} : fingerprint(*scene.scene);
   if (!cache.empty() && std::filesystem::exists(cache)) {
@@ -25,6 +104,10 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
       if (found == clouds.end() || found->bands > N || found->irradiance.empty())
         throw FileError(cache.string() + ": lacks a material of the scene");
       hierarchy->use(*found);
+      sampled.push_back({.material = hierarchy->material(),
+                         .spacing = static_cast<double>(found->spacing),
+                         .count = found->points.size(),
+                         .change = {}});
     }
     return true;
   }
@@ -33,24 +116,24 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
     // What is kept serves cameras that come closer, too.
     const float pixel =
         (cache.empty() ? 1.0f : 0.5f) * nearest_pixel(*scene.scene, camera, hierarchy->material());
-    auto cloud = hierarchy->sample_light(light, pixel, scene.scene->render.seed, progress);
+    auto& done = sampled.emplace_back(LightSamples{.material = hierarchy->material()});
+    auto cloud = sampled_light(*hierarchy, *scene.scene, light, hierarchy->spacing_for(pixel),
+                               progress, done);
     if (!cloud) return false;
-    hierarchy->use(*cloud);
     clouds.push_back(*std::move(cloud));
   }
   if (!cache.empty()) save_irradiance_clouds(clouds, made_for, cache);
   return true;
 }
 
-template bool prepare_hierarchies<4>(const std::vector<HierarchyTransport<4>*>&, const RenderScene&,
-                                     const CameraRays&, const LightGatherer<4>&,
-                                     const std::filesystem::path&, const Progress&);
-template bool prepare_hierarchies<8>(const std::vector<HierarchyTransport<8>*>&, const RenderScene&,
-                                     const CameraRays&, const LightGatherer<8>&,
-                                     const std::filesystem::path&, const Progress&);
-template bool prepare_hierarchies<16>(const std::vector<HierarchyTransport<16>*>&,
-                                      const RenderScene&, const CameraRays&,
-                                      const LightGatherer<16>&, const std::filesystem::path&,
-                                      const Progress&);
+#define LAMINA_INSTANTIATE(N)                                                                 \
+  template bool prepare_hierarchies<N>(const std::vector<HierarchyTransport<N>*>&,            \
+                                       const RenderScene&, const CameraRays&,                 \
+                                       const LightGatherer<N>&, const std::filesystem::path&, \
+                                       const Progress&, std::vector<LightSamples>&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

@@ -73,22 +73,26 @@ HierarchyTransport<N>::HierarchyTransport(const RenderScene& scene,
       profiles_(scene, conversion, material, make_profile, is_printed_exit) {}
 
 template <int N>
-float HierarchyTransport<N>::automatic_spacing(float pixel_size) const {
+float HierarchyTransport<N>::spacing_for(float pixel_size) const {
   const HierarchySettings& settings = scene_.scene->render.hierarchy;
   const float of_profile =
       smallest_half_radius(profiles_.by_thickness().back()) / samples_per_half_radius;
   const float wanted =
       settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
-  const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
-  return std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_points)));
+  return std::max(wanted, closest_spacing());
+}
+
+template <int N>
+float HierarchyTransport<N>::closest_spacing() const {
+  const double area = surface_area(scene_.scene->meshes, material_);
+  return static_cast<float>(std::sqrt(area / scene_.scene->render.hierarchy.max_points));
 }
 
 template <int N>
 std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGatherer<N>& light,
-                                                                   float pixel_size,
+                                                                   float spacing,
                                                                    std::uint64_t seed,
                                                                    const Progress& progress) const {
-  const float spacing = automatic_spacing(pixel_size);
   const SurfaceCells surface = make_surface_cells(scene_.scene->meshes, material_, spacing, seed);
   IrradianceCloud cloud{.material = material_,
                         .bands = surface_.material.bands.size(),

@@ -44,12 +44,18 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
                      std::uint32_t material, const ProfileMaker& make_profile,
                      bool is_printed_exit);
 
-  /// Samples the light on the surface.
+  /// The spacing of samples that the settings ask for, never more than `max_points` of them [mm].
   ///
   /// @param pixel_size  what a pixel sees at least [mm]: samples need not be closer
-  /// @return            nothing if progress asked to stop
+  [[nodiscard]] float spacing_for(float pixel_size) const;
+  /// That of `max_points` samples [mm].
+  [[nodiscard]] float closest_spacing() const;
+
+  /// Samples the light on the surface.
+  ///
+  /// @return nothing if progress asked to stop
   [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
-                                                            float pixel_size, std::uint64_t seed,
+                                                            float spacing, std::uint64_t seed,
                                                             const Progress& progress) const;
 
   /// Makes the samples ready to be summed. Comes before leaving_radiance.
@@ -68,7 +74,6 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
 
  private:
   using Local = typename ProfileTransport<N>::Local;
-  [[nodiscard]] float automatic_spacing(float pixel_size) const;
   /// By a sum over all samples within reach.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;

@@ -202,7 +202,8 @@ LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
 /// @return whether it was completed
 template <int N>
 bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOptions& options,
-                  const Progress& progress, FilmAccumulator& film) {
+                  const Progress& progress, FilmAccumulator& film,
+                  std::vector<LightSamples>& light_samples) {
   const RenderSettings& settings = scene.scene->render;
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
@@ -218,7 +219,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                               {.max_bounces = settings.max_bounces,
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
   const CameraRays camera(scene.scene->camera, width, height);
-  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress))
+  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress,
+                           light_samples))
     return false;
   if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options.cache,
                               progress))
@@ -265,10 +267,11 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;
+  auto& sampled = statistics.light_samples;
   statistics.is_complete =
-      bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film)
-      : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film)
-                          : trace_passes<16>(prepared, bands, options, progress, film);
+      bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film, sampled)
+      : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film, sampled)
+                          : trace_passes<16>(prepared, bands, options, progress, film, sampled);
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();
   statistics.relative_noise = relative_noise(result.image, film.measured_pixels());

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -36,13 +38,23 @@ struct RenderOptions {
   bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
 };
 
+/// How the method `hierarchy` has sampled the light on a material.
+struct LightSamples {
+  std::uint32_t material = 0;  ///< index into those of the scene
+  double spacing = 0.0;        ///< [mm]
+  std::size_t count = 0;
+  std::optional<double> change;  ///< of the light that leaves, from twice the spacing: root mean
+                                 ///< square over that of the light. Absent without refinement
+};
+
 struct RenderStatistics {
   double wall_seconds = 0.0;
-  double cpu_seconds = 0.0;              ///< of all threads of the process while rendering
-  double samples_per_pixel = 0.0;        ///< mean; fewer than asked for after an early stop
-  std::optional<double> relative_noise;  ///< see relative_noise()
-  double peak_memory_mib = 0.0;          ///< of the process so far
-  bool is_complete = true;               ///< false if progress asked to stop
+  double cpu_seconds = 0.0;                 ///< of all threads of the process while rendering
+  double samples_per_pixel = 0.0;           ///< mean; fewer than asked for after an early stop
+  std::optional<double> relative_noise;     ///< see relative_noise()
+  double peak_memory_mib = 0.0;             ///< of the process so far
+  bool is_complete = true;                  ///< false if progress asked to stop
+  std::vector<LightSamples> light_samples;  ///< of method `hierarchy`
 };
 
 struct RenderResult {

@@ -182,6 +182,7 @@ struct HierarchySettings {
   int max_points = 1'000'000;   ///< of a material, whatever the spacing
   int irradiance_samples = 32;  ///< random estimates of the light at each sample
   float error = 0.06f;          ///< solid angle up to which samples are summed as one [sr]
+  float refine = 0.0f;  ///< change of the light up to which samples are made closer; 0: at once
 };
 
 /// How the method `texture_space` samples light on a surface and spreads it.

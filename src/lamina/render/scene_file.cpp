@@ -98,7 +98,7 @@ Film decode_film(const JsonInput& value) {
 
 HierarchySettings decode_hierarchy(const JsonInput& value) {
   const JsonObject object =
-      value.object({"spacing_mm", "max_points", "irradiance_samples", "error"});
+      value.object({"spacing_mm", "max_points", "irradiance_samples", "error", "refine"});
   HierarchySettings settings;
   if (const auto spacing = object.optional("spacing_mm"))
     settings.spacing = static_cast<float>(spacing->number(between(0.0, 1e6, "mm")));
@@ -108,6 +108,8 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
     settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
   if (const auto error = object.optional("error"))
     settings.error = static_cast<float>(error->number(between(1e-4, 1.0, "sr")));
+  if (const auto refine = object.optional("refine"))
+    settings.refine = static_cast<float>(refine->number(between(0.0, 1.0)));
   return settings;
 }
 

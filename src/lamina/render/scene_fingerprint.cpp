@@ -220,10 +220,11 @@ void add(Hash& hash, const Image& image) {
 
 SceneFingerprint fingerprint(const Scene& scene) {
   Hash settings;
-  const auto& [spacing, max_points, irradiance_samples, error] = scene.render.hierarchy;
+  const auto& [spacing, max_points, irradiance_samples, error, refine] = scene.render.hierarchy;
   settings.add(spacing);
   settings.add(max_points);
   settings.add(irradiance_samples);
+  settings.add(refine);
   (void)error;  // of the sum, not of the samples
   const auto& [texel, max_texels, samples_of_texel, terms] = scene.render.texture_space;
   settings.add(scene.render.method);
