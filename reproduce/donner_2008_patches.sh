@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-# Figure 1 of Donner et al. 2008: three maps, and the skin that they make.
+# Figures 1 and 3 of Donner et al. 2008: three maps, and the skin that they make; uniform skin, skin of maps, and
+# uniform skin with an albedo texture, in full light and in strips of light.
 #
 #   donner_2008_patches.sh LAMINA OUT_FOLDER
 set -euo pipefail
@@ -8,9 +9,31 @@ lamina=$(realpath "$1") out=$(mkdir -p "$2" && realpath "$2")
 cd "$(dirname "$0")"
 source ./sheet.sh
 
+"$lamina" maps ../scenes/donner_2008/figure_3.json -o "$out/figure_3" >/dev/null
 "$lamina" maps ../scenes/donner_2008/figure_1.json -o "$out/figure_1" --png >/dev/null
 "$lamina" patch "$out/figure_1/patch.json" -o "$out/figure_1/skin" --exposure 0.5 >/dev/null
 cd "$out/figure_1"
 cp melanin.png junction_absorption.png hemoglobin_dermis.png skin.png "$out"
 sheet "$out/figure_1.png" 4 240 240 "$out/melanin.png" "melanin" "$out/junction_absorption.png" "absorbing junction" \
   "$out/hemoglobin_dermis.png" "blood" "$out/skin.png" "the skin"
+
+# patch NAME MORE EXPOSURE: the patch NAME.json with more keys, as NAME.exr and NAME.png.
+patch() {
+  sed -i "\$s|}|, $2 }|" "$1.json"
+  "$lamina" patch "$1.json" -o "$1" --exposure "$3" >/dev/null
+}
+cd "$out/figure_3"
+uniform='{ "lamina": "patch", "version": 1, "mm_per_pixel": 0.05, "width": 320, "height": 320,
+  "skin": { "melanin": 0.010, "hemoglobin_dermis": 0.007 }
+}'
+strips='"light": { "stripes": { "period": 5.3, "width": 1.6, "angle": 20 } }'
+for name in uniform uniform_strips texture texture_strips; do echo "$uniform" >$name.json; done
+for name in maps maps_strips; do cp patch.json $name.json; done
+for name in uniform maps texture; do
+  texture=; [ $name != texture ] || texture=', "albedo": "maps.exr"'
+  patch $name "\"light\": {}$texture" 0.5
+  patch ${name}_strips "$strips$texture" 1.2
+done
+sheet figure_3.png 3 300 300 uniform.png "uniform skin" maps.png "maps of pigments" texture.png "uniform skin, albedo texture" \
+  uniform_strips.png "in strips of light" maps_strips.png "in strips of light" texture_strips.png "in strips of light"
+mv figure_3.png "$out"

@@ -107,6 +107,29 @@ TEST_F(PatchFiles, TakeTheirSizeFromTheFirstMapAndResampleTheOthers) {
     EXPECT_TRUE(std::isfinite(value) && value >= -1e-3f);
 }
 
+// A texture looks as it was made in even light, and knows nothing of what lies beside it.
+TEST_F(PatchFiles, TexturesOfAlbedoShowTheirReflectanceInEvenLight) {
+  Image texture = make_image(32, 32, {"645nm"});
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) texture.at(x, y)[0] = x < 16 ? 0.4f : 0.2f;
+  save_exr(texture, folder_ / "albedo.exr");
+  const std::string patch = R"("mm_per_pixel": 0.1, "width": 32, "height": 32, "bands": [645],
+    "skin": {}, "albedo": "albedo.exr")";
+  const Image even = render_skin_patch(load(patch)).image;
+  for (int x = 0; x < 32; ++x) EXPECT_NEAR(even.at(x, 5)[0], x < 16 ? 0.4 : 0.2, 2e-4);
+  SkinPatch striped = load(patch + R"(, "light": {"stripes": {"period": 3.2, "width": 1.0}})");
+  const Image with = render_skin_patch(striped).image;
+  striped.albedo = {};
+  const Image without = render_skin_patch(striped).image;
+  for (int x = 0; x < 16; ++x)
+    EXPECT_NEAR(with.at(x, 5)[0] / with.at(x + 16, 5)[0],
+                2.0f * without.at(x, 5)[0] / without.at(x + 16, 5)[0], 1e-3);
+  EXPECT_NE(message_of(R"("mm_per_pixel": 0.1, "width": 8, "height": 8, "bands": [500], "skin": {},
+    "albedo": "albedo.exr")")
+                .find("no channel \"500nm\""),
+            std::string::npos);
+}
+
 TEST_F(PatchFiles, CutLightToWindowsAndStripes) {
   const std::string patch = R"("mm_per_pixel": 0.1, "width": 80, "height": 40, "skin": {}, )";
   const auto total = [&](const std::string& light) {

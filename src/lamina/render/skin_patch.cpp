@@ -60,6 +60,17 @@ void add_colors(Image& image, std::size_t first, const BandSet& bands, const Ski
     }
 }
 
+/// Multiplies what leaves by a texture's reflectance in a band over that in even light.
+void texture(const SkinPatch& patch, std::size_t band, const HeterogeneousLayers& layers,
+             float entering, Plane& leaving) {
+  const Plane even =
+      transport(layers, make_plane(patch.width, patch.height, entering), patch.transport).reflected;
+  for (std::size_t i = 0; i < even.values.size(); ++i)
+    if (even.values[i] > 0.0f)
+      leaving.values[i] *=
+          patch.albedo.pixels[i * patch.albedo.channel_count() + band] / even.values[i];
+}
+
 class Stopwatch {
  public:
   explicit Stopwatch(std::atomic<double>& sum) : sum_(sum) {}
@@ -158,7 +169,8 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     const auto entering =
         static_cast<float>(entering_share(patch.skin.skin, wavelength, patch.theta));
     for (float& value : light.values) value *= entering;
-    const TransportResult out = transport(layers, light, patch.transport);
+    TransportResult out = transport(layers, light, patch.transport);
+    if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected);
     put_channel(result.image, b, out.reflected);
     if (is_fold) put_channel(result.image, bands + 3 + b, out.transmitted);
     const double leaving =

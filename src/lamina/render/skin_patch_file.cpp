@@ -88,6 +88,28 @@ void decode_light(const JsonInput& value, SkinPatch& patch) {
   if (const auto stripes = object.optional("stripes")) cut_stripes(*stripes, patch, patch.light);
 }
 
+/// An image that `lamina patch` has written of skin in even light.
+void decode_albedo(const JsonInput& file, SkinPatch& patch) {
+  std::vector<std::string> bands;
+  for (std::size_t b = 0; b < patch.bands.size(); ++b)
+    bands.push_back(band_name(patch.bands, b) + "nm");
+  Image image;
+  try {
+    image = load_image(file.file_path(), ColorEncoding::linear);
+    for (const std::string& band : bands)
+      if (!channel_index(image, band)) file.fail("the image has no channel \"" + band + "\"");
+    image = select_channels(image, bands);
+    require_finite(image, file.file_path());
+  } catch (const FileError& error) {
+    file.fail(error.what());
+  }
+  for (const float value : image.pixels)
+    if (value < 0.0f)
+      file.fail("reflectance must be >= 0, but the image has " + std::to_string(value));
+  note_size("albedo", image, patch);
+  patch.albedo = resampled(image, patch.width, patch.height);
+}
+
 TransportOptions decode_transport(const JsonInput& value) {
   const JsonObject object = value.object({"terms", "closure", "kept", "profile"});
   TransportOptions options;
@@ -109,9 +131,10 @@ TransportOptions decode_transport(const JsonInput& value) {
 
 SkinPatch load_skin_patch(const std::filesystem::path& file) {
   const JsonDocument document = load_json(file);
-  const JsonObject object = document.root().file_object(
-      "patch", 1,
-      {"name", "mm_per_pixel", "width", "height", "bands", "skin", "light", "totals", "transport"});
+  const JsonObject object =
+      document.root().file_object("patch", 1,
+                                  {"name", "mm_per_pixel", "width", "height", "bands", "skin",
+                                   "light", "totals", "transport", "albedo"});
   SkinPatch patch;
   patch.name = object.has("name") ? object.required("name").string() : file.stem().string();
   patch.mm_per_texel = object.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
@@ -141,6 +164,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file) {
   if (const auto light = object.optional("light")) decode_light(*light, patch);
   if (const auto transport = object.optional("transport"))
     patch.transport = decode_transport(*transport);
+  if (const auto albedo = object.optional("albedo")) decode_albedo(*albedo, patch);
   return patch;
 }
 
