@@ -194,6 +194,32 @@ TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
   }
 }
 
+// Under a sky paths leave, in the dark they stay and carry less. Both ways have the same mean: of
+// what a lamp sends in, and of a wall outside.
+TEST(RandomWalk, HasTheSameMeanWhetherPathsLeaveOrStay) {
+  Scene scene =
+      scene_of(make_sphere(1.5f, 48), homogeneous({0.02, 0.1, 0.4}, {1, 1.2, 2.5}, 0.0, 1.4),
+               RectangleLight{.center = {6, 0, 9},
+                              .edge_u = {0, 4, 0},
+                              .edge_v = {3.33, 0, -2.22},
+                              .radiance = {5, 5, 5}},
+               192);
+  Mesh wall = make_plate(6.0f, 0.1f);
+  for (Vec3f& p : wall.positions) p.z -= 2.0f;
+  scene.materials.push_back({.name = "wall", .surface = DiffuseSurface{}});
+  wall.material.assign(wall.triangles.size(), 1);
+  scene.meshes.push_back(wall);
+  scene.camera = camera_above(2.0);
+  const Image stay = render(scene).image;
+  scene.lights.push_back(EnvironmentLight{.scale = {0, 0, 0}});
+  const Image leave = render(scene).image;
+  for (const char* name : {"subsurface.R", "subsurface.G", "subsurface.B"}) {
+    const std::size_t channel = channel_index(stay, name).value();
+    const double expected = mean_of(leave, channel);
+    EXPECT_NEAR(mean_of(stay, channel), expected, 0.01 * expected) << name;
+  }
+}
+
 TEST(RandomWalk, RefusesOpenMeshes) {
   Scene scene = scene_of(make_square(1.0f), homogeneous({0, 0, 0}, {1, 1, 1}, 0.0, 1.3),
                          EnvironmentLight{}, 1);

@@ -71,7 +71,7 @@ BandValues<N> MediaWalk<N>::light_outside(const WalkPath<N>& path, const Place& 
     return media_->find_boundary({before.origin, direction}, last);
   };
   const FindBoundary find_boundary = std::cref(find);
-  const WalkStep leaving{WalkStep::End::leaves, point, turn.direction};
+  const WalkExit leaving{point, turn.direction};
   return medium.lamps.light_from_outside(
       path, leaving, light, samples,
       [&](const RefractedEntry& entry, float pdf) {

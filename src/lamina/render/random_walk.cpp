@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <variant>
 
@@ -17,8 +18,8 @@ constexpr int most_events = 100'000;
 constexpr std::uint32_t walks = 4;  // from where a ray of the eye enters
 // How often a path searches for a lamp and goes on: these times what that may change of the light
 // that it brings home, and at least so often. By the least work for the same noise.
-constexpr float search_scale = 1.5f, least_search = 0.05f;
-constexpr float going_scale = 5.0f, least_going = 0.1f;
+constexpr float search_scale = 3.0f, least_search = 0.05f;
+constexpr float going_scale = 4.0f, least_going = 0.1f;
 // Light over that of the scene below which noise does not matter.
 constexpr float least_reference = 5e-4f;
 
@@ -141,8 +142,15 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
                    .carried = Bands::filled(1.0f - reflectance(exit.boundary, exit.cos_o))};
   Bands radiance;
   float reference = 0.0f;  // about the radiance that comes home
-  WalkStep step = space_->advance(path, medium_, numbers);
-  for (int event = 0; step.end == WalkStep::End::event && event < most_events; ++event) {
+  const auto add_from_outside = [&](const WalkPath<N>& leaving, const WalkExit& at) {
+    const auto weight = [&](const RefractedEntry& entry, float pdf) {
+      return weight_of_search(leaving.last, entry, pdf);
+    };
+    radiance += leaving.carried * lamps_->light_from_outside(leaving, at, light, samples, weight);
+  };
+  const OnLeaving<N> on_leaving = std::ref(add_from_outside);
+  bool scatters = space_->advance(path, medium_, numbers, on_leaving);
+  for (int event = 0; scatters && event < most_events; ++event) {
     // In detail at the first event only: most light comes from there.
     const Known known = what_is_known(path.ray.origin, event == 0, light);
     const Bands into_path = phase(dot(known.direction(), path.ray.direction));
@@ -186,14 +194,8 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
     scatter(path, numbers);
     radiance +=
         (-1.0f * path.carried) * (known.scattered + dot(known.flow(), path.ray.direction) * change);
-    step = space_->advance(path, medium_, numbers);
+    scatters = space_->advance(path, medium_, numbers, on_leaving);
   }
-  if (step.end == WalkStep::End::leaves)
-    radiance +=
-        path.carried * lamps_->light_from_outside(path, step, light, samples,
-                                                  [&](const RefractedEntry& entry, float pdf) {
-                                                    return weight_of_search(path.last, entry, pdf);
-                                                  });
   return radiance;
 }
 

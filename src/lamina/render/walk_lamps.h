@@ -68,7 +68,7 @@ class WalkLamps {
   /// @param weight_of_search  (RefractedEntry, pdf) to its share of the light that both find
   /// @param find_boundary     as `search` has it
   template <class WeightOfSearch>
-  [[nodiscard]] Bands light_from_outside(const WalkPath<N>& path, const WalkStep& leaving,
+  [[nodiscard]] Bands light_from_outside(const WalkPath<N>& path, const WalkExit& leaving,
                                          const LightGatherer<N>& light, PixelSamples& samples,
                                          const WeightOfSearch& weight_of_search,
                                          const FindBoundary* find_boundary = nullptr) const;
@@ -150,16 +150,16 @@ void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
 
 template <int N>
 template <class WeightOfSearch>
-BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const WalkStep& leaving,
+BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const WalkExit& leaving,
                                                const LightGatherer<N>& light, PixelSamples& samples,
                                                const WeightOfSearch& weight_of_search,
                                                const FindBoundary* find_boundary) const {
-  const Ray ray{leave_surface(*leaving.point, leaving.outside), leaving.outside};
+  const Ray ray{leave_surface(leaving.point, leaving.outside), leaving.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
   space_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::max(), false, [&](const LightSeen& seen) {
         if (!seen.is_lamp) return;
-        const auto found = find_same_way(path, *leaving.point,
+        const auto found = find_same_way(path, leaving.point,
                                          ray.origin + seen.distance * ray.direction, find_boundary);
         const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)

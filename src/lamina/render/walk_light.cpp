@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "lamina/core/parallel.h"
@@ -137,14 +138,13 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
                        .carried = Bands::filled(1.0f),
                        .has_scattered = true,
                        .safe = std::max(space.safe().at(place), 0.0f)};
-      const WalkStep step = space.advance(path, reduced, numbers);
-      if (step.end == WalkStep::End::leaves) {
+      const auto add_from_outside = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
         PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
-        links.given[k] =
-            path.carried * lamps.light_from_outside(path, step, light, samples,
-                                                    [](const auto&, float) { return 1.0f; });
-      }
-      if (step.end != WalkStep::End::event) continue;
+        links.given[k] +=
+            leaving.carried * lamps.light_from_outside(leaving, exit, light, samples,
+                                                       [](const auto&, float) { return 1.0f; });
+      };
+      if (!space.advance(path, reduced, numbers, std::ref(add_from_outside))) continue;
       // One of the nodes around, by their weights.
       const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
       float total = 0.0f;
@@ -155,10 +155,10 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
         if (!is_inside(corners.node[c])) continue;
         links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
         links.weight[k] = path.carried;
-        links.given[k] = path.carried * reduced_lamps[corners.node[c]];
         left -= corners.weight[c];
         if (left < 0.0f) break;
       }
+      if (total > 0.0f) links.given[k] += path.carried * reduced_lamps[links.node[k]];
     }
   });
 

@@ -15,6 +15,13 @@ namespace lamina {
 namespace {
 
 constexpr int most_mirrors = 10'000;  // of a path between two events
+// In free paths: a ball that spares the ray that finds out what leaves; the length of that ray.
+constexpr float enough_safety = 1.0f, near = 2.0f;
+constexpr float least_kept = 0.05f;  // of a path that is mirrored, without a roulette
+
+float draw_length(float extinction, float u) {
+  return extinction > 0.0f ? -std::log(1.0f - u) / extinction : 1e9f;
+}
 
 }  // namespace
 
@@ -23,6 +30,7 @@ WalkMedium<N> make_walk_medium(const BandValues<N>& sigma_s, const BandValues<N>
                                int bands) {
   WalkMedium<N> medium{.sigma_s = sigma_s, .sigma_t = sigma_t};
   const float least = *std::min_element(sigma_t.v, sigma_t.v + bands);
+  medium.longest_free_path = 1.0f / least;
   // Lanes beyond the bands are copies of the last, and decay as it does.
   for (int b = 0; b < N; ++b) medium.sigma_t_over_least[b] = sigma_t[b] - least;
   return medium;
@@ -58,7 +66,10 @@ WalkSpace<N>::WalkSpace(const RenderScene& scene, const BandConversion<N>& conve
       material_(material),
       ior_(ior),
       bands_(bands),
-      box_(box_of_material(*scene.scene, material)) {
+      box_(box_of_material(*scene.scene, material)),
+      is_dark_outside_(std::ranges::none_of(scene.scene->lights, [](const Light& light) {
+        return std::holds_alternative<EnvironmentLight>(light);
+      })) {
   safe_ = std::make_unique<SafeDistances>(scene.geometry, scene.scene->meshes,
                                           lattice(0.7f * free_path, 1e6));
 }
@@ -88,76 +99,147 @@ void WalkSpace<N>::bounce(WalkPath<N>& path, const SurfacePoint& point, const Hi
 }
 
 template <int N>
-bool WalkSpace<N>::meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
-                                float u_boundary) const {
-  const SurfacePoint& point =
-      step.point.emplace(make_bare_surface_point(scene_.scene->meshes, hit));
-  if (is_blocker(point, path.ray.direction)) {
-    bounce(path, point, hit, u);
-  } else {
-    const Vec3f n = point.smooth_normal;
-    const float cos_inside = dot(n, path.ray.direction);
-    const float sin2_outside = ior_ * ior_ * (1.0f - cos_inside * cos_inside);
-    const bool is_mirrored = !(cos_inside > 0.0f) || sin2_outside >= 1.0f ||
-                             u_boundary < fresnel(std::min(cos_inside, 1.0f), 1.0f / ior_);
-    if (!is_mirrored) {
-      const float cos_outside = std::sqrt(1.0f - sin2_outside);
-      step.outside = normalize(ior_ * path.ray.direction + (cos_outside - ior_ * cos_inside) * n);
-      if (dot(step.outside, point.geometric_normal) > 0.0f) return true;
-    }
-    // A mirrored direction must stay inside the facet, whatever the smooth normal says.
-    Vec3f mirrored = path.ray.direction - 2.0f * cos_inside * n;
-    if (!(dot(mirrored, point.geometric_normal) < 0.0f))
-      mirrored = path.ray.direction -
-                 2.0f * dot(path.ray.direction, point.geometric_normal) * point.geometric_normal;
-    path.ray.direction = normalize(mirrored);
-  }
-  path.ray.origin = leave_surface(point, path.ray.direction);
-  path.has_scattered = false;
-  path.safe = 0.0f;
-  return false;
+typename WalkSpace<N>::Passing WalkSpace<N>::passing_at(const SurfacePoint& point,
+                                                        const Vec3f& direction) const {
+  if (is_blocker(point, direction)) return {};
+  const Vec3f n = point.smooth_normal;
+  const float cos_inside = dot(n, direction);
+  const float sin2_outside = ior_ * ior_ * (1.0f - cos_inside * cos_inside);
+  if (!(cos_inside > 0.0f) || sin2_outside >= 1.0f) return {};
+  const float cos_outside = std::sqrt(1.0f - sin2_outside);
+  const Vec3f outside = normalize(ior_ * direction + (cos_outside - ior_ * cos_inside) * n);
+  if (!(dot(outside, point.geometric_normal) > 0.0f)) return {};
+  return {1.0f - static_cast<float>(fresnel(std::min(cos_inside, 1.0f), 1.0f / ior_)), outside};
 }
 
 template <int N>
-WalkStep WalkSpace<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium,
-                               WalkNumbers& numbers) const {
-  WalkStep step;
+void WalkSpace<N>::turn(WalkPath<N>& path, const SurfacePoint& point, const Hit& hit,
+                        Vec2f u) const {
+  Vec3f& direction = path.ray.direction;
+  if (is_blocker(point, direction)) {
+    bounce(path, point, hit, u);
+  } else {
+    const auto mirrored = [&](const Vec3f& n) { return direction - 2.0f * dot(direction, n) * n; };
+    // A mirrored direction must stay inside the facet, whatever the smooth normal says.
+    const Vec3f smooth = mirrored(point.smooth_normal);
+    direction = normalize(
+        dot(smooth, point.geometric_normal) < 0.0f ? smooth : mirrored(point.geometric_normal));
+  }
+  path.ray.origin = leave_surface(point, direction);
+  path.has_scattered = false;
+  path.safe = 0.0f;
+}
+
+template <int N>
+typename WalkSpace<N>::Part WalkSpace<N>::part_to(const Hit& hit) const {
+  return {.length = hit.distance,
+          .hit = hit,
+          .point = make_bare_surface_point(scene_.scene->meshes, hit)};
+}
+
+template <int N>
+typename WalkSpace<N>::Part WalkSpace<N>::draw_part(const WalkPath<N>& path,
+                                                    const WalkMedium<N>& medium, Vec2f u) const {
+  const float drawn = draw_length(medium.sigma_t[draw_band(path.carried, u.x)], u.y);
+  const Vec3f end = path.ray.origin + drawn * path.ray.direction;
+  if (drawn < path.safe + std::max(safe_->at(end), 0.0f)) return {.length = drawn};
+  const Hit hit = scene_.geometry.first_hit(
+      path.ray, path.has_scattered ? 0.0f : least_distance(scene_), drawn);
+  return hit.is_hit() ? part_to(hit) : Part{.length = drawn};
+}
+
+/// As above, but what leaves is taken from each band before one draws, by the share of it that
+/// scatters before the surface or is mirrored there.
+template <int N>
+typename WalkSpace<N>::Part WalkSpace<N>::draw_part_inside(const WalkPath<N>& path,
+                                                           const WalkMedium<N>& medium, Vec2f u,
+                                                           Random& random,
+                                                           const OnLeaving<N>& on_leaving) const {
+  // To `sure` there is no surface: paths scatter there as if there were none at all.
+  float sure = path.safe;
+  Hit hit;
+  if (!(sure > enough_safety * medium.longest_free_path)) {
+    const float reach = near * medium.longest_free_path;
+    hit = scene_.geometry.first_hit(path.ray, path.has_scattered ? 0.0f : least_distance(scene_),
+                                    reach);
+    sure = hit.is_hit() ? 0.0f : reach;
+  }
+  int band = 0;
+  if (!hit.is_hit()) {
+    band = draw_band(path.carried, u.x);
+    const float drawn = draw_length(medium.sigma_t[band], u.y);
+    if (drawn < sure) return {.length = drawn};
+    hit = scene_.geometry.first_hit(path.ray, sure);
+    if (!hit.is_hit()) return {.length = drawn};  // through a hole
+  }
+  Part part = part_to(hit);
+  const Passing passing = passing_at(part.point, path.ray.direction);
+  const Bands reaching = exp_minus(hit.distance * medium.sigma_t) * path.carried;
+  const Bands beyond_sure =
+      sure > 0.0f ? exp_minus(sure * medium.sigma_t) * path.carried : path.carried;
+  const Bands staying = max(beyond_sure - passing.share * reaching, Bands{});
+  const float leaving = passing.share * sum_of_bands(reaching) / sum_of_bands(beyond_sure);
+  if (random.uniform_float() < leaving) {
+    WalkPath<N> own = path;
+    own.carried = (sum_of_bands(path.carried) / sum_of_bands(reaching)) * reaching;
+    on_leaving(own, {part.point, passing.outside});
+  }
+  part.kept = 1.0f - leaving;
+  if (!(part.kept > 0.0f)) return part;
+  if (sure > 0.0f) {  // what is left of u after the draw above
+    const float sure_passing = std::exp(-sure * medium.sigma_t[band]);
+    u = {random.uniform_float(),
+         std::clamp((u.y - (1.0f - sure_passing)) / sure_passing, 0.0f, 1.0f)};
+  }
+  band = draw_band(staying, u.x);
+  const float drawn =
+      sure + draw_length(medium.sigma_t[band], u.y * (staying[band] / beyond_sure[band]));
+  if (!(drawn < hit.distance)) return part;
+  return {.length = drawn, .kept = part.kept};
+}
+
+template <int N>
+bool WalkSpace<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, WalkNumbers& numbers,
+                           const OnLeaving<N>& on_leaving) const {
+  float kept = 1.0f;
   for (int mirrors = 0; mirrors < most_mirrors; ++mirrors) {
     const Vec2f u = numbers.pair();
-    const float extinction = medium.sigma_t[draw_band(path.carried, u.x)];
-    const float drawn = extinction > 0.0f ? -std::log(1.0f - u.y) / extinction : 1e9f;
-    const Vec3f end = path.ray.origin + drawn * path.ray.direction;
-    const float safe_at_end = std::max(safe_->at(end), 0.0f);
-    Hit hit;
-    if (!(drawn < path.safe + safe_at_end))
-      hit = scene_.geometry.first_hit(path.ray, path.has_scattered ? 0.0f : least_distance(scene_),
-                                      drawn);
+    Random& random = numbers.stream();
+    const Part part = is_dark_outside_ ? draw_part_inside(path, medium, u, random, on_leaving)
+                                       : draw_part(path, medium, u);
+    const bool scatters = !part.hit.is_hit();
     // exp(-sigma_t s) of each band; what all share cancels.
-    Bands passing =
-        exp_minus((hit.is_hit() ? hit.distance : drawn) * medium.sigma_t_over_least) * path.carried;
-    const Bands density = hit.is_hit() ? passing : medium.sigma_t * passing;
-    if (!hit.is_hit()) passing *= medium.sigma_s;
-    float carried = 0.0f, drawn_density = 0.0f;
-    for (int b = 0; b < bands_; ++b) {
-      carried += path.carried[b];
-      drawn_density += density[b];
-    }
-    if (!(drawn_density > 0.0f)) return step;  // beyond what floats hold, or through a hole
-    path.carried = (carried / drawn_density) * passing;
-    if (!hit.is_hit()) {
-      path.ray.origin = end;
-      path.safe = safe_at_end;
+    Bands passing = exp_minus(part.length * medium.sigma_t_over_least) * path.carried;
+    const Bands density = scatters ? medium.sigma_t * passing : passing;
+    if (scatters) passing *= medium.sigma_s;
+    const float drawn_density = sum_of_bands(density);
+    // Beyond what floats hold:
+    if (!(drawn_density > 0.0f && part.kept > 0.0f)) return false;
+    path.carried = (part.kept * sum_of_bands(path.carried) / drawn_density) * passing;
+    if (scatters) {
+      path.ray.origin += part.length * path.ray.direction;
+      path.safe = std::max(safe_->at(path.ray.origin), 0.0f);
       path.has_scattered = true;
-      step.end = WalkStep::End::event;
-      return step;
+      return true;
     }
     const Vec2f u_turn = numbers.pair();
-    if (meet_surface(path, hit, step, u_turn, numbers.stream().uniform_float())) {
-      step.end = WalkStep::End::leaves;
-      return step;
+    if (!is_dark_outside_) {
+      const Passing at_surface = passing_at(part.point, path.ray.direction);
+      if (random.uniform_float() < at_surface.share) {
+        on_leaving(path, {part.point, at_surface.outside});
+        return false;
+      }
+    }
+    turn(path, part.point, part.hit, u_turn);
+    // One that is mirrored often carries little.
+    kept *= part.kept;
+    if (kept < least_kept) {
+      if (!(random.uniform_float() < kept)) return false;
+      path.carried *= 1.0f / kept;
+      kept = 1.0f;
     }
   }
-  return step;
+  return false;
 }
 
 template WalkMedium<4> make_walk_medium(const BandValues<4>&, const BandValues<4>&, int);

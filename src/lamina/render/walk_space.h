@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "lamina/core/band_values.h"
@@ -58,18 +58,21 @@ template <int N>
 struct WalkMedium {
   BandValues<N> sigma_s, sigma_t;      ///< [1/mm]
   BandValues<N> sigma_t_over_least{};  ///< of the bands
+  float longest_free_path = 0.0f;      ///< of the bands [mm]; may be infinite
 };
 /// @param bands  those of all lanes that count
 template <int N>
 [[nodiscard]] WalkMedium<N> make_walk_medium(const BandValues<N>& sigma_s,
                                              const BandValues<N>& sigma_t, int bands);
 
-/// What a path comes to.
-struct WalkStep {
-  enum class End { event, leaves, lost } end = End::lost;
-  std::optional<SurfacePoint> point;  ///< where it leaves
-  Vec3f outside;                      ///< towards where
+/// Where a path leaves, and towards where.
+struct WalkExit {
+  SurfacePoint point;
+  Vec3f outside;
 };
+/// Is told of a path that leaves, as it is on its last way inside.
+template <int N>
+using OnLeaving = std::function<void(const WalkPath<N>&, const WalkExit&)>;
 
 /// A band, each drawn in proportion to what it carries.
 template <int N>
@@ -106,11 +109,17 @@ class WalkSpace {
   WalkSpace(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material,
             float ior, int bands, float free_path);
 
-  /// Follows a path, mirrored by surfaces on its way, to where it scatters (not yet turned) or
-  /// leaves. Each segment is drawn by the bands in proportion to what they carry and counts for
-  /// all by the density of that mixture, so that what a path carries in all bands never grows.
-  [[nodiscard]] WalkStep advance(WalkPath<N>& path, const WalkMedium<N>& medium,
-                                 WalkNumbers& numbers) const;
+  /// Follows a path, mirrored by surfaces on its way, to where it scatters (not yet turned). Each
+  /// segment is drawn by the bands in proportion to what they carry and counts for all by the
+  /// density of that mixture, so that what a path carries in all bands never grows.
+  ///
+  /// Where no sky shines, a path does not end where it leaves: it always goes on inside, and
+  /// carries as much less. For most that leave find no light, so whether they do is but noise.
+  ///
+  /// @param on_leaving  of what leaves, as often as paths do
+  /// @return            whether it came to where it scatters
+  [[nodiscard]] bool advance(WalkPath<N>& path, const WalkMedium<N>& medium, WalkNumbers& numbers,
+                             const OnLeaving<N>& on_leaving) const;
 
   /// A band, each drawn in proportion to what it carries.
   [[nodiscard]] int draw_band(const Bands& carried, float u) const {
@@ -137,9 +146,30 @@ class WalkSpace {
   }
 
  private:
-  /// Turns a path at what it meets from inside. True if it leaves.
-  [[nodiscard]] bool meet_surface(WalkPath<N>& path, const Hit& hit, WalkStep& step, Vec2f u,
-                                  float u_boundary) const;
+  /// The next straight part of a path: to where it scatters, or to a surface.
+  struct Part {
+    float length = 0.0f;
+    Hit hit;
+    SurfacePoint point;  ///< of the hit
+    float kept = 1.0f;   ///< of what is carried, if no path leaves
+  };
+  [[nodiscard]] Part draw_part(const WalkPath<N>& path, const WalkMedium<N>& medium, Vec2f u) const;
+  [[nodiscard]] Part draw_part_inside(const WalkPath<N>& path, const WalkMedium<N>& medium, Vec2f u,
+                                      Random& random, const OnLeaving<N>& on_leaving) const;
+  [[nodiscard]] Part part_to(const Hit& hit) const;
+  [[nodiscard]] float sum_of_bands(const Bands& values) const {
+    float sum = 0.0f;
+    for (int b = 0; b < bands_; ++b) sum += values[b];
+    return sum;
+  }
+  /// Of what meets a surface from inside: what share leaves, and towards where.
+  struct Passing {
+    float share = 0.0f;
+    Vec3f outside;
+  };
+  [[nodiscard]] Passing passing_at(const SurfacePoint& point, const Vec3f& direction) const;
+  /// Turns a path that does not leave at what it meets.
+  void turn(WalkPath<N>& path, const SurfacePoint& point, const Hit& hit, Vec2f u) const;
 
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
@@ -147,6 +177,7 @@ class WalkSpace {
   float ior_;
   int bands_;
   Box box_;
+  bool is_dark_outside_;  ///< but for lamps and what they light
   std::unique_ptr<SafeDistances> safe_;
 };
 
