@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "commands.h"
 #include "console.h"
@@ -33,10 +34,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
+    const auto commands = app.get_subcommands();
+    const std::string help = commands.empty() ? "" : commands[0]->get_name() + " ";
     if (is_unknown)
       fmt::print(stderr, "lamina: there is no subcommand \"{}\"; see lamina --help\n", argv[1]);
     else
-      fmt::print(stderr, "lamina: {}\n", error.what());
+      fmt::print(stderr, "lamina: {}; see lamina {}--help\n", error.what(), help);
     return 2;
   } catch (const lamina::WriteError& error) {
     fmt::print(stderr, "lamina: {}\n", error.what());
