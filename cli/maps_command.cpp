@@ -59,6 +59,7 @@ nlohmann::ordered_json skin_json(const SkinMaps& base, const std::vector<SkinMap
     else if (std::isfinite(value))
       skin[name] = value;
   }
+  if (!base.skin.junction_spectrum.empty()) skin["junction_spectrum"] = base.skin.junction_spectrum;
   return skin;
 }
 

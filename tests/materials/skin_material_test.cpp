@@ -211,6 +211,19 @@ TEST(SkinMaterial, JunctionTakesItsShareOfTheLightThatCrosses) {
   EXPECT_LT(lost, 2.5 * p);  // light that comes back crosses it again
 }
 
+TEST(SkinMaterial, JunctionAbsorbsByItsSpectrum) {
+  const Material inked =
+      skin(R"("junction_absorption": 0.8, "junction_spectrum": [[450, 1], [550, 0.25], [600, 0]])",
+           R"("bands": [400, 500, 560, 640], )");
+  const double factors[] = {1.0, 0.625, 0.2, 0.0};
+  for (std::size_t b = 0; b < 4; ++b) {
+    const LayerStack stack = layer_stack(inked, b);
+    const auto layers = stack.layers();
+    EXPECT_NEAR(layers[1].thickness * (layers[1].medium.sigma_a - layers[0].medium.sigma_a),
+                0.5 * 0.8 * factors[b], 1e-12);
+  }
+}
+
 // Diffusion is too bright by .03 in light skin, and somewhat less with the constants made for it.
 TEST(SkinMaterial, DiffusionIsTooBrightAndLessSoWithItsOwnConstants) {
   const auto by_diffusion = [](SkinConstants constants) {

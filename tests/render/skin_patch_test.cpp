@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -105,6 +106,26 @@ TEST_F(PatchFiles, TakeTheirSizeFromTheFirstMapAndResampleTheOthers) {
   EXPECT_EQ(patch.warnings[0], "skin.carotene: 8 x 8 texels, resampled to 20 x 10");
   for (const float value : render_skin_patch(patch).image.pixels)
     EXPECT_TRUE(std::isfinite(value) && value >= -1e-3f);
+}
+
+// Ink that takes blue light only: blue is as of black ink, red as without any.
+TEST_F(PatchFiles, JunctionsAbsorbByTheirSpectrum) {
+  Image ink = make_image(16, 16, {"Y"});
+  std::ranges::fill(ink.pixels, 1.0f);
+  save_exr(ink, folder_ / "ink.exr");
+  const auto reflectance = [&](double absorption, const std::string& more) {
+    const auto bands = render_skin_patch(load(R"("mm_per_pixel": 0.1, "bands": [450, 650], "skin": {
+      "junction_absorption": {"map": "ink.exr", "scale": )" +
+                                              std::to_string(absorption) + "}" + more + "}"))
+                           .bands;
+    return std::array{bands[0].mean_reflectance, bands[1].mean_reflectance};
+  };
+  const auto none = reflectance(0.0, ""), black = reflectance(0.6, "");
+  const auto orange = reflectance(0.6, R"(, "junction_spectrum": [[500, 1], [600, 0]])");
+  EXPECT_LT(black[1], 0.6 * none[1]);
+  EXPECT_LT(black[0], 0.9 * none[0]);
+  EXPECT_NEAR(orange[0], black[0], 1e-6);
+  EXPECT_NEAR(orange[1], none[1], 1e-6);
 }
 
 // A texture looks as it was made in even light, and knows nothing of what lies beside it.

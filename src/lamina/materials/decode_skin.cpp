@@ -9,7 +9,22 @@ JsonObject skin_object(const JsonInput& recipe) {
   return recipe.object({"melanin", "melanin_blend", "hemoglobin_epidermis", "hemoglobin_dermis",
                         "carotene", "saturation_epidermis", "saturation_dermis", "baseline_scale",
                         "scattering_scale", "scattering_power", "epidermis_thickness",
-                        "junction_absorption", "dermis_thickness", "oiliness", "constants"});
+                        "junction_absorption", "junction_spectrum", "dermis_thickness", "oiliness",
+                        "constants"});
+}
+
+std::vector<std::array<double, 2>> decode_junction_spectrum(const JsonObject& skin) {
+  std::vector<std::array<double, 2>> points;
+  const auto given = skin.optional("junction_spectrum");
+  if (!given) return points;
+  for (const JsonInput& pair : given->array(1, 1000)) {
+    const std::vector<JsonInput> both = pair.array(2, 2);
+    const double nm = both[0].number(between(350.0, 1000.0, "nm"));
+    if (!points.empty() && nm <= points.back()[0])
+      both[0].refuse("must be greater than the wavelength before it");
+    points.push_back({nm, both[1].number(between(0.0, 1.0))});
+  }
+  return points;
 }
 
 std::pair<std::string, SkinConstants> decode_constants(const JsonObject& skin) {
@@ -27,6 +42,7 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
   const auto [constants, set] = decode_constants(object);
   SkinMaps said{.skin = with_constants({}, set), .constants = set};
   SkinParameters& skin = said.skin;
+  skin.junction_spectrum = decode_junction_spectrum(object);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const auto value = object.optional(range.name);
     if (!value) continue;

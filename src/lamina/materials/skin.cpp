@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/materials/skin.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -125,6 +126,17 @@ double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectru
          (1.0 - skin.hemoglobin_dermis) * skin.baseline_scale * spectrum.baseline;
 }
 
+double junction_factor(const SkinParameters& skin, double wavelength) {
+  const auto& points = skin.junction_spectrum;
+  if (points.empty()) return 1.0;
+  const auto above =
+      std::ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
+  if (above == points.begin()) return points.front()[1];
+  if (above == points.end()) return points.back()[1];
+  const auto& [nm, factor] = *(above - 1);
+  return factor + (wavelength - nm) / ((*above)[0] - nm) * ((*above)[1] - factor);
+}
+
 double epidermis_absorption(const SkinParameters& skin, double wavelength) {
   return epidermis_absorption(skin, skin_spectrum(wavelength));
 }
@@ -151,7 +163,8 @@ LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength) {
                   .thickness = skin.epidermis_thickness};
   Layer junction = epidermis;
   if (has_junction(skin)) {
-    junction.medium.sigma_a += 0.5 * skin.junction_absorption / junction_thickness;
+    junction.medium.sigma_a +=
+        0.5 * junction_factor(skin, wavelength) * skin.junction_absorption / junction_thickness;
     junction.thickness = junction_thickness;
     epidermis.thickness -= junction_thickness;
   }

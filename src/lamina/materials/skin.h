@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <limits>
 #include <span>
 #include <string>
@@ -50,6 +51,9 @@ struct SkinParameters {
   double epidermis_thickness = 0.25;    ///< [mm]
   double junction_absorption = 0.0175;  ///< of the sheet between the layers: natural, per crossing
   double dermis_thickness = std::numeric_limits<double>::infinity();  ///< [mm]; finite in an ear
+  /// Factor on junction_absorption, in [0, 1], at ascending wavelengths [nm]: linear between them,
+  /// constant beyond. Empty: 1, as of black ink.
+  std::vector<std::array<double, 2>> junction_spectrum;
 };
 
 /// A number of SkinParameters and the closed range that it must lie in.
@@ -82,6 +86,9 @@ struct SkinSpectrum {
 [[nodiscard]] double epidermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
 [[nodiscard]] double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
 
+/// Factor on junction_absorption at a wavelength [nm].
+[[nodiscard]] double junction_factor(const SkinParameters& skin, double wavelength);
+
 /// Absorption of the epidermis and of the dermis [1/mm]. Source: [Donner2008] eqs. 10, 11.
 [[nodiscard]] double epidermis_absorption(const SkinParameters& skin, double wavelength);
 [[nodiscard]] double dermis_absorption(const SkinParameters& skin, double wavelength);
@@ -97,9 +104,9 @@ struct SkinSpectrum {
 /// dermis a fold of skin as in an ear, whose far side is an epidermis, too.
 ///
 /// The absorbing junction is the last 1 µm of the epidermis, the basal cells. Its optical thickness
-/// of absorption is half of junction_absorption, because diffuse light crosses a thin sheet on a
-/// path of twice its thickness. (Diffusion passes straight through so thin a layer and sees this
-/// half only: 0.9 % of the light per crossing by default.)
+/// of absorption is half of junction_absorption times junction_factor, because diffuse light
+/// crosses a thin sheet on a path of twice its thickness. (Diffusion passes straight through so
+/// thin a layer and sees this half only: 0.9 % of the light per crossing by default.)
 /// @throws InvalidInput naming the parameter, its range and the value given.
 [[nodiscard]] LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength);
 

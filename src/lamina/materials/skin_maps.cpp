@@ -105,6 +105,7 @@ SkinMaps decode_skin_maps(const JsonInput& recipe) {
   SkinMaps result;
   result.constants = material_file::decode_constants(object).second;
   result.skin = with_constants({}, result.constants);
+  result.skin.junction_spectrum = material_file::decode_junction_spectrum(object);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const auto value = object.optional(range.name);
     if (!value) continue;

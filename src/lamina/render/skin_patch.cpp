@@ -119,13 +119,14 @@ SkinPlanes skin_planes(const SkinMaps& maps, int width, int height, double wavel
   }
   Plane epidermis = make_plane(width, height), dermis = epidermis, sheet = epidermis;
   SkinParameters skin = maps.skin;
+  const double junction = junction_factor(skin, wavelength);
   for (std::size_t i = 0; i < epidermis.values.size(); ++i) {
     for (std::size_t m = 0; m < values.size(); ++m)
       skin.*maps.maps[m].parameter = static_cast<double>(values[m][i]);
     constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
     epidermis.values[i] = static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum)));
     dermis.values[i] = static_cast<float>(std::max(least, dermis_absorption(skin, spectrum)));
-    sheet.values[i] = static_cast<float>(skin.junction_absorption);
+    sheet.values[i] = static_cast<float>(junction * skin.junction_absorption);
   }
   if (std::isinf(maps.skin.dermis_thickness))
     return {{std::move(epidermis), std::move(dermis)}, {std::move(sheet)}};

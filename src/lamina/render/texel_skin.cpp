@@ -66,6 +66,7 @@ CellAbsorption absorption_of(const SkinMaps& skin, const TexelSkin& at_texels, d
   const SkinSpectrum spectrum = skin_spectrum(wavelength);
   CellAbsorption result;
   SkinParameters parameters = skin.skin;
+  const double junction = junction_factor(parameters, wavelength);
   for (std::size_t i = 0; i < at_texels.texels; ++i) {
     for (std::size_t m = 0; m < skin.maps.size(); ++m)
       parameters.*skin.maps[m].parameter = static_cast<double>(at_texels.values[m][i]);
@@ -74,7 +75,7 @@ CellAbsorption absorption_of(const SkinMaps& skin, const TexelSkin& at_texels, d
         static_cast<float>(std::max(least, epidermis_absorption(parameters, spectrum))));
     result.lower.push_back(
         static_cast<float>(std::max(least, dermis_absorption(parameters, spectrum))));
-    result.absorbance.push_back(static_cast<float>(parameters.junction_absorption));
+    result.absorbance.push_back(static_cast<float>(junction * parameters.junction_absorption));
   }
   return result;
 }
