@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
 #include "lamina/render/gather_table.h"
 #include "lamina/render/inner_blockers.h"
@@ -41,6 +42,28 @@ TEST(SurfaceCells, ShareOutTheWholeSurface) {
   }
   EXPECT_NEAR(of_elements, area, 1e-4 * area);
   EXPECT_LT(largest, 2.5 * 0.16);  // blue noise: no cell is much larger than the others
+}
+
+TEST(SurfaceCells, AreTheSameOnAnyNumberOfThreads) {
+  const std::vector<Mesh> meshes = {make_sphere(5.0f, 24)};
+  set_thread_count(1);
+  const SurfaceCells one = make_surface_cells(meshes, 0, 0.2f, 7);
+  set_thread_count(2);
+  const SurfaceCells two = make_surface_cells(meshes, 0, 0.2f, 7);
+  set_thread_count(0);
+  ASSERT_EQ(one.cells.size(), two.cells.size());
+  ASSERT_GT(one.cells.size(), 5000u);  // several batches
+  for (std::size_t i = 0; i < one.cells.size(); ++i) {
+    const SurfaceCell &a = one.cells[i], &b = two.cells[i];
+    ASSERT_TRUE(a.position.x == b.position.x && a.position.y == b.position.y &&
+                a.position.z == b.position.z && a.area == b.area && a.first == b.first &&
+                a.count == b.count)
+        << i;
+  }
+  for (std::size_t i = 0; i < one.elements.size(); ++i) {
+    const SurfaceElement &a = one.elements[i], &b = two.elements[i];
+    ASSERT_TRUE(a.mesh == b.mesh && a.triangle == b.triangle && a.u == b.u && a.v == b.v) << i;
+  }
 }
 
 std::vector<IrradianceSample<4>> random_samples(int count) {

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
@@ -169,7 +171,9 @@ TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
     double mean[3][3], error[3][3];
     for (std::size_t kind = 0; kind < 3; ++kind) {
       RandomWalk<4> walk(prepared, conversion, 0);
-      if (kind > 0) walk.prepare(NoLight{}, kind == 2 ? 2.0f : 1.0f);
+      if (kind > 0) {
+        ASSERT_TRUE(walk.prepare(NoLight{}, {}, kind == 2 ? 2.0f : 1.0f));
+      }
       double sum[3] = {}, squares[3] = {};
       constexpr int count = 4096;
       for (std::uint32_t i = 0; i < count; ++i) {
@@ -218,6 +222,22 @@ TEST(RandomWalk, HasTheSameMeanWhetherPathsLeaveOrStay) {
     const double expected = mean_of(leave, channel);
     EXPECT_NEAR(mean_of(stay, channel), expected, 0.01 * expected) << name;
   }
+}
+
+TEST(RandomWalk, StopsPreparingWhenAsked) {
+  const Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.1, 0.1}, {2, 2, 2}, 0.0, 1.3),
+                               PointLight{.position = {0, 0, 9}}, 1);
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk(prepared, conversion, 0);
+  std::atomic<int> reports = 0;
+  EXPECT_FALSE(walk.prepare(NoLight{}, [&](double finished) {
+    EXPECT_EQ(finished, 0.0);
+    return ++reports < 3;
+  }));
+  EXPECT_LT(reports, 3 + thread_count());
+  EXPECT_TRUE(walk.prepare(NoLight{}, {}));
 }
 
 TEST(RandomWalk, RefusesOpenMeshes) {

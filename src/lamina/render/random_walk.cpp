@@ -7,6 +7,7 @@
 #include <numbers>
 #include <variant>
 
+#include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/layered_diffusion.h"
 
@@ -65,9 +66,11 @@ RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& con
 }
 
 template <int N>
-void RandomWalk<N>::prepare(const LightGatherer<N>& light, float scale) {
-  light_ = WalkLight<N>(*space_, reduced_, reduced_free_path_, *lamps_, light);
+bool RandomWalk<N>::prepare(const LightGatherer<N>& light, const Progress& progress, float scale) {
+  if (!light_.find_out(*space_, reduced_, reduced_free_path_, *lamps_, light, progress))
+    return false;
   if (scale != 1.0f) light_.scale(scale);
+  return true;
 }
 
 template <int N>
@@ -79,32 +82,13 @@ BandValues<N> RandomWalk<N>::phase(float cos_turn) const {
 
 template <int N>
 void RandomWalk<N>::scatter(WalkPath<N>& path, WalkNumbers& numbers) const {
+  if (!is_isotropic_)
+    return turn_at_event(path, phases_, is_same_phase_, numbers,
+                         [&](float cos_turn) { return phase(cos_turn); });
   const Vec2f u = numbers.pair();
-  if (is_isotropic_) {
-    const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
-    const float phi = 2.0f * pi * u.y;
-    path.ray.direction = {r * std::cos(phi), r * std::sin(phi), z};
-    return;
-  }
-  const int band =
-      is_same_phase_ ? 0 : space_->draw_band(path.carried, numbers.stream().uniform_float());
-  const auto cos_theta =
-      static_cast<float>(sample_cos_theta(phases_[static_cast<std::size_t>(band)],
-                                          static_cast<double>(u.x), numbers.stream().uniform()));
-  const float sin_theta = std::sqrt(std::max(1.0f - cos_theta * cos_theta, 0.0f));
+  const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
   const float phi = 2.0f * pi * u.y;
-  const Framef frame = make_frame(path.ray.direction);
-  path.ray.direction =
-      normalize(frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta}));
-  if (is_same_phase_) return;
-  // All bands count by the density of the mixture.
-  const Bands carried = path.carried * phase(cos_theta);
-  float before = 0.0f, density = 0.0f;
-  for (int b = 0; b < bands_; ++b) {
-    before += path.carried[b];
-    density += carried[b];
-  }
-  path.carried = (before / density) * carried;
+  path.ray.direction = {r * std::cos(phi), r * std::sin(phi), z};
 }
 
 template <int N>

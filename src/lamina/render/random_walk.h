@@ -44,7 +44,9 @@ class RandomWalk final : public SubsurfaceTransport<N> {
   /// Finds out about the light inside. Without it the mean is the same, at more work.
   ///
   /// @param scale  of what is found out: 1, unless to show that the mean is the same with any
-  void prepare(const LightGatherer<N>& light, float scale = 1.0f);
+  /// @return       false if `progress` asked to stop
+  [[nodiscard]] bool prepare(const LightGatherer<N>& light, const Progress& progress,
+                             float scale = 1.0f);
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override;

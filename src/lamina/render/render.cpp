@@ -227,7 +227,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
     return false;
   for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
     if (!shadow_map->look_from_lights(tracer, progress)) return false;
-  for (RandomWalk<N>* random_walk : transports.random_walks) random_walk->prepare(tracer);
+  for (RandomWalk<N>* random_walk : transports.random_walks)
+    if (!random_walk->prepare(tracer, progress)) return false;
 
   const auto sample = [&](int x, int y, int i) {
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/layered_diffusion.h"
 
@@ -147,27 +147,9 @@ BandValues<N> WalkLayers<N>::phase(std::size_t layer, float cos_turn) const {
 }
 
 template <int N>
-void WalkLayers<N>::scatter(std::size_t index, WalkPath<N>& path, WalkNumbers& numbers) const {
-  const Layer& layer = layers_[index];
-  const Vec2f u = numbers.pair();
-  const int band =
-      layer.is_same_phase ? 0 : draw_band(path.carried, bands_, numbers.stream().uniform_float());
-  const auto cos_theta =
-      static_cast<float>(sample_cos_theta(layer.phases[static_cast<std::size_t>(band)],
-                                          static_cast<double>(u.x), numbers.stream().uniform()));
-  const float sin_theta = std::sqrt(std::max(1.0f - cos_theta * cos_theta, 0.0f));
-  const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
-  const Framef frame = make_frame(path.ray.direction);
-  path.ray.direction =
-      normalize(frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta}));
-  if (layer.is_same_phase) return;
-  const Bands carried = path.carried * phase(index, cos_theta);
-  float before = 0.0f, density = 0.0f;
-  for (int b = 0; b < bands_; ++b) {
-    before += path.carried[b];
-    density += carried[b];
-  }
-  path.carried = (before / density) * carried;
+void WalkLayers<N>::scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const {
+  turn_at_event(path, layers_[layer].phases, layers_[layer].is_same_phase, numbers,
+                [&](float cos_turn) { return phase(layer, cos_turn); });
 }
 
 template class WalkLayers<4>;

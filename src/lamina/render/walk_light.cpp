@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -87,18 +88,21 @@ Known mean_around(const std::vector<Known>& known, const NodeLattice& lattice, s
 }  // namespace
 
 template <int N>
-WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced, float free_path,
-                        const WalkLamps<N>& lamps, const LightGatherer<N>& light) {
-  lattice_.push_back(space.lattice(free_path, most_nodes));
-  const NodeLattice& lattice = lattice_[0];
+bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
+                            float free_path, const WalkLamps<N>& lamps,
+                            const LightGatherer<N>& light, const Progress& progress) {
+  const NodeLattice lattice = space.lattice(free_path, most_nodes);
   const std::size_t nodes = lattice.count();
   const std::uint64_t seed = space.scene().scene->render.seed;
   std::vector<Known> known(nodes);
   std::vector<Places> places(nodes);
   const auto is_inside = [&](std::size_t n) { return places[n].count > 0; };
   std::vector<Bands> reduced_lamps(nodes);  // scattered into any direction
+  std::atomic<bool> is_stopped = false;
   const auto for_nodes = [&](const auto& body) {
     parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
+      if (!is_stopped && !report(progress, 0.0)) is_stopped = true;
+      if (is_stopped) return;
       for (std::size_t n = c * chunk; n < std::min((c + 1) * chunk, nodes); ++n) body(n);
     });
   };
@@ -162,6 +166,8 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
     }
   });
 
+  if (is_stopped) return false;
+
   const float share = 1.0f / static_cast<float>(links.of_node);
   const auto brought = [&](std::size_t k) {
     return links.given[k] + links.weight[k] * known[links.node[k]].scattered;
@@ -211,6 +217,8 @@ WalkLight<N>::WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
     const Known node = is_inside(n) ? known[n] : mean_around(known, lattice, n, is_inside);
     nodes_[n] = {brief(node.scattered), brief(node.lamps), brief(node.others)};
   });
+  if (!is_stopped) lattice_.push_back(lattice);
+  return !is_stopped;
 }
 
 template <int N>

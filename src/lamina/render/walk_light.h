@@ -7,6 +7,7 @@
 
 #include "lamina/core/band_values.h"
 #include "lamina/core/brief_bands.h"
+#include "lamina/core/progress.h"
 #include "lamina/render/walk_lamps.h"
 #include "lamina/render/walk_space.h"
 
@@ -40,11 +41,14 @@ class WalkLight {
     [[nodiscard]] Vec3f flow() const { return {others[5], others[6], others[7]}; }
   };
 
-  WalkLight() = default;
+  /// Until then nothing is known.
+  ///
   /// @param reduced    the medium with reduced coefficients
   /// @param free_path  shortest of it [mm]
-  WalkLight(const WalkSpace<N>& space, const WalkMedium<N>& reduced, float free_path,
-            const WalkLamps<N>& lamps, const LightGatherer<N>& light);
+  /// @return           false if `progress` asked to stop; nothing is known then
+  [[nodiscard]] bool find_out(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
+                              float free_path, const WalkLamps<N>& lamps,
+                              const LightGatherer<N>& light, const Progress& progress);
 
   [[nodiscard]] Known at(const Vec3f& p) const;
 
