@@ -43,14 +43,38 @@ Scene scene_of(const std::string& pattern, bool is_striped) {
   return scene;
 }
 
-struct Model {
-  SkinParameters light_skin, dark_skin;
-  double wavelength;
-};
-
 LayerStack stack_of(SkinParameters skin, double wavelength) {
   skin.junction_absorption = 0.0;
   return skin_layer_stack(skin, wavelength);
+}
+
+struct Model {
+  SkinParameters light_skin, dark_skin;
+  double wavelength;
+  double bright, dark, typical, dermis;  ///< absorption of the two epidermises, between them, below
+  StackTables tables;
+};
+
+Model make_model(const SkinParameters& light_skin, const SkinParameters& dark_skin,
+                 double wavelength) {
+  const LayerStack solid = stack_of(light_skin, wavelength);
+  MappedStack stack{1.0, {}, solid.ior_below()};
+  for (const Layer& layer : solid.layers())
+    stack.layers.push_back(
+        {layer.medium.sigma_s, layer.medium.g, layer.medium.ior, layer.thickness});
+  const double bright = epidermis_absorption(light_skin, wavelength);
+  const double dark = epidermis_absorption(dark_skin, wavelength);
+  const double typical = std::sqrt(dark * bright);
+  const double dermis = dermis_absorption(light_skin, wavelength);
+  return {light_skin,
+          dark_skin,
+          wavelength,
+          bright,
+          dark,
+          typical,
+          dermis,
+          make_stack_tables(stack, OperatorTotals::exact_profile,
+                            std::vector<double>{typical, dermis})};
 }
 
 double entering(const LayerStack& stack) {
@@ -65,10 +89,8 @@ struct Truth {
 };
 
 Truth by_photons(const Scene& scene, const Model& model, std::uint64_t photons) {
-  const double dark = epidermis_absorption(model.dark_skin, model.wavelength);
-  const double bright = epidermis_absorption(model.light_skin, model.wavelength);
   std::vector<double> sigma_a;
-  for (const bool is_dark : scene.is_dark) sigma_a.push_back(is_dark ? dark : bright);
+  for (const bool is_dark : scene.is_dark) sigma_a.push_back(is_dark ? model.dark : model.bright);
   const PatchPhotons result =
       trace_patch_photons({.stack = stack_of(model.light_skin, model.wavelength),
                            .columns = scene.columns,
@@ -93,29 +115,21 @@ Truth by_photons(const Scene& scene, const Model& model, std::uint64_t photons) 
 std::vector<double> by_transport(const Scene& scene, const Model& model, bool is_uniform,
                                  ProfileAt profile = ProfileAt::exit) {
   const LayerStack solid = stack_of(model.light_skin, model.wavelength);
-  MappedStack stack{1.0, {}, solid.ior_below()};
-  for (const Layer& layer : solid.layers())
-    stack.layers.push_back(
-        {layer.medium.sigma_s, layer.medium.g, layer.medium.ior, layer.thickness});
-  const double dark = epidermis_absorption(model.dark_skin, model.wavelength);
-  const double bright = epidermis_absorption(model.light_skin, model.wavelength);
-  const double dermis = dermis_absorption(model.light_skin, model.wavelength);
-  const double typical = std::sqrt(dark * bright);
   // A row of texels goes on for ever downward: 16 rows do, being mirrored.
   const int rows = std::max(scene.rows, 16);
   std::vector<Plane> sigma_a = {make_plane(scene.columns, rows),
-                                make_plane(scene.columns, rows, static_cast<float>(dermis))};
+                                make_plane(scene.columns, rows, static_cast<float>(model.dermis))};
   Plane light = make_plane(scene.columns, rows);
   for (std::size_t i = 0; i < light.values.size(); ++i) {
     const std::size_t from = i % scene.light.size();
-    const double value = is_uniform ? typical : scene.is_dark[from] ? dark : bright;
+    const double value = is_uniform            ? model.typical
+                         : scene.is_dark[from] ? model.dark
+                                               : model.bright;
     sigma_a[0].values[i] = static_cast<float>(value);
     light.values[i] = static_cast<float>(scene.light[from] * entering(solid));
   }
-  const StackTables tables =
-      make_stack_tables(stack, OperatorTotals::exact_profile, std::vector<double>{typical, dermis});
   const auto layers =
-      make_heterogeneous_layers(tables, sigma_a, {make_plane(scene.columns, rows)}, texel);
+      make_heterogeneous_layers(model.tables, sigma_a, {make_plane(scene.columns, rows)}, texel);
   const Plane out = transport(layers, light, {.profile = profile}).reflected;
   return {out.values.begin(), out.values.begin() + static_cast<std::ptrdiff_t>(scene.light.size())};
 }
@@ -147,10 +161,9 @@ int main(int argc, char** argv) {
       "| melanin, light | band | profile at exit | profile of both ends | albedo texture | noise, "
       "taken out |\n");
   std::printf("|---|---|---|---|---|---|\n");
-  for (const double wavelength : {470.0, 575.0, 645.0})
+  for (const double wavelength : {470.0, 575.0, 645.0}) {
+    const Model model = make_model({.melanin = 0.01}, {.melanin = 0.06}, wavelength);
     for (const std::string pattern : {"half-plane", "stripes", "disc"}) {
-      const SkinParameters bright{.melanin = 0.01}, dark{.melanin = 0.06};
-      const Model model{bright, dark, wavelength};
       const Scene full = scene_of(pattern, false), strips = scene_of(pattern, true);
       const std::uint64_t count = photons * (pattern == "disc" ? 6 : 1);
       const auto truth = by_photons(full, model, count);
@@ -178,4 +191,5 @@ int main(int argc, char** argv) {
                          i, seen.exitance[i], ours[i], both[i], textured[i]);
       }
     }
+  }
 }
