@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 # Figures 1 and 3 of Donner et al. 2008: three maps, and the skin that they make; uniform skin, skin of maps, and
-# uniform skin with an albedo texture, in full light and in strips of light.
+# uniform skin with an albedo texture, in full light and in strips of light. And ink of three colors under skin.
 #
 #   donner_2008_patches.sh LAMINA OUT_FOLDER
 set -euo pipefail
@@ -10,6 +10,18 @@ cd "$(dirname "$0")"
 source ./sheet.sh
 
 "$lamina" maps ../scenes/donner_2008/figure_3.json -o "$out/figure_3" >/dev/null
+# ink COLOR SPECTRUM: examples/skin/tattoo.json with ink that absorbs by a spectrum.
+ink() {
+  sed "s|\"ink.png\"|\"$PWD/../examples/skin/ink.png\"|
+       s|\"melanin\": 0.012|&, \"junction_spectrum\": [$2]|" ../examples/skin/tattoo.json >"$out/ink_$1.json"
+  "$lamina" maps "$out/ink_$1.json" -o "$out/ink_$1" >/dev/null
+  "$lamina" patch "$out/ink_$1/patch.json" -o "$out/ink_$1" --exposure 0.5 >/dev/null
+}
+ink black "[400, 1]"
+ink green "[440, 0.9], [490, 0.25], [530, 0.15], [570, 0.6], [610, 1]"
+ink red "[560, 1], [610, 0.15], [640, 0.05]"
+sheet "$out/ink.png" 3 220 220 "$out/ink_black.png" "black ink" "$out/ink_green.png" "green ink" "$out/ink_red.png" "red ink"
+
 "$lamina" maps ../scenes/donner_2008/figure_1.json -o "$out/figure_1" --png >/dev/null
 "$lamina" patch "$out/figure_1/patch.json" -o "$out/figure_1/skin" --exposure 0.5 >/dev/null
 cd "$out/figure_1"
