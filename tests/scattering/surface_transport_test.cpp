@@ -122,6 +122,51 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
   for (const auto& value : left) ASSERT_NEAR(value[1], uniform.reflected.values[0], 2e-4);
 }
 
+// Narrow and wide blurs, mixed cell by cell, against each by itself; cells that take none stay
+// dark.
+TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
+  const Sheet sheet = cut_sheet(32, 0.3f);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
+  ASSERT_GE(graph.levels.size(), 3u);
+  const std::vector<double> variances = {0.1, 1.0, 3.0};
+  const std::vector<double> rungs = cell_rungs_of_gaussians(graph, variances);
+  const std::size_t n = sheet.cells.size(), count = rung_count(graph);
+  CellField<4> light(n);
+  for (std::size_t i = 0; i < n; ++i)
+    light[i] = BandValues<4>::filled(sheet.cells[i].position.x < 4.0f ? 1.0f : 0.0f);
+  std::vector<CellField<4>> alone;
+  for (std::size_t v = 0; v < variances.size(); ++v) {
+    CellOperator<4> blur{.powers = 1, .weights = {}, .totals = {}};
+    for (std::size_t j = 0; j < count; ++j)
+      blur.weights.push_back(BandValues<4>::filled(static_cast<float>(rungs[v * count + j])));
+    const std::array<const CellOperator<4>*, 1> blurs = {&blur};
+    alone.push_back(apply<4>(graph, light, CellField<4>(n), blurs)[0]);
+  }
+  std::vector<std::uint32_t> cells;
+  CellField<4> place;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (sheet.cells[i].position.y < 3.0f) continue;
+    cells.push_back(i);
+    place.push_back(BandValues<4>::filled(0.2f * sheet.cells[i].position.y));  // up to 1.9
+    place.back()[1] = 1.0f;
+  }
+  const CellMixture<4> mixture = make_cell_mixture<4>(graph, cells, place, rungs);
+  const auto both = apply<4>(graph, light, CellField<4>(n), {}, &mixture);
+  ASSERT_EQ(both.size(), 1u);
+  double change = 0.0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const std::uint32_t i = cells[k];
+    const auto v = static_cast<std::size_t>(place[k][0]);
+    const float share = place[k][0] - static_cast<float>(v);
+    const float wanted = (1.0f - share) * alone[v][i][0] + share * alone[v + 1][i][0];
+    ASSERT_NEAR(both[0][i][0], wanted, 1e-5f) << i;
+    ASSERT_NEAR(both[0][i][1], alone[1][i][1], 1e-5f) << i;
+    change = std::max(change, static_cast<double>(std::abs(wanted - alone[1][i][0])));
+  }
+  EXPECT_GT(change, 0.05);
+  for (std::uint32_t i = 0; i < cells.front(); ++i) ASSERT_EQ(both[0][i][0], 0.0f);
+}
+
 // A fold of skin lit from one side: the two sheets of its surface, against its three layers at
 // once.
 TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {

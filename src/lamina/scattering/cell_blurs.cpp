@@ -123,6 +123,25 @@ CellField<N> sum_of_rungs(const CellGraph& graph,
   return sum;
 }
 
+/// Share of a blur where a mixture is at such a place.
+template <int N>
+BandValues<N> share_at(const BandValues<N>& place, std::size_t blur) {
+  BandValues<N> share;
+  for (int b = 0; b < N; ++b)
+    share[b] = std::max(1.0f - std::abs(place[b] - static_cast<float>(blur)), 0.0f);
+  return share;
+}
+
+/// Weight of a rung where blurs are mixed.
+template <int N>
+BandValues<N> mixed_weight(const CellMixture<N>& mixture, std::size_t rung,
+                           const BandValues<N>& place) {
+  BandValues<N> weight;
+  for (std::size_t v = 0; v < mixture.weights.size(); ++v)
+    weight += mixture.weights[v][rung] * share_at(place, v);
+  return weight;
+}
+
 /// Transfer of each rung at a spatial frequency [1/typical cell], what folds back left out.
 std::vector<double> rung_transfers(std::size_t levels, double k) {
   const auto transfer = [](const Steps& steps, double at) {
@@ -167,20 +186,32 @@ std::vector<double> cell_rungs_of_gaussians(const CellGraph& graph,
 template <int N>
 std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& input,
                                 const CellField<N>& coordinate,
-                                std::span<const CellOperator<N>* const> operators) {
+                                std::span<const CellOperator<N>* const> operators,
+                                const CellMixture<N>* mixture) {
   const CellLevel& fine = graph.levels.front();
   assert(input.size() == fine.area.size() && coordinate.size() == input.size());
   const std::size_t rungs = rung_count(graph);
-  std::vector<CellField<N>> results(operators.size(), CellField<N>(input.size()));
+  std::vector<CellField<N>> results(operators.size() + (mixture ? 1 : 0),
+                                    CellField<N>(input.size()));
   const auto add = [&](std::size_t rung, std::size_t i, const BandValues<N>& value) {
     for (std::size_t o = 0; o < operators.size(); ++o)
       results[o][i] += value * weight_at(*operators[o], rungs, rung, coordinate[i]);
   };
+  const auto mix = [&](std::size_t rung, const CellField<N>& blurred) {
+    if (!mixture) return;
+    for_cells(mixture->cells.size(), [&](std::size_t k) {
+      const std::uint32_t i = mixture->cells[k];
+      results.back()[i] += mixed_weight(*mixture, rung, mixture->place[k]) * blurred[i];
+    });
+  };
   for_cells(input.size(), [&](std::size_t i) { add(0, i, input[i]); });
+  mix(0, input);
   CellField<N> last = input;
-  for (std::size_t r = 0; r < finest.size(); ++r)
+  for (std::size_t r = 0; r < finest.size(); ++r) {
     last = blurred(fine, std::move(last), finest[r],
                    [&](std::size_t i, const BandValues<N>& value) { add(r + 1, i, value); });
+    mix(r + 1, last);
+  }
   if (graph.levels.size() == 1) return results;
 
   std::vector<std::array<CellField<N>, 2>> coarse;
@@ -202,17 +233,43 @@ std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& inpu
     }
     for_cells(sum.size(), [&](std::size_t i) { results[o][i] += sum[i]; });
   }
+  if (!mixture) return results;
+  std::vector<BandValues<N>> weights(2 * coarse.size());
+  for (std::size_t v = 0; v < mixture->weights.size(); ++v) {
+    for (std::size_t j = 0; j < weights.size(); ++j)
+      weights[j] = BandValues<N>::filled(mixture->weights[v][1 + finest.size() + j]);
+    const CellField<N> of_blur = sum_of_rungs(graph, coarse, weights.data());
+    const CellField<N> up = blurred(fine, handed_down(fine, of_blur), smoothing);
+    for_cells(mixture->cells.size(), [&](std::size_t k) {
+      const std::uint32_t i = mixture->cells[k];
+      results.back()[i] += share_at(mixture->place[k], v) * up[i];
+    });
+  }
   return results;
 }
 
-template std::vector<CellField<4>> apply<4>(const CellGraph&, const CellField<4>&,
-                                            const CellField<4>&,
-                                            std::span<const CellOperator<4>* const>);
-template std::vector<CellField<8>> apply<8>(const CellGraph&, const CellField<8>&,
-                                            const CellField<8>&,
-                                            std::span<const CellOperator<8>* const>);
-template std::vector<CellField<16>> apply<16>(const CellGraph&, const CellField<16>&,
-                                              const CellField<16>&,
-                                              std::span<const CellOperator<16>* const>);
+template <int N>
+CellMixture<N> make_cell_mixture(const CellGraph& graph, std::vector<std::uint32_t> cells,
+                                 CellField<N> place, std::span<const double> rungs) {
+  assert(cells.size() == place.size());
+  const std::size_t count = rung_count(graph);
+  CellMixture<N> mixture{.cells = std::move(cells), .place = std::move(place)};
+  for (std::size_t v = 0; v < rungs.size() / count; ++v) {
+    const auto blur = rungs.subspan(v * count, count);
+    mixture.weights.emplace_back(blur.begin(), blur.end());
+  }
+  return mixture;
+}
+
+#define LAMINA_INSTANTIATE(N)                                                             \
+  template std::vector<CellField<N>> apply<N>(                                            \
+      const CellGraph&, const CellField<N>&, const CellField<N>&,                         \
+      std::span<const CellOperator<N>* const>, const CellMixture<N>*);                    \
+  template CellMixture<N> make_cell_mixture(const CellGraph&, std::vector<std::uint32_t>, \
+                                            CellField<N>, std::span<const double>)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

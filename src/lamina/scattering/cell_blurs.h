@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -34,13 +35,31 @@ struct CellOperator {
   std::vector<BandValues<N>> totals;   ///< [power]
 };
 
+/// Blurs of which some cells take one, or two next to each other: what lies between them.
+template <int N>
+struct CellMixture {
+  std::vector<std::uint32_t> cells;         ///< that take any
+  CellField<N> place;                       ///< [of cells], 0 at the first blur
+  std::vector<std::vector<float>> weights;  ///< [blur][rung]
+};
+
+/// @param cells  ascending
+/// @param place  [of cells], in [0, blurs - 1] for each band
+/// @param rungs  [blur][rung], as cell_rungs_of_gaussians gives them
+template <int N>
+[[nodiscard]] CellMixture<N> make_cell_mixture(const CellGraph& graph,
+                                               std::vector<std::uint32_t> cells, CellField<N> place,
+                                               std::span<const double> rungs);
+
 /// What several operators make of light: as `apply` does on a grid.
 ///
 /// @param coordinate  [cell], in [-1, 1] for each band.
-/// @return            [operator].
+/// @param mixture     of blurs of the same light, if not null.
+/// @return            [operator], and behind them that of the mixture, 0 at cells that take none
 template <int N>
 [[nodiscard]] std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& input,
                                               const CellField<N>& coordinate,
-                                              std::span<const CellOperator<N>* const> operators);
+                                              std::span<const CellOperator<N>* const> operators,
+                                              const CellMixture<N>* mixture = nullptr);
 
 }  // namespace lamina

@@ -110,6 +110,9 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
   const auto cross = [&](CellField<N>& light) {
     for_cells(light.size(), [&](std::size_t i) { light[i] *= layers.junction[i]; });
   };
+  const bool has_thin_parts = !layers.thin.far.empty();
+  CellMixture<N> through;
+  if (has_thin_parts) through = spread_through(*layers.graph, layers.thin);
   CellField<N> reflected, down, all_up;
   {
     const std::array<const CellOperator<N>*, 2> operators = {
@@ -126,11 +129,15 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
             layers.junction[i] * layers.junction[i] *
             total_at(layers.upper.operators[reflection_below], layers.upper.coordinate[i]) *
             total_at(layers.lower.operators[reflection_above], layers.lower.coordinate[i]);
-        if (!layers.thin.far.empty()) again *= layers.thin.reflectance[i];
+        if (has_thin_parts) again *= layers.thin.reflectance[i];
         down[i] = down[i] / (BandValues<N>::filled(1.0f) - again);
       });
-    CellField<N> up = one(layers.lower, reflection_above, down);
-    pass_through(*layers.graph, layers.thin, down, up);
+    const std::array<const CellOperator<N>*, 1> operators = {
+        &layers.lower.operators[reflection_above]};
+    auto returned = apply<N>(*layers.graph, down, layers.lower.coordinate, operators,
+                             has_thin_parts ? &through : nullptr);
+    CellField<N> up = std::move(returned[0]);
+    if (has_thin_parts) pass_through(layers.thin, returned[1], up);
     cross(up);
     if (term < terms) down = one(layers.upper, reflection_below, up);
     if (all_up.empty())

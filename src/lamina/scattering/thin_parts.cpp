@@ -38,15 +38,7 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
   thin.spread.resize(thin.far.size());
   thin.transmittance.resize(thin.far.size());
   thin.reflectance.assign(thin.far.size(), BandValues<N>::filled(1.0f));
-  const std::vector<double> rungs = cell_rungs_of_gaussians(graph, variances);
-  const std::size_t count = rung_count(graph);
-  for (std::size_t v = 0; v < variances.size(); ++v) {
-    CellOperator<N>& blur = thin.blurs.emplace_back();
-    blur.powers = 1;
-    for (std::size_t j = 0; j < count; ++j)
-      blur.weights.push_back(BandValues<N>::filled(static_cast<float>(rungs[v * count + j])));
-    blur.totals = {BandValues<N>::filled(1.0f)};
-  }
+  thin.rungs = cell_rungs_of_gaussians(graph, variances);
   return thin;
 }
 
@@ -76,26 +68,27 @@ void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a
 }
 
 template <int N>
-void pass_through(const CellGraph& graph, const ThinParts<N>& thin, const CellField<N>& down,
-                  CellField<N>& up) {
-  if (thin.far.empty()) return;
-  CellField<N> through(down.size());
-  for (std::size_t v = 0; v < thin.blurs.size(); ++v) {
-    const std::array<const CellOperator<N>*, 1> operators = {&thin.blurs[v]};
-    const CellField<N> blurred = std::move(apply<N>(graph, down, thin.spread, operators)[0]);
-    for (std::size_t i = 0; i < through.size(); ++i)
-      for (int b = 0; b < N; ++b) {
-        const float share = 1.0f - std::abs(thin.spread[i][b] - static_cast<float>(v));
-        if (share > 0.0f) through[i][b] += share * thin.transmittance[i][b] * blurred[i][b];
-      }
+CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin) {
+  std::vector<std::uint32_t> cells;
+  CellField<N> place;
+  for (std::uint32_t i = 0; i < thin.far.size(); ++i) {
+    if (!(largest(thin.transmittance[i]) > 0.0f)) continue;
+    cells.push_back(i);
+    place.push_back(thin.spread[i]);
   }
+  return make_cell_mixture(graph, std::move(cells), std::move(place), thin.rungs);
+}
+
+template <int N>
+void pass_through(const ThinParts<N>& thin, const CellField<N>& spread, CellField<N>& up) {
   constexpr std::size_t chunk = 8192;
   parallel_for((up.size() + chunk - 1) / chunk, [&](std::size_t c) {
     for (std::size_t i = c * chunk; i < std::min(up.size(), (c + 1) * chunk); ++i) {
       up[i] *= thin.reflectance[i];
       for (int k = 0; k < thin.far[i].count; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        up[i] += thin.far[i].weight[at] * through[thin.far[i].cell[at]];
+        const std::uint32_t from = thin.far[i].cell[at];
+        up[i] += thin.far[i].weight[at] * thin.transmittance[from] * spread[from];
       }
     }
   });
@@ -110,11 +103,12 @@ template void add_band<8>(int, const MappedLayer&, std::span<const float>, doubl
                           ThinParts<8>&);
 template void add_band<16>(int, const MappedLayer&, std::span<const float>, double, double,
                            ThinParts<16>&);
-template void pass_through<4>(const CellGraph&, const ThinParts<4>&, const CellField<4>&,
-                              CellField<4>&);
-template void pass_through<8>(const CellGraph&, const ThinParts<8>&, const CellField<8>&,
-                              CellField<8>&);
-template void pass_through<16>(const CellGraph&, const ThinParts<16>&, const CellField<16>&,
-                               CellField<16>&);
+#define LAMINA_INSTANTIATE(N)                                                    \
+  template CellMixture<N> spread_through(const CellGraph&, const ThinParts<N>&); \
+  template void pass_through(const ThinParts<N>&, const CellField<N>&, CellField<N>&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

@@ -30,10 +30,10 @@ struct FarSide {
 template <int N>
 struct ThinParts {
   std::vector<FarSide> far;    ///< [cell]; empty: nothing is thin
-  CellField<N> spread;         ///< place of the Gaussian among those of `blurs`
+  CellField<N> spread;         ///< place of the Gaussian among six
   CellField<N> transmittance;  ///< of the lower layer where it is a slab; 0 where it is thick
   CellField<N> reflectance;    ///< of it, over that of a half-space
-  std::vector<CellOperator<N>> blurs;
+  std::vector<double> rungs;   ///< of the six, as cell_rungs_of_gaussians gives them
 };
 
 /// Thin parts of a graph's cells without any band; empty if nothing is thinner than light reaches.
@@ -51,13 +51,16 @@ template <int N>
 void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a,
               double upper_thickness, double ior_above, ThinParts<N>& thin);
 
+/// How light that has come down to the lower layer spreads on its way through thin parts.
+template <int N>
+[[nodiscard]] CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin);
+
 /// Adds what comes through from the far sides to light that goes up, and takes it from what a
 /// half-space would send back.
 ///
-/// @param down  [cell] light that has come down to the lower layer
-/// @param up    [cell] what the lower layer reflects of it, as if it were a half-space
+/// @param spread  [cell] light that has come down to the lower layer, spread by spread_through
+/// @param up      [cell] what the lower layer reflects of it, as if it were a half-space
 template <int N>
-void pass_through(const CellGraph& graph, const ThinParts<N>& thin, const CellField<N>& down,
-                  CellField<N>& up);
+void pass_through(const ThinParts<N>& thin, const CellField<N>& spread, CellField<N>& up);
 
 }  // namespace lamina
