@@ -156,6 +156,26 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
         << c;
 }
 
+// Of two lights one is blocked: what the other gives is found without noise, by one sample.
+TEST(TextureSpace, ALightThatIsBlockedIsNoNoiseOnAnother) {
+  Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 6.0);
+  scene.render.texture_space.irradiance_samples = 1;
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{1, 0, 1}), .irradiance = {3, 3, 3}},
+      DirectionalLight{.direction = normalize(Vec3{-1, 0, 1}), .irradiance = {3, 3, 3}}};
+  Mesh wall = make_square(20.0f, 1);
+  for (Vec3f& p : wall.positions) p = {20.0f, p.y, p.x + 20.0f};
+  for (Vec3f& n : wall.normals) n = {-1, 0, 0};
+  scene.meshes.push_back(wall);
+  scene.materials.push_back(diffuse_material(0.0f));
+  const Image image = render(scene).image;
+  const std::size_t green = *channel_index(image, "subsurface.G");
+  const float middle = image.at(12, 12)[green];
+  EXPECT_GT(middle, 0.05f);
+  for (int y = 6; y < 18; ++y)
+    for (int x = 6; x < 18; ++x) ASSERT_NEAR(image.at(x, y)[green], middle, 1e-3f * middle);
+}
+
 // Half a plate of dark skin: the border is where the map has it, and light bleeds over it.
 TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   Material skin = uniform_skin();

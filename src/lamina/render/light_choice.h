@@ -41,26 +41,29 @@ struct LightDrawn {
 
 /// A light, drawn in proportion to what it would give: `value(LightSample)` is the factor on its
 /// radiance. Source: [Talbot2005], with one visibility for all candidates.
-/// @param parts  to draw the candidates from; null: all lights as they are
+/// @param share  of the lights, to draw the candidates from
+/// @param parts  to draw the candidates from instead, if not null
 template <int N, class Value>
 [[nodiscard]] LightDrawn<N> draw_light(const PathWorld<N>& world, const SurfacePoint& point,
                                        PixelSamples& samples, const Value& value,
                                        Dielectrics dielectrics = Dielectrics::let_through,
+                                       const LightShare& share = {},
                                        const MirroredParts* parts = nullptr) {
   const float u_light = samples.next_1d();
   const Vec2f u = samples.next_2d();
   const auto fraction = [](float x) { return x - std::floor(x); };
   LightDrawn<N> chosen;
   float total = 0.0f, chosen_brightness = 0.0f, chosen_pdf = 0.0f, u_left = samples.next_1d();
-  for (int i = 0; i < light_candidates; ++i) {
+  for (int i = 0; i < share.candidates; ++i) {
     // A lattice of candidates, moved as one: [Roberts2018]'s R2 sequence.
     const auto k = static_cast<float>(i);
-    const float u_which = fraction(u_light + k / light_candidates);
+    const float u_which = fraction(u_light + k / static_cast<float>(share.candidates));
     const Vec2f u_where{fraction(u.x + 0.7548777f * k), fraction(u.y + 0.5698403f * k)};
     const auto [light, advantage] =
         parts ? parts->draw(u_which, u_where)
-              : MirroredParts::Drawn{
-                    world.scene.lights.sample_light(point.position, u_which, u_where), 1.0f};
+              : MirroredParts::Drawn{world.scene.lights.sample_light(
+                                         point.position, share.low + share.size * u_which, u_where),
+                                     1.0f / share.size};
     if (!(light.pdf > 0.0f)) continue;
     const float pdf = advantage * light.pdf;
     const float brightness =
@@ -83,7 +86,7 @@ template <int N, class Value>
   chosen.clear =
       clear_fraction(world.scene, world.sheets, ray, 0.9999f * light.distance, dielectrics);
   if (largest(chosen.clear) > 0.0f)
-    chosen.weight = total / (chosen_brightness * chosen_pdf * light_candidates);
+    chosen.weight = total / (chosen_brightness * chosen_pdf * static_cast<float>(share.candidates));
   return chosen;
 }
 

@@ -107,7 +107,22 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
   for (Panel& panel : panels_) panel.probability /= total;
   for (Spot& spot : spots_) spot.probability /= total;
   for (Sky& sky : skies_) sky.probability /= total;
+  make_shares();
   make_parts();
+}
+
+void Lights::make_shares() {
+  constexpr std::size_t most = 4;
+  constexpr int of_sky = 8;  // a panel's directions give much the same, and a spot has but one
+  float low = 0.0f;
+  const auto add = [&](float probability, int candidates) {
+    if (probability > 0.0f) shares_.push_back({low, probability, candidates});
+    low += probability;
+  };
+  for (const Spot& spot : spots_) add(spot.probability, 1);  // in the order of sample_light
+  for (const Panel& panel : panels_) add(panel.probability, 1);
+  for (const Sky& sky : skies_) add(sky.probability, of_sky);
+  if (shares_.size() > most) shares_ = {{}};
 }
 
 LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) const {

@@ -23,6 +23,13 @@ struct LightSample {
   bool is_delta = false;  ///< from one direction only, which no other sampling finds
 };
 
+/// Some of the numbers by which sample_light chooses: [low, low + size) draws from these lights
+/// alone.
+struct LightShare {
+  float low = 0.0f, size = 1.0f;
+  int candidates = 4;  ///< directions to choose one of, by what each would give
+};
+
 /// A light met by a ray.
 struct LightSeen {
   Vec3f radiance;
@@ -55,6 +62,9 @@ class Lights {
   /// Draws a light, with a probability that follows the irradiance it gives at the middle of the
   /// scene, and a direction towards it.
   [[nodiscard]] LightSample sample_light(const Vec3f& position, float u_light, Vec2f u) const;
+
+  /// Shares that leave out no light: each light by itself where they are few, else all in one.
+  [[nodiscard]] const std::vector<LightShare>& shares() const { return shares_; }
 
   /// The lights are cut into parts, for choosing among them by what a surface makes of each: first
   /// those that are far away, whose directions are the same everywhere. 0: there are no lights to
@@ -122,6 +132,7 @@ class Lights {
     float probability;
   };
   [[nodiscard]] LightSample sample_spot(const Spot& spot, const Vec3f& position) const;
+  void make_shares();
   void make_parts();
   /// Halves a rectangle of a sky's random numbers so many times, across its longer side in the sky.
   void cut_sky(std::size_t sky, Vec2f low, Vec2f size, int halvings);
@@ -129,6 +140,7 @@ class Lights {
   std::vector<Panel> panels_;
   std::vector<Spot> spots_;
   std::vector<Sky> skies_;
+  std::vector<LightShare> shares_;
   std::vector<Part> parts_;                      ///< far ones first
   std::array<std::vector<float>, 5> far_parts_;  ///< x, y, z, flux, spread2
   float typical_irradiance_ = 0.0f;

@@ -55,10 +55,14 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
     return cos_i * (1.0f - reflectance(boundary, cos_i)) *
            weight_of_light_sample(world_.options.direct_light, light, cos_i / pi);
   };
-  const LightDrawn<N> drawn = draw_light(world_, entry, samples, entering);
-  if (drawn.weight > 0.0f)
-    irradiance += drawn.weight * entering(drawn.light) * drawn.clear *
-                  world_.conversion.from_rgb(drawn.light.radiance);
+  // One light of each share: whether one is seen would be noise on what another gives.
+  for (const LightShare& share : world_.scene.lights.shares()) {
+    const LightDrawn<N> drawn =
+        draw_light(world_, entry, samples, entering, Dielectrics::let_through, share);
+    if (drawn.weight > 0.0f)
+      irradiance += drawn.weight * entering(drawn.light) * drawn.clear *
+                    world_.conversion.from_rgb(drawn.light.radiance);
+  }
   const Framef frame = make_frame(entry.normal);
   const Vec3f wi = draw_cosine(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);

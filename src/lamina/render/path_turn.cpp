@@ -51,7 +51,7 @@ Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surfa
            (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
   };
   const LightDrawn<N> drawn = draw_light(world, surface.point, samples, value,
-                                         Dielectrics::let_through, parts ? &*parts : nullptr);
+                                         Dielectrics::let_through, {}, parts ? &*parts : nullptr);
   if (!(drawn.weight > 0.0f)) return {};
   Lobes lobes = reflected(drawn.light);
   const Vec3f wi = surface.frame.to_local(drawn.light.direction);

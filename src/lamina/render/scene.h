@@ -187,9 +187,9 @@ struct HierarchySettings {
 
 /// How the method `texture_space` samples light on a surface and spreads it.
 struct TextureSpaceSettings {
-  float texel = 0.0f;           ///< width of a texel [mm]; 0: from the size of a pixel
-  int max_texels = 1'000'000;   ///< of a material, whatever the width
-  int irradiance_samples = 16;  ///< random estimates of the light at each texel that is seen
+  float texel = 0.0f;          ///< width of a texel [mm]; 0: from the size of a pixel
+  int max_texels = 1'000'000;  ///< of a material, whatever the width
+  int irradiance_samples = 4;  ///< random estimates of the light at each texel that is seen
   int terms = 2;  ///< times that light comes back from the dermis before the series is closed
 };
 

@@ -27,6 +27,19 @@ constexpr float thickest = 15.0f;
 /// Texels that do not show get so many times fewer samples: their light comes in from afar only.
 constexpr int fewer_where_hidden = 8;
 
+/// Place of a texel along a curve that visits all of a square of 2^k by 2^k texels before it leaves
+/// it: Morton's, the bits of x and y in turn.
+std::uint32_t morton(std::int32_t x, std::int32_t y) {
+  const auto spread = [](std::int32_t value) {
+    std::uint32_t bits = static_cast<std::uint32_t>(value) & 0xffffu;
+    bits = (bits | (bits << 8)) & 0x00ff00ffu;
+    bits = (bits | (bits << 4)) & 0x0f0f0f0fu;
+    bits = (bits | (bits << 2)) & 0x33333333u;
+    return (bits | (bits << 1)) & 0x55555555u;
+  };
+  return spread(x) | (spread(y) << 1);
+}
+
 }  // namespace
 
 template <int N>
@@ -167,10 +180,12 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
       };
       const bool is_full = is_seen.empty() || is_seen[i];
       const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+      const std::uint32_t along = morton(texel.x, texel.y);
       Bands irradiance;
       for (int s = 0; s < count; ++s) {
-        PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
-                             static_cast<std::uint32_t>(s));
+        PixelSamples samples(
+            seed + 0x9d2c5680u, 2 * texel.chart + (is_full ? 0 : 1),
+            along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
         const Vec2f place = samples.next_2d();
         irradiance +=
             light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
