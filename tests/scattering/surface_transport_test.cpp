@@ -217,5 +217,39 @@ TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
   }
 }
 
+// Where a thin part ends the light from behind goes on under the thick one: nothing is lost, and
+// there is no edge.
+TEST(SurfaceTransport, LightThroughThinPartsHasNoEdgeWhereTheyEnd) {
+  constexpr int size = 32;
+  const Sheet sheet = cut_sheet(size, 0.5f);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 25.0);
+  const std::size_t n = sheet.cells.size();
+  std::vector<FarSide> far(n);
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (i % size < size / 2)
+      far[i] = {.thickness = 4.5f, .cell = {i}, .weight = {1.0f}, .count = 1};
+  ThinParts<4> thin = make_thin_parts<4>(graph, far, 0.25);
+  add_band<4>(0, green_stack.layers[1], std::vector<float>(n, 0.05f), 0.25, 1.4, thin);
+  const CellMixture<4> halves = spread_through(graph, thin);
+  const auto spread = [&](const CellField<4>& light) {
+    return apply<4>(graph, light, CellField<4>(n), {}, &halves)[0];
+  };
+  CellField<4> down(n);
+  for (auto& value : down) value[0] = 1.0f;
+  const CellField<4> crossed = pass_through(thin, spread(down)), through = spread(crossed);
+  double before = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    before += static_cast<double>(crossed[i][0]);
+    after += static_cast<double>(through[i][0]);
+  }
+  EXPECT_NEAR(after, before, 0.02 * before);
+  const std::size_t row = size / 2 * size;
+  const float most = through[row][0];
+  EXPECT_NEAR(most, thin.transmittance[row][0], 0.02f * most);
+  EXPECT_NEAR(through[row + size / 2 - 1][0] + through[row + size / 2][0], most, 0.1f * most);
+  for (std::size_t x = 1; x < size; ++x)
+    EXPECT_LT(std::abs(through[row + x][0] - through[row + x - 1][0]), 0.3f * most) << x;
+}
+
 }  // namespace
 }  // namespace lamina

@@ -111,8 +111,8 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
     for_cells(light.size(), [&](std::size_t i) { light[i] *= layers.junction[i]; });
   };
   const bool has_thin_parts = !layers.thin.far.empty();
-  CellMixture<N> through;
-  if (has_thin_parts) through = spread_through(*layers.graph, layers.thin);
+  CellMixture<N> halves;
+  if (has_thin_parts) halves = spread_through(*layers.graph, layers.thin);
   CellField<N> reflected, down, all_up;
   {
     const std::array<const CellOperator<N>*, 2> operators = {
@@ -135,9 +135,14 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
     const std::array<const CellOperator<N>*, 1> operators = {
         &layers.lower.operators[reflection_above]};
     auto returned = apply<N>(*layers.graph, down, layers.lower.coordinate, operators,
-                             has_thin_parts ? &through : nullptr);
+                             has_thin_parts ? &halves : nullptr);
     CellField<N> up = std::move(returned[0]);
-    if (has_thin_parts) pass_through(layers.thin, returned[1], up);
+    if (has_thin_parts) {
+      const CellField<N> through = apply<N>(*layers.graph, pass_through(layers.thin, returned[1]),
+                                            layers.lower.coordinate, {}, &halves)[0];
+      for_cells(up.size(),
+                [&](std::size_t i) { up[i] = up[i] * layers.thin.reflectance[i] + through[i]; });
+    }
     cross(up);
     if (term < terms) down = one(layers.upper, reflection_below, up);
     if (all_up.empty())

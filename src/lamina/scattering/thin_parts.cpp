@@ -18,6 +18,9 @@ namespace {
 constexpr std::array<double, 6> variances = {0.16, 0.4, 1.0, 2.5, 6.3, 16.0};
 constexpr double ratio = 2.5;
 
+/// How far light is followed over the surface once it is through [mm].
+constexpr double reach = 4.0;
+
 /// Place of a variance among the Gaussians, 0 at the first.
 float place_of(double variance) {
   const double place = std::log(variance / variances.front()) / std::log(ratio);
@@ -38,7 +41,9 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
   thin.spread.resize(thin.far.size());
   thin.transmittance.resize(thin.far.size());
   thin.reflectance.assign(thin.far.size(), BandValues<N>::filled(1.0f));
-  thin.rungs = cell_rungs_of_gaussians(graph, variances);
+  std::array<double, variances.size()> halves{};
+  std::ranges::transform(variances, halves.begin(), [](double variance) { return 0.5 * variance; });
+  thin.rungs = cell_rungs_of_gaussians(graph, halves);
   return thin;
 }
 
@@ -69,29 +74,50 @@ void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a
 
 template <int N>
 CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin) {
+  CellField<N> place = thin.spread;
+  std::vector<bool> takes(place.size());
   std::vector<std::uint32_t> cells;
-  CellField<N> place;
-  for (std::uint32_t i = 0; i < thin.far.size(); ++i) {
-    if (!(largest(thin.transmittance[i]) > 0.0f)) continue;
-    cells.push_back(i);
-    place.push_back(thin.spread[i]);
+  const auto take = [&](std::uint32_t cell, std::uint32_t like) {
+    if (takes[cell]) return;
+    takes[cell] = true;
+    place[cell] = place[like];
+    cells.push_back(cell);
+  };
+  for (std::uint32_t i = 0; i < place.size(); ++i)
+    if (largest(thin.transmittance[i]) > 0.0f) take(i, i);
+  // Where these look, and around them as far as light spreads once it is through.
+  for (std::size_t k = 0, count = cells.size(); k < count; ++k) {
+    const FarSide& far = thin.far[cells[k]];
+    for (std::size_t c = 0; c < static_cast<std::size_t>(far.count); ++c)
+      take(far.cell[c], cells[k]);
   }
-  return make_cell_mixture(graph, std::move(cells), std::move(place), thin.rungs);
+  const CellLevel& fine = graph.levels.front();
+  const double rings = reach / std::sqrt(static_cast<double>(fine.typical_area));
+  for (std::size_t ring = 0, from = 0; static_cast<double>(ring) < rings; ++ring) {
+    const std::size_t to = cells.size();
+    for (; from < to; ++from)
+      for (std::uint32_t k = fine.first[cells[from]]; k < fine.first[cells[from] + 1]; ++k)
+        take(fine.neighbors[k].cell, cells[from]);
+  }
+  std::ranges::sort(cells);
+  CellField<N> of_cells;
+  for (const std::uint32_t cell : cells) of_cells.push_back(place[cell]);
+  return make_cell_mixture(graph, std::move(cells), std::move(of_cells), thin.rungs);
 }
 
 template <int N>
-void pass_through(const ThinParts<N>& thin, const CellField<N>& spread, CellField<N>& up) {
+CellField<N> pass_through(const ThinParts<N>& thin, const CellField<N>& spread) {
+  CellField<N> through(spread.size());
   constexpr std::size_t chunk = 8192;
-  parallel_for((up.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(up.size(), (c + 1) * chunk); ++i) {
-      up[i] *= thin.reflectance[i];
-      for (int k = 0; k < thin.far[i].count; ++k) {
-        const auto at = static_cast<std::size_t>(k);
-        const std::uint32_t from = thin.far[i].cell[at];
-        up[i] += thin.far[i].weight[at] * thin.transmittance[from] * spread[from];
-      }
+  parallel_for((through.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    for (std::size_t i = c * chunk; i < std::min(through.size(), (c + 1) * chunk); ++i) {
+      const FarSide& far = thin.far[i];
+      for (std::size_t k = 0; k < static_cast<std::size_t>(far.count); ++k)
+        through[i] += far.weight[k] * spread[far.cell[k]];
+      through[i] *= thin.transmittance[i];
     }
   });
+  return through;
 }
 
 template ThinParts<4> make_thin_parts<4>(const CellGraph&, std::vector<FarSide>, double);
@@ -105,7 +131,7 @@ template void add_band<16>(int, const MappedLayer&, std::span<const float>, doub
                            ThinParts<16>&);
 #define LAMINA_INSTANTIATE(N)                                                    \
   template CellMixture<N> spread_through(const CellGraph&, const ThinParts<N>&); \
-  template void pass_through(const ThinParts<N>&, const CellField<N>&, CellField<N>&)
+  template CellField<N> pass_through(const ThinParts<N>&, const CellField<N>&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -23,8 +23,9 @@ struct FarSide {
 /// the lower layer at the far side comes up on the near one. The lower layer is a slab there.
 ///
 /// What passes spreads as a Gaussian, or the two next to it, with the second moment of the slab's
-/// transmittance profile; totals are the closed form of the multipole. The profile is that of the
-/// far side.
+/// transmittance profile; totals are the closed form of the multipole. Half of that spread is at
+/// the far side and half at the near one, so that light is smooth where neighbours look at places
+/// far apart, as at folds.
 ///
 /// Source: [Donner2008] §4.3; [DonnerJensen2005] Eq. 13 and its transform.
 template <int N>
@@ -32,8 +33,8 @@ struct ThinParts {
   std::vector<FarSide> far;    ///< [cell]; empty: nothing is thin
   CellField<N> spread;         ///< place of the Gaussian among six
   CellField<N> transmittance;  ///< of the lower layer where it is a slab; 0 where it is thick
-  CellField<N> reflectance;    ///< of it, over that of a half-space
-  std::vector<double> rungs;   ///< of the six, as cell_rungs_of_gaussians gives them
+  CellField<N> reflectance;    ///< of it, over that of a half-space; 1 where it is thick
+  std::vector<double> rungs;   ///< of half of each, as cell_rungs_of_gaussians gives them
 };
 
 /// Thin parts of a graph's cells without any band; empty if nothing is thinner than light reaches.
@@ -51,16 +52,14 @@ template <int N>
 void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a,
               double upper_thickness, double ior_above, ThinParts<N>& thin);
 
-/// How light that has come down to the lower layer spreads on its way through thin parts.
+/// Half of how light spreads on its way through thin parts: what it does at either side.
 template <int N>
 [[nodiscard]] CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin);
 
-/// Adds what comes through from the far sides to light that goes up, and takes it from what a
-/// half-space would send back.
+/// What comes through from the far sides, to be spread once more.
 ///
 /// @param spread  [cell] light that has come down to the lower layer, spread by spread_through
-/// @param up      [cell] what the lower layer reflects of it, as if it were a half-space
 template <int N>
-void pass_through(const ThinParts<N>& thin, const CellField<N>& spread, CellField<N>& up);
+[[nodiscard]] CellField<N> pass_through(const ThinParts<N>& thin, const CellField<N>& spread);
 
 }  // namespace lamina
