@@ -13,9 +13,10 @@ scenes=$PWD/../scenes/donner_2008
 [ -e ../demo/assets/head.obj ] || { echo "the head is not there: run ./demo.sh first" >&2; exit 1; }
 options=(--denoise "$@")
 
-# maps NAME FEATURES: maps of the face with features added.
+# maps NAME FEATURES [SIZE]: maps of the face with features added, so many texels wide and high.
 maps() {
-  sed "s|\"\.\./\.\./|\"$scenes/../../|; \$s|.*|, $2 ] }|" "$scenes/face.json" >"$out/$1.maps.json"
+  local size=${3:-1024}
+  sed "s|\"width\": 1024, \"height\": 1024|\"width\": $size, \"height\": $size|; s|\"\.\./\.\./|\"$scenes/../../|; \$s|.*|, $2 ] }|" "$scenes/face.json" >"$out/$1.maps.json"
   "$lamina" maps "$out/$1.maps.json" -o "$out/$1" >/dev/null
 }
 # render SCENE MAPS NAME SED [OPTION...]: the scene with those maps, some of its values replaced.
@@ -58,11 +59,11 @@ done
 sheet "$out/figure_8.png" 2 220 220 "$out/figure_8_before.png" "before" "$out/figure_8_after.png" "after three fingers have pressed"
 
 # Figure 11: an ear lit from behind, with veins.
-vein() { echo "{ \"vein\": { \"from\": [$1], \"to\": [$2], \"branches\": 2, \"diameter\": [0.15, 0.35], \"depth\": [0.1, 0.2], \"hemoglobin\": 0.05, \"saturation\": 0.4, \"absorbance\": 0.35 } }"; }
-maps ear "$plain, $(vein "0.76, 6.46, 0.36" "0.82, 6.88, 0.3"), $(vein "0.78, 6.6, 0.4" "0.8, 6.85, 0.4")"
+vein() { echo "{ \"vein\": { \"from\": [$1], \"to\": [$2], \"branches\": $3, \"diameter\": [0.3, 0.6], \"depth\": [0.1, 0.2], \"hemoglobin\": 0.05, \"saturation\": 0.4, \"absorbance\": 0.9 } }"; }
+maps ear "$plain, $(vein "0.767, 6.47, 0.367" "0.824, 6.74, 0.341" 3), $(vein "0.715, 6.5, 0.385" "0.76, 6.6, 0.37" 2), $(vein "0.82, 6.72, 0.34" "0.79, 6.8, 0.355" 2)" 2048  # finer than veins
 render ear plain figure_11_plain ""
 render ear ear figure_11_veins ""
-sheet "$out/figure_11.png" 2 300 300 "$out/figure_11_plain.png" "lit from behind" "$out/figure_11_veins.png" "the same with veins"
+sheet "$out/figure_11.png" 2 360 360 "$out/figure_11_plain.png" "lit from behind" "$out/figure_11_veins.png" "the same with veins"
 
 # Six shares of melanin by four of blood.
 pictures=()
