@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/render/irradiance_specks.h"
 #include "lamina/render/texture_atlas.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/spectrum/band_color.h"
@@ -236,6 +237,35 @@ TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
               std::string::npos)
         << error.what();
   }
+}
+
+// A cell far brighter than all around it is dimmed; edges, small lights and what is dark stay.
+TEST(TextureSpace, DimsSpecksAndNothingElse) {
+  constexpr std::uint32_t size = 8;
+  std::vector<GraphCell> cells;
+  std::vector<CellLink> links;
+  for (std::uint32_t y = 0; y < size; ++y)
+    for (std::uint32_t x = 0; x < size; ++x) {
+      const std::uint32_t i = y * size + x;
+      cells.push_back({.position = {static_cast<float>(x), static_cast<float>(y), 0.0f},
+                       .area = 1.0f,
+                       .x = static_cast<std::int32_t>(x),
+                       .y = static_cast<std::int32_t>(y)});
+      if (x + 1 < size) links.push_back({i, i + 1, 1.0f});
+      if (y + 1 < size) links.push_back({i, i + size, 1.0f});
+    }
+  const CellGraph graph = make_cell_graph(cells, links, 25.0);
+  CellField<4> light(cells.size());
+  for (std::size_t i = 0; i < light.size(); ++i)
+    light[i] = BandValues<4>::filled(i % size < 4 ? 10.0f : 0.5f);
+  constexpr std::size_t speck = 6 + 2 * size, small = 5 + 5 * size;  // the small one has two cells
+  for (const std::size_t i : {speck, small, small + 1}) light[i] = BandValues<4>::filled(5.0f);
+  light[speck][3] = 9.0f;  // 6 in the mean of its bands, where 0.5 is around
+  const CellField<4> before = light;
+  dim_specks(graph.levels.front(), light);
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (int b = 0; b < 4; ++b)
+      EXPECT_FLOAT_EQ(light[i][b], before[i][b] * (i == speck ? 1.0f / 6.0f : 1.0f)) << i;
 }
 
 }  // namespace

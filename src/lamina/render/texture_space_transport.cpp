@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/render/irradiance_specks.h"
 #include "lamina/render/skin_patch.h"
 #include "lamina/render/surface_cells.h"
 #include "lamina/render/texel_skin.h"
@@ -214,6 +215,7 @@ void TextureSpaceTransport<N>::spread(IrradianceCloud& cloud) {
   for (std::size_t i = 0; i < texels; ++i)
     for (std::size_t b = 0; b < cloud.bands; ++b)
       entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
+  dim_specks(graph_.levels.front(), entering);
   const CellField<N> leaving =
       transport(*layers_, entering, scene_.scene->render.texture_space.terms);
   layers_.reset();
