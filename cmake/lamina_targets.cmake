@@ -14,7 +14,7 @@ function(lamina_precompile target)
     target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <filesystem> <functional>
       <numbers> <optional> <span> <string> <variant> <vector>)
     target_compile_options(${target} PRIVATE  # GCC 12 warns of its own headers once they are parsed
-      "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds>")
+      "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than>")
   endif()
 endfunction()
 
