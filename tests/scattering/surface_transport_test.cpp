@@ -167,8 +167,8 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
   for (std::uint32_t i = 0; i < cells.front(); ++i) ASSERT_EQ(both[0][i][0], 0.0f);
 }
 
-// A fold of skin lit from one side: the two sheets of its surface, against its three layers at
-// once.
+// A fold of skin lit from one side, all over and in one spot: the two sheets of its surface,
+// against its three layers at once.
 TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
   constexpr int size = 32;
   constexpr float h = 0.5f;
@@ -214,6 +214,34 @@ TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
     EXPECT_GT(t, 0.005f);
     EXPECT_NEAR(left[middle][0], r, 0.05f * r) << sigma_a;
     EXPECT_NEAR(left[middle + count][0], t, 0.1f * t) << sigma_a;
+
+    // How wide a spot is on the other side.
+    const auto wide = [&](double value) {
+      return make_plane(size, size, static_cast<float>(value));
+    };
+    Plane spot = wide(0.0);
+    CellField<4> spot_on_sheet(far.size());
+    spot.values[middle] = spot_on_sheet[middle][0] = 1.0f;
+    const TransportResult wanted_spot =
+        transport(make_heterogeneous_layers(three, {wide(0.3), wide(sigma_a), wide(0.3)},
+                                            {wide(0.05), wide(0.05)}, static_cast<double>(h)),
+                  spot, {.terms = 6});
+    const CellField<4> left_spot = transport(layers, spot_on_sheet, 6);
+    const auto variance = [&](const auto& at) {
+      double sum = 0.0, moment = 0.0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f from = sheet.cells[i].position - sheet.cells[middle].position;
+        const double share = static_cast<double>(at(i));
+        sum += share;
+        moment += share * static_cast<double>(from.x * from.x + from.y * from.y);
+      }
+      return 0.5 * moment / sum;
+    };
+    const double expected =
+        variance([&](std::size_t i) { return wanted_spot.transmitted.values[i]; });
+    EXPECT_NEAR(variance([&](std::size_t i) { return left_spot[i + count][0]; }), expected,
+                0.15 * expected)
+        << sigma_a;
   }
 }
 
@@ -226,8 +254,11 @@ TEST(SurfaceTransport, LightThroughThinPartsHasNoEdgeWhereTheyEnd) {
   const std::size_t n = sheet.cells.size();
   std::vector<FarSide> far(n);
   for (std::uint32_t i = 0; i < n; ++i)
-    if (i % size < size / 2)
-      far[i] = {.thickness = 4.5f, .cell = {i}, .weight = {1.0f}, .count = 1};
+    if (i % size < size / 2)  // looks at the thick half, the other way round
+      far[i] = {.thickness = 4.5f,
+                .cell = {i / size * size + size - 1 - i % size},
+                .weight = {1.0f},
+                .count = 1};
   ThinParts<4> thin = make_thin_parts<4>(graph, far, 0.25);
   add_band<4>(0, green_stack.layers[1], std::vector<float>(n, 0.05f), 0.25, 1.4, thin);
   const CellMixture<4> halves = spread_through(graph, thin);

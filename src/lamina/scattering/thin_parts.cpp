@@ -14,17 +14,18 @@
 namespace lamina {
 namespace {
 
-/// Gaussians that stand for all others, what lies between by its logarithm [mm²].
+/// Gaussians that stand for all others, what lies between by its variance [mm²].
 constexpr std::array<double, 6> variances = {0.16, 0.4, 1.0, 2.5, 6.3, 16.0};
-constexpr double ratio = 2.5;
 
 /// How far light is followed over the surface once it is through [mm].
 constexpr double reach = 4.0;
 
 /// Place of a variance among the Gaussians, 0 at the first.
 float place_of(double variance) {
-  const double place = std::log(variance / variances.front()) / std::log(ratio);
-  return static_cast<float>(std::clamp(place, 0.0, static_cast<double>(variances.size() - 1)));
+  std::size_t i = 0;
+  while (i + 2 < variances.size() && variance > variances[i + 1]) ++i;
+  const double beyond = (variance - variances[i]) / (variances[i + 1] - variances[i]);
+  return static_cast<float>(static_cast<double>(i) + std::clamp(beyond, 0.0, 1.0));
 }
 
 }  // namespace
