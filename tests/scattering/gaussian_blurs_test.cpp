@@ -167,16 +167,78 @@ TEST(GaussianBlurs, ProfilesOfBothEndsExchangeAlike) {
     ASSERT_NEAR(exit.values[i], both.values[i], 1e-4);
 }
 
-TEST(GaussianBlurs, PlanesOfAnySizeAreMirroredIntoTheGrid) {
-  const BlurLadder ladder = make_blur_ladder(37, 21, 100.0);
-  EXPECT_EQ(ladder.width % (1 << ladder.levels), 0);
-  EXPECT_GE(ladder.width, 37);
-  const Plane plane = noise(37, 21, 6);
-  const Plane wide = mirrored(ladder, plane);
-  EXPECT_EQ(cropped(wide, 37, 21).values, plane.values);
-  for (int x = 37; x < ladder.width; ++x)
-    EXPECT_EQ(wide.values[static_cast<std::size_t>(x)],
-              plane.values[static_cast<std::size_t>(73 - x)]);
+// Method of images: a lit strip, its mirror image at either end, and so on.
+double blurred_strip(double x, double begin, double end, double size, double variance) {
+  const double scale = 1.0 / std::sqrt(2.0 * variance);
+  double light = 0.0;
+  for (int period = -40; period <= 40; ++period)
+    for (const double side : {1.0, -1.0}) {
+      const double from = 2.0 * size * period - x;
+      light += 0.5 * side *
+               (std::erf((from + side * end) * scale) - std::erf((from + side * begin) * scale));
+    }
+  return light;
+}
+
+// Sides that are multiples of no power of two are like any other.
+TEST(GaussianBlurs, PlanesOfAnySizeEndInMirrors) {
+  for (int size = 31; size <= 65; ++size) {
+    const int height = 96 - size;
+    const BlurLadder ladder = make_blur_ladder(size, height, 1000.0);
+    // Light on the third quarter of the width: it is not symmetric itself.
+    Plane strip = make_plane(size, height), mirror = strip;
+    const int begin = size / 2, end = 3 * size / 4;
+    for (int y = 0; y < height; ++y)
+      for (int x = begin; x < end; ++x) {
+        strip.values[static_cast<std::size_t>(y * size + x)] = 1.0f;
+        mirror.values[static_cast<std::size_t>(y * size + size - 1 - x)] = 1.0f;
+      }
+    for (const double variance : {0.7, 4.0, 9.0, 40.0, 100.0, 250.0, 1000.0}) {
+      const std::vector<float> rungs = rungs_of(ladder, variance);
+      const Plane seen = apply_rungs(ladder, strip, rungs);
+      const Plane opposite = apply_rungs(ladder, mirror, rungs);
+      const double all = std::accumulate(seen.values.begin(), seen.values.end(), 0.0);
+      EXPECT_NEAR(all, (end - begin) * height, 2e-5 * all)
+          << size << " texels, variance " << variance;
+      for (int x = 0; x < size; ++x) {
+        const auto at = static_cast<std::size_t>(x), row = static_cast<std::size_t>(7 * size);
+        ASSERT_NEAR(seen.values[row + at],
+                    opposite.values[row + static_cast<std::size_t>(size - 1 - x)], 1e-5)
+            << size << " texels, variance " << variance << ", texel " << x;
+        // A narrower edge is as sharp as texels are; a wider one than the plane fits no rung.
+        if (variance < 6.0 || variance > 300.0) continue;
+        ASSERT_NEAR(seen.values[row + at], blurred_strip(x + 0.5, begin, end, size, variance), 0.01)
+            << size << " texels, variance " << variance << ", texel " << x;
+      }
+    }
+  }
+}
+
+// Short waves fold back on coarser grids, askew: see BlurLadder.
+TEST(GaussianBlurs, PlanesOfAnySizeExchangeLightAlike) {
+  for (const auto& [width, height] : {std::pair{32, 48}, {31, 45}, {33, 64}, {61, 37}, {5, 9}}) {
+    const BlurLadder ladder = make_blur_ladder(width, height, 300.0);
+    Plane a = noise(width, height, 1), b = noise(width, height, 2);
+    for (Plane* plane : {&a, &b})
+      for (float& value : plane->values) value -= 0.5f;
+    const auto dot = [](const Plane& p, const Plane& q) {
+      return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
+    };
+    for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung) {
+      const Plane of_a = one_rung(ladder, a, rung), of_b = one_rung(ladder, b, rung);
+      EXPECT_NEAR(dot(a, of_b), dot(b, of_a), 2e-3 * std::sqrt(dot(of_a, of_a) * dot(b, b)) + 1e-6)
+          << width << " x " << height << ", rung " << rung;
+    }
+  }
+}
+
+TEST(GaussianBlurs, UniformLightStaysUniformOnPlanesOfAnySize) {
+  for (const auto& [width, height] : {std::pair{31, 45}, {33, 64}, {61, 37}, {5, 9}, {1, 2}}) {
+    const BlurLadder ladder = make_blur_ladder(width, height, 300.0);
+    for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung)
+      for (const float value : one_rung(ladder, make_plane(width, height, 1.0f), rung).values)
+        ASSERT_NEAR(value, 1.0f, 2e-6f) << width << " x " << height << ", rung " << rung;
+  }
 }
 
 }  // namespace

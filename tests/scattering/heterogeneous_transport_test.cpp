@@ -98,6 +98,34 @@ TEST(HeterogeneousTransport, UniformMapsGiveTheClosedFormOfTheLayers) {
   }
 }
 
+// What leaves is the part that is lit times what leaves in full light, on either side of the middle
+// alike: mirrors at the ends take nothing, whatever the number of texels.
+TEST(HeterogeneousTransport, NoLightIsLostAtTheEndsOfPlanesOfAnySize) {
+  const StackTables tables =
+      make_stack_tables(red.stack, OperatorTotals::diffusion, {}, small_grid());
+  for (int size = 31; size <= 65; ++size) {
+    const auto layers =
+        make_heterogeneous_layers(tables, planes(red, size), sheets(red, size, 0.0), 6.0 / size);
+    Plane light = make_plane(size, size);
+    const int begin = size * 3 / 8, end = size - begin;
+    for (int y = begin; y < end; ++y)
+      for (int x = begin; x < end; ++x) light.values[static_cast<std::size_t>(y * size + x)] = 1.0f;
+    const Plane seen = transport(layers, light).reflected;
+    const Plane full = transport(layers, make_plane(size, size, 1.0f)).reflected;
+    double all = 0.0, left = 0.0, right = 0.0;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const double value = seen.values[static_cast<std::size_t>(y * size + x)];
+        all += value;
+        if (2 * x + 1 < size) left += value;
+        if (2 * x + 1 > size) right += value;
+      }
+    const double lit = (end - begin) * (end - begin);
+    EXPECT_NEAR(all, lit * static_cast<double>(full.values[0]), 1e-4 * all) << size;
+    EXPECT_NEAR(left, right, 1e-5 * all) << size;
+  }
+}
+
 // Stripes of light keep their shape; their contrast falls as the closed form says.
 TEST(HeterogeneousTransport, StripesComeOutWithTheContrastOfTheClosedForm) {
   constexpr int size = 128;

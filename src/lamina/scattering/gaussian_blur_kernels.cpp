@@ -69,39 +69,31 @@ HWY_ATTR void halve_row(const float* row, float* result, std::size_t size) {
   });
 }
 
-HWY_ATTR void add_doubled_row(const float* coarse, const float* row_a, float a, const float* row_b,
-                              float b, float* sum, std::size_t size) {
+HWY_ATTR void double_row(const float* row, float* result, std::size_t size) {
   for_each_place(size / 2, [&](auto d, std::size_t x) HWY_ATTR {
-    const auto weight_a = hn::Set(d, a), weight_b = hn::Set(d, b);
-    hn::Vec<decltype(d)> even, odd, even_b, odd_b;
-    hn::LoadInterleaved2(d, row_a + 2 * x, even, odd);
-    hn::LoadInterleaved2(d, row_b + 2 * x, even_b, odd_b);
-    even = hn::MulAdd(weight_b, even_b, hn::Mul(weight_a, even));
-    odd = hn::MulAdd(weight_b, odd_b, hn::Mul(weight_a, odd));
     const auto quarter = hn::Set(d, 0.25f);
-    const auto near = hn::Mul(hn::Set(d, 0.75f), hn::LoadU(d, coarse + x));
-    even = hn::Add(even, hn::MulAdd(quarter, hn::LoadU(d, coarse + x - 1), near));
-    odd = hn::Add(odd, hn::MulAdd(quarter, hn::LoadU(d, coarse + x + 1), near));
-    hn::StoreInterleaved2(even, odd, d, sum + 2 * x);
+    const auto near = hn::Mul(hn::Set(d, 0.75f), hn::LoadU(d, row + x));
+    const auto even = hn::MulAdd(quarter, hn::LoadU(d, row + x - 1), near);
+    const auto odd = hn::MulAdd(quarter, hn::LoadU(d, row + x + 1), near);
+    hn::StoreInterleaved2(even, odd, d, result + 2 * x);
   });
 }
 
-HWY_ATTR void add_doubled_polynomial(std::span<const float* const> coarse, const float* coordinate,
-                                     float* sum, std::size_t size) {
-  for_each_place(size / 2, [&](auto d, std::size_t x) HWY_ATTR {
-    const auto quarter = hn::Set(d, 0.25f), most = hn::Set(d, 0.75f);
-    hn::Vec<decltype(d)> at_even, at_odd, even, odd;
-    hn::LoadInterleaved2(d, coordinate + 2 * x, at_even, at_odd);
-    auto value_even = hn::Zero(d), value_odd = hn::Zero(d);
-    for (std::size_t p = coarse.size(); p-- > 0;) {
-      const auto near = hn::Mul(most, hn::LoadU(d, coarse[p] + x));
-      value_even = hn::MulAdd(value_even, at_even,
-                              hn::MulAdd(quarter, hn::LoadU(d, coarse[p] + x - 1), near));
-      value_odd =
-          hn::MulAdd(value_odd, at_odd, hn::MulAdd(quarter, hn::LoadU(d, coarse[p] + x + 1), near));
-    }
-    hn::LoadInterleaved2(d, sum + 2 * x, even, odd);
-    hn::StoreInterleaved2(hn::Add(even, value_even), hn::Add(odd, value_odd), d, sum + 2 * x);
+HWY_ATTR void add_row(const float* row, float weight, float* sum, std::size_t size) {
+  for_each_place(size, [&](auto d, std::size_t x) HWY_ATTR {
+    hn::StoreU(hn::MulAdd(hn::Set(d, weight), hn::LoadU(d, row + x), hn::LoadU(d, sum + x)), d,
+               sum + x);
+  });
+}
+
+HWY_ATTR void add_polynomial(std::span<const float* const> rows, const float* coordinate,
+                             float* sum, std::size_t size) {
+  for_each_place(size, [&](auto d, std::size_t x) HWY_ATTR {
+    const auto at = hn::LoadU(d, coordinate + x);
+    auto value = hn::LoadU(d, rows.back() + x);
+    for (std::size_t p = rows.size() - 1; p-- > 0;)
+      value = hn::MulAdd(value, at, hn::LoadU(d, rows[p] + x));
+    hn::StoreU(hn::Add(hn::LoadU(d, sum + x), value), d, sum + x);
   });
 }
 
@@ -115,8 +107,9 @@ HWY_EXPORT(combine_rows);
 HWY_EXPORT(convolve_row);
 HWY_EXPORT(add_times_polynomial);
 HWY_EXPORT(halve_row);
-HWY_EXPORT(add_doubled_row);
-HWY_EXPORT(add_doubled_polynomial);
+HWY_EXPORT(double_row);
+HWY_EXPORT(add_row);
+HWY_EXPORT(add_polynomial);
 
 void detail::combine_rows(std::span<const float* const> rows, std::span<const float> taps,
                           float* sum, std::size_t size) {
@@ -134,13 +127,15 @@ void detail::add_times_polynomial(const float* row, const float* coordinate,
 void detail::halve_row(const float* row, float* result, std::size_t size) {
   HWY_DYNAMIC_DISPATCH(halve_row)(row, result, size);
 }
-void detail::add_doubled_row(const float* coarse, const float* row_a, float a, const float* row_b,
-                             float b, float* sum, std::size_t size) {
-  HWY_DYNAMIC_DISPATCH(add_doubled_row)(coarse, row_a, a, row_b, b, sum, size);
+void detail::double_row(const float* row, float* result, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(double_row)(row, result, size);
 }
-void detail::add_doubled_polynomial(std::span<const float* const> coarse, const float* coordinate,
-                                    float* sum, std::size_t size) {
-  HWY_DYNAMIC_DISPATCH(add_doubled_polynomial)(coarse, coordinate, sum, size);
+void detail::add_row(const float* row, float weight, float* sum, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(add_row)(row, weight, sum, size);
+}
+void detail::add_polynomial(std::span<const float* const> rows, const float* coordinate, float* sum,
+                            std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(add_polynomial)(rows, coordinate, sum, size);
 }
 
 }  // namespace lamina

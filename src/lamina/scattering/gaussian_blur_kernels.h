@@ -27,13 +27,15 @@ void add_times_polynomial(const float* row, const float* coordinate,
 /// Every second place of a framed row of 2 * size, weighted 1 3 3 1 over 8 around it.
 void halve_row(const float* row, float* result, std::size_t size);
 
-/// sum[x] = a row_a[x] + b row_b[x] + (framed `coarse` of half the size, brought to this size).
-void add_doubled_row(const float* coarse, const float* row_a, float a, const float* row_b, float b,
-                     float* sum, std::size_t size);
+/// A framed row of half the size brought to this one: 3/4 of the nearer place, 1/4 of the next.
+/// @param size  even.
+void double_row(const float* row, float* result, std::size_t size);
 
-/// sum[x] += sum over p of coordinate[x]^p (framed coarse[p] of half the size, brought to this
-/// size)[x].
-void add_doubled_polynomial(std::span<const float* const> coarse, const float* coordinate,
-                            float* sum, std::size_t size);
+/// sum[x] += weight row[x].
+void add_row(const float* row, float weight, float* sum, std::size_t size);
+
+/// sum[x] += sum over p of coordinate[x]^p rows[p][x].
+void add_polynomial(std::span<const float* const> rows, const float* coordinate, float* sum,
+                    std::size_t size);
 
 }  // namespace lamina::detail

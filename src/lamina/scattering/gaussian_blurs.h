@@ -21,18 +21,19 @@ struct Plane {
 }
 
 /// Blurs of a plane by Gaussians of doubling width, whose cost per texel does not grow with the
-/// width: wide ones run on grids that are coarser by powers of two. Outside, the plane goes on as
-/// its mirror image.
+/// width: wide ones run on grids that are coarser by powers of two, or nearly so where a side is
+/// odd. Outside, the plane goes on as its mirror image.
 ///
 /// On each grid the plane is blurred from one width to the next by exp(t (cosh d - 1)), the
 /// discrete Gaussian: positive, with taps e^-t I_n(t) and exactly the variance t. Steps to coarser
-/// grids and back weight by 1 3 3 1; one is the other's transpose, so that every blur is symmetric:
-/// its adjoint is itself.
+/// grids and back weight by 1 3 3 1 (by GridStep where a side is odd), one the other's transpose.
+/// Each blur keeps the light and leaves uniform light uniform. It is its own adjoint, but for waves
+/// that are too short for a coarser grid: of white noise those are 1e-3.
 ///
 /// Source: [Lindeberg1990] for the discrete Gaussian.
 struct BlurLadder {
-  int width, height;  ///< multiples of 2^levels
-  int levels;         ///< coarser grids
+  int width, height;  ///< of the plane
+  int levels;         ///< coarser grids, each of half the width and height, rounded up
   /// [rung] in texel²: 0 and doubling, six on the finest grid, two on each coarser one; and
   /// infinity, the mean of the plane.
   std::vector<double> variances;
@@ -40,13 +41,14 @@ struct BlurLadder {
 
 inline constexpr std::size_t finest_rungs = 6;
 
-/// The smallest ladder over at least so many texels that holds a variance [texel²], as far as the
-/// plane is not smaller than the Gaussian.
+/// The smallest ladder that holds a variance [texel²], as far as the plane is not smaller than the
+/// Gaussian.
 [[nodiscard]] BlurLadder make_blur_ladder(int width, int height, double largest_variance);
 
 /// A matrix, [variance][rung]: each Gaussian as the sum of rungs that comes next to it, for
 /// frequencies that the grid has. Largest error of a sharp edge's blur: .003 of its height, near a
-/// variance of 8 texel²; what is narrower than a texel is that of a Gaussian on the grid.
+/// variance of 8 texel², and .01 where sides are odd; what is narrower than a texel is that of a
+/// Gaussian on the grid.
 ///
 /// @param variances  [texel²], >= 0.
 [[nodiscard]] std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
@@ -88,11 +90,5 @@ struct MappedOperator {
 [[nodiscard]] std::vector<Plane> apply_reciprocally(
     const BlurLadder& ladder, const Plane& input, const Plane& coordinate,
     std::span<const MappedOperator* const> operators);
-
-/// A plane in the corner of a ladder's, the rest its mirror image.
-[[nodiscard]] Plane mirrored(const BlurLadder& ladder, Plane plane);
-
-/// The corner of a plane.
-[[nodiscard]] Plane cropped(Plane plane, int width, int height);
 
 }  // namespace lamina

@@ -186,15 +186,13 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
   HeterogeneousLayers model{
       .ladder = make_blur_ladder(sigma_a[0].width, sigma_a[0].height, widest / texel),
       .layers = {},
-      .junctions = {},
-      .width = sigma_a[0].width,
-      .height = sigma_a[0].height};
+      .junctions = {}};
   std::vector<double> variances = tables.variances;
   for (double& v : variances) v /= texel;
   const std::vector<double> rungs = rungs_of_gaussians(model.ladder, variances);
   for (std::size_t i = 0; i < sigma_a.size(); ++i) {
     const AbsorptionRange range = absorption_range(sigma_a[i], tables.grid);
-    TransportLayer layer{mirrored(model.ladder, absorption_coordinate(sigma_a[i], range)), {}};
+    TransportLayer layer{absorption_coordinate(sigma_a[i], range), {}};
     const LayerTables& from = tables.layers[i];
     const GaussianTable* each[] = {&from.reflection_above, &from.transmission_down,
                                    &from.reflection_below, &from.transmission_up};
@@ -205,7 +203,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
     model.layers.push_back(std::move(layer));
   }
   for (const Plane& sheet : absorbance) {
-    Plane left = mirrored(model.ladder, sheet);
+    Plane left = sheet;
     for (float& value : left.values) value = std::exp(-value);
     model.junctions.push_back(std::move(left));
   }
@@ -214,21 +212,20 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
 
 TransportResult transport(const HeterogeneousLayers& model, const Plane& irradiance,
                           const TransportOptions& options) {
-  assert(irradiance.width == model.width && irradiance.height == model.height);
+  assert(irradiance.width == model.ladder.width && irradiance.height == model.ladder.height);
   constexpr int most_terms = 100;
   const Operators operators(model, options.profile);
   const std::size_t n = model.junctions.size();
   const bool has_bottom = model.layers.back().operators[transmission_down].powers > 0;
-  const Plane light = mirrored(model.ladder, irradiance);
   TransportResult result;
   Plane reflected, transmitted = make_plane(model.ladder.width, model.ladder.height);
   if (n == 0) {
-    reflected = operators.one(0, reflection_above, light);
-    if (has_bottom) transmitted = operators.one(0, transmission_down, light);
+    reflected = operators.one(0, reflection_above, irradiance);
+    if (has_bottom) transmitted = operators.one(0, transmission_down, irradiance);
   } else {
     std::vector<Plane> up(n), down(n);
     {
-      auto [r, t] = operators.both(0, reflection_above, transmission_down, light);
+      auto [r, t] = operators.both(0, reflection_above, transmission_down, irradiance);
       reflected = std::move(r);
       down[0] = std::move(t);
     }
@@ -268,8 +265,8 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
     add(reflected, operators.one(0, transmission_up, all_up));
     if (has_bottom) transmitted = operators.one(n, transmission_down, arriving);
   }
-  result.reflected = cropped(std::move(reflected), model.width, model.height);
-  result.transmitted = cropped(std::move(transmitted), model.width, model.height);
+  result.reflected = std::move(reflected);
+  result.transmitted = std::move(transmitted);
   return result;
 }
 

@@ -22,13 +22,11 @@ struct HeterogeneousLayers {
   BlurLadder ladder;
   std::vector<TransportLayer> layers;  ///< from the lit surface downward
   std::vector<Plane> junctions;        ///< [layer - 1] what a crossing leaves, in [0, 1]
-  int width, height;                   ///< of the maps, in the corner of the ladder's grid
 };
 
 /// @param sigma_a        [layer] maps of one size [1/mm], > 0, finite.
 /// @param absorbance     [layer - 1] of the sheets between layers, natural, per crossing: light
-/// that
-///                       crosses is multiplied by exp(-absorbance) [Donner2008] eq. 8.
+///                       that crosses is multiplied by exp(-absorbance) [Donner2008] eq. 8.
 /// @param mm_per_texel   > 0.
 /// @param tolerance      of each operator, of its largest total.
 [[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
