@@ -134,6 +134,25 @@ TEST(StackBsdf, TransmitsReciprocally) {
   EXPECT_NEAR(down / (1.2 * 1.2), up, 2e-5 * up);
 }
 
+// Down to the last angle below 90 degrees, for light and for eyes.
+TEST(StackBsdf, GoesToItsLimitAtGrazingAngles) {
+  for (const double ior : {1.0, 1.4}) {
+    const LayerStack stack({layer(0.1, 10.0, 0.5, ior, 1.0)});
+    const double grazing = std::nextafter(0.5 * pi, 0.0);
+    const std::vector<double> theta_o = {0.3, 1.2, 0.5 * pi - 1e-6, grazing}, phi = {0.0, 2.0};
+    const StackBsdf near = stack_bsdf(stack, 0.5 * pi - 1e-6, theta_o, phi);
+    const StackBsdf at = stack_bsdf(stack, grazing, theta_o, phi);
+    for (std::size_t i = 0; i < 4; ++i) {  // towards both angles that do not graze
+      EXPECT_NEAR(at.brdf[i], near.brdf[i], 2e-5 * (1.0 + near.brdf[i])) << ior << ", " << i;
+      EXPECT_NEAR(at.btdf[i], near.btdf[i], 2e-5 * (1.0 + near.btdf[i])) << ior << ", " << i;
+      EXPECT_GE(at.brdf[i], 0.0);
+    }
+    for (std::size_t i = 4; i < 8; ++i) {
+      EXPECT_TRUE(std::isfinite(at.brdf[i]) && std::isfinite(at.btdf[i])) << ior << ", " << i;
+    }
+  }
+}
+
 // So thin that light scatters once: the closed form of [HanrahanKrueger1993] with its errata, here
 // matched. Forward peak of g = 0.9, 100 times the mean: no ringing, no negative values.
 TEST(StackBsdf, ThinSlabIsThePhaseFunction) {

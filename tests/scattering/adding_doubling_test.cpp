@@ -174,6 +174,33 @@ INSTANTIATE_TEST_SUITE_P(All, StackTable, testing::ValuesIn(reference::stack_tab
                            return name;
                          });
 
+// [Chandrasekhar1960]: a half-space of isotropic scattering reflects 1 - H(mu) sqrt(1 - albedo),
+// and H is 1 at grazing incidence. Nearer to it than the sine can tell, too.
+TEST(AddingDoubling, HalfSpaceAtGrazingIncidenceAgreesWithChandrasekhar) {
+  const LayerStack stack({layer(1.0, 9.0, 0.0, 1.0, infinite)});
+  for (const double degrees : {89.9999995, 89.99999999, std::nextafter(90.0, 0.0)}) {
+    const auto totals = adding_doubling(stack, oblique(degrees), fine).totals;
+    EXPECT_NEAR(totals.diffuse_reflectance, 1.0 - std::sqrt(0.1), 1e-6) << degrees;
+  }
+}
+
+// A grazing beam is mirrored where indices differ; where they do not, totals have a limit.
+TEST(AddingDoubling, TotalsGoToTheirLimitAtGrazingIncidence) {
+  for (const double ior : {1.0, 1.4})
+    for (const double sigma_a : {0.0, 0.1}) {
+      const LayerStack stack(
+          {layer(sigma_a, 10.0, 0.8, ior, 0.5), layer(0.2, 5.0, 0.0, 1.33, 0.5)});
+      const auto near = adding_doubling(stack, oblique(89.9999), fine).totals;
+      for (const double degrees : {89.9999995, 89.99999999, std::nextafter(90.0, 0.0)}) {
+        const auto totals = adding_doubling(stack, oblique(degrees), fine).totals;
+        EXPECT_NEAR(sum(totals), 1.0, 1e-9) << ior << ", " << degrees;
+        EXPECT_NEAR(totals.specular_reflectance, ior == 1.0 ? 0.0 : 1.0, 1e-7);
+        EXPECT_NEAR(totals.diffuse_reflectance, near.diffuse_reflectance, 5e-5);
+        EXPECT_NEAR(totals.transmittance, near.transmittance, 5e-5);
+      }
+    }
+}
+
 // A stack of plates without scattering: r + t^2 a^2 r / (1 - r^2 a^2), the ladder of reflections.
 TEST(AddingDoubling, PlateThatAbsorbsHasTheLadderOfReflections) {
   const double degrees = 50.0, ior = 1.5, sigma_a = 0.7, d = 0.4;

@@ -69,7 +69,10 @@ TEST(FrequencyResponse, IsTheTotalAtZeroFrequency) {
 // beams alone, both of no width, do not see one another.
 TEST(FrequencyResponse, IsReciprocal) {
   for (const char* name : {"skin, red", "denser below", "on glass", "air gap"}) {
-    const auto solver = detail::make_frequency_solver(named(name), 5, 5, std::array{0.3, 0.8});
+    const LayerStack& stack = named(name);
+    const auto solver = detail::make_frequency_solver(
+        stack, 5, 5,
+        std::array{direction_in(stack.ior_above(), 0.3), direction_in(stack.ior_above(), 0.9)});
     const auto& etendue = solver.stack.grid.etendue;
     for (const double k : {0.0, 2.0, 50.0}) {
       const auto reflection = detail::spectral_reflection(solver, k);

@@ -40,8 +40,9 @@ TEST(Bessel, AgreesWithTheStandardLibrary) {
 // What is taken out of each moment is what is put in over the plane.
 TEST(ObliqueSingle, TransformsToItsResponse) {
   const LayerStack stack({layer(2.0, 8.0, 0.4, 1.3, 0.1), layer(1.0, 4.0, 0.0, 1.3, 0.2)});
-  const double p = std::sin(50.0 * degree), k = 6.0;
-  const auto solver = detail::make_frequency_solver(stack, 24, 23, std::array{p});
+  const GridDirection beam = direction_in(1.0, 50.0 * degree);
+  const double p = beam.sin, k = 6.0;
+  const auto solver = detail::make_frequency_solver(stack, 24, 23, std::array{beam});
   const auto response = detail::oblique_single_on_grid(solver, k);
   const Quadrature log_r = gauss_legendre(48, std::log(1e-5), std::log(0.75));
   constexpr int azimuths = 48;

@@ -116,9 +116,10 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
     std::span<const LayerStack* const> stacks, std::span<const Incidence> incidences,
     const AddingDoublingOptions& options) {
   constexpr int coarsest = 6;
-  std::vector<double> beams;
+  std::vector<GridDirection> beams;
   for (const Incidence& incidence : incidences)
-    if (!incidence.is_diffuse) beams.push_back(stacks[0]->ior_above() * std::sin(incidence.theta));
+    if (!incidence.is_diffuse)
+      beams.push_back(direction_in(stacks[0]->ior_above(), incidence.theta));
   const double least_error = is_smooth(*stacks[0]) ? 0.0 : detail::rough_boundary_error;
   const auto is_coarse = [&](const AddingDoublingTotals& result) {
     return result.estimated_error > std::max(options.accuracy, least_error);

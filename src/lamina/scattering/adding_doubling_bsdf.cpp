@@ -118,9 +118,9 @@ struct BandOnGrid {
 };
 
 BandOnGrid put_on_grid(const LayerStack& stack, const Angles& angles, int nodes) {
-  std::vector<double> extra{stack.ior_above() * std::sin(angles.theta_i)};
+  std::vector<GridDirection> extra{direction_in(stack.ior_above(), angles.theta_i)};
   for (const double ior : {stack.ior_above(), stack.ior_below()})
-    for (const double theta : angles.theta_o) extra.push_back(ior * std::sin(theta));
+    for (const double theta : angles.theta_o) extra.push_back(direction_in(ior, theta));
   const std::size_t thetas = angles.theta_o.size(), count = thetas * angles.phi_o.size();
   BandOnGrid band{
       .stack = detail::make_grid_stack(stack, nodes, extra),

@@ -87,10 +87,11 @@ std::vector<double> merged_indices(const LayerStack& stack) {
   return ior;
 }
 
-GridStack make_grid_stack(const LayerStack& stack, int nodes, std::span<const double> extra_p) {
+GridStack make_grid_stack(const LayerStack& stack, int nodes,
+                          std::span<const GridDirection> extra) {
   GridStack made;
   made.ior = merged_indices(stack);
-  made.grid = make_direction_grid(made.ior, nodes, extra_p);
+  made.grid = make_direction_grid(made.ior, nodes, extra);
   for (const Layer& layer : stack.layers()) made.interfaces.push_back(layer.top);
   made.interfaces.push_back(stack.ground().top);
   const std::vector<double> reach =

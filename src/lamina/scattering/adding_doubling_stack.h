@@ -25,9 +25,9 @@ struct GridStack {
 };
 
 /// @param nodes    of the first segment, >= 2.
-/// @param extra_p  further directions, as in make_direction_grid.
+/// @param extra  further directions, as in make_direction_grid.
 [[nodiscard]] GridStack make_grid_stack(const LayerStack& stack, int nodes,
-                                        std::span<const double> extra_p);
+                                        std::span<const GridDirection> extra);
 
 /// Indices above, of each layer and below. Those that differ by less than 1e-9 are made equal: so
 /// thin a segment of directions holds no light that counts, but would need many doublings.

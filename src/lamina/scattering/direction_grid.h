@@ -27,14 +27,23 @@ struct DirectionGrid {
   [[nodiscard]] std::size_t size() const { return p.size(); }
 };
 
+/// A direction of its own, given in one of the media.
+struct GridDirection {
+  double ior, sin, cos;  ///< of the medium; of the angle from the normal
+};
+
+/// @param theta  in [0, pi/2). Beyond 90 degrees less 6e-9 the cosine is taken as 1e-10: an extra
+///               node at a smaller one would not be negligible. A slab's totals change by 1e-9.
+[[nodiscard]] GridDirection direction_in(double ior, double theta);
+
 /// Etendue weight of an extra node: it does not disturb the others, yet its rows keep their digits.
 inline constexpr double extra_node_etendue = 1e-20;
 
 /// @param indices  the refractive indices of all media, > 0; any order, repeats allowed.
 /// @param nodes    of the first segment, >= 2; the narrower ones have fewer.
-/// @param extra_p  further directions, each in [0, max index).
+/// @param extra    further directions, each in one of these media (to 1e-9 of its index).
 [[nodiscard]] DirectionGrid make_direction_grid(std::span<const double> indices, int nodes,
-                                                std::span<const double> extra_p = {});
+                                                std::span<const GridDirection> extra = {});
 
 /// How many nodes, from the first, are directions of a medium of this index.
 [[nodiscard]] std::size_t active_count(const DirectionGrid& grid, double ior);

@@ -211,8 +211,7 @@ double BandSolver::largest(const std::vector<double>& error,
 
 double BandSolver::unseen_peak(std::size_t node_step) const {
   double most = 0.0;
-  for (const GridLayer& layer :
-       make_grid_stack(stack_, node_steps[node_step], std::vector<double>{0.0}).layers)
+  for (const GridLayer& layer : make_grid_stack(stack_, node_steps[node_step], {}).layers)
     most = std::max(most, layer.extinction - layer.sigma_t);
   return most;
 }

@@ -207,11 +207,11 @@ double scattered_flux(const FrequencySolver& solver, const std::vector<double>& 
 }  // namespace
 
 FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
-                                      std::span<const double> oblique_p) {
-  std::vector<double> beams{0.0};
-  beams.insert(beams.end(), oblique_p.begin(), oblique_p.end());
+                                      std::span<const GridDirection> oblique) {
+  std::vector<GridDirection> beams{direction_in(stack.ior_above(), 0.0)};
+  beams.insert(beams.end(), oblique.begin(), oblique.end());
   // Light of an oblique beam that is scattered once is known by azimuths, as a chain cut off is.
-  const AzimuthEnd end = oblique_p.empty() ? AzimuthEnd::absorbing : AzimuthEnd::cut_off;
+  const AzimuthEnd end = oblique.empty() ? AzimuthEnd::absorbing : AzimuthEnd::cut_off;
   FrequencySolver solver{.stack = make_grid_stack(stack, nodes, beams),
                          .modes = modes,
                          .azimuth = make_azimuth_chain(modes, end)};

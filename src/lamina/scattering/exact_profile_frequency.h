@@ -22,9 +22,9 @@ struct FrequencySolver {
   AzimuthWaves waves;
   std::vector<std::vector<PhaseMode>> phase;  ///< [layer][mode]
 };
-/// @param oblique_p  further directions that beams come from, as extra nodes after the normal one.
+/// @param oblique  further directions that beams come from, as extra nodes after the normal one.
 [[nodiscard]] FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
-                                                    std::span<const double> oblique_p = {});
+                                                    std::span<const GridDirection> oblique = {});
 
 /// Fractions of the beam's flux that leave at the top and bottom as a wave J0(k r), scattered.
 struct FrequencyResponse {

@@ -39,10 +39,10 @@ struct Fluxes {
 
 /// All scattered light at the table's angles, for light from above.
 Fluxes scattered_flux(const LayerStack& stack, int nodes) {
-  std::vector<double> beams;
+  std::vector<GridDirection> beams;
   for (int i = 0; i < HigherOrders::angles; ++i) {
     const double mu = cosine_at(i);
-    beams.push_back(stack.ior_above() * std::sqrt(1.0 - mu * mu));
+    beams.push_back({stack.ior_above(), std::sqrt(1.0 - mu * mu), mu});
   }
   const detail::GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
   const detail::StackOperators operators = detail::stack_operators(on_grid, 0);

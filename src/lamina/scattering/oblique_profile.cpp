@@ -75,9 +75,9 @@ std::vector<double> transforms(const std::vector<MomentSpectrum>& spectra,
 }
 
 /// What is not scattered once and straight, [side][i][m], m up to the modes.
-std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, double p, int modes,
-                                                 std::span<const double> r) {
-  const auto solver = detail::make_frequency_solver(stack, nodes, modes, std::array{p});
+std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const GridDirection& beam,
+                                                 int modes, std::span<const double> r) {
+  const auto solver = detail::make_frequency_solver(stack, nodes, modes, std::array{beam});
   const auto grid = detail::make_frequency_grid(solver.stack, frequencies);
   const auto count = static_cast<std::size_t>(modes) + 1;
   std::vector<std::vector<double>> values(2 * count, std::vector<double>(grid.k.size()));
@@ -102,9 +102,11 @@ std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, double
 }
 
 /// Light scattered once and straight, [side][i][m].
-std::array<std::vector<double>, 2> single_moments(const LayerStack& stack, double p,
+std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
+                                                  const GridDirection& beam,
                                                   std::span<const double> r, std::size_t count) {
-  const auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{p}).stack;
+  const auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{beam}).stack;
+  const double p = beam.ior * beam.sin;
   const std::size_t points = std::max(azimuths, 2 * count);
   std::array<std::vector<double>, 2> sides;
   for (auto& side : sides) side.resize(r.size() * count);
@@ -156,10 +158,10 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
     profile.total_transmittance.push_back(totals.totals.transmittance);
   }
   for (std::size_t b = 0; b < bands; ++b) {
-    const double p = stacks[b].ior_above() * std::sin(theta);
-    const auto once = single_moments(stacks[b], p, profile.r, count);
-    const auto coarse = higher_orders(stacks[b], p, coarse_modes, profile.r);
-    const auto fine = higher_orders(stacks[b], p, fine_modes, profile.r);
+    const GridDirection beam = direction_in(stacks[b].ior_above(), theta);
+    const auto once = single_moments(stacks[b], beam, profile.r, count);
+    const auto coarse = higher_orders(stacks[b], beam, coarse_modes, profile.r);
+    const auto fine = higher_orders(stacks[b], beam, fine_modes, profile.r);
     constexpr std::size_t few = coarse_modes + 1, many = fine_modes + 1;
     for (std::size_t i = 0; i < size; ++i) {
       for (std::size_t side = 0; side < 2; ++side)
