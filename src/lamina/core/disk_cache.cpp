@@ -1,17 +1,18 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/core/disk_cache.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <span>
 #include <system_error>
 #include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/core/file_bytes.h"
 
 namespace lamina {
 namespace {
@@ -107,24 +108,15 @@ std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
 }
 
 bool store(const DiskCache& cache, std::string_view key, std::string_view value) {
-  static std::atomic<unsigned> count = 0;
-  std::error_code error;
-  fs::create_directories(cache.folder, error);
-  const fs::path file = file_of(cache, key);
-  fs::path beside = file;
-  beside += "." + std::to_string(getpid()) + "." + std::to_string(count++) + ".tmp";
   const Header header{
       .key_size = key.size(), .value_size = value.size(), .checksum = hash(value, hash(key))};
-  std::ofstream stream(beside, std::ios::binary | std::ios::trunc);
-  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
-  stream.write(key.data(), static_cast<std::streamsize>(key.size()));
-  stream.write(value.data(), static_cast<std::streamsize>(value.size()));
-  stream.close();
-  const bool is_written = !stream.fail();
-  error.clear();
-  if (is_written) fs::rename(beside, file, error);
-  if (!is_written || error) {
-    fs::remove(beside, error);
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  bytes.append(key).append(value);
+  std::error_code error;
+  fs::create_directories(cache.folder, error);
+  try {
+    write_file_bytes(file_of(cache, key), std::as_bytes(std::span(bytes)), Lasting::process);
+  } catch (const WriteError&) {
     return false;
   }
   prune(cache);

@@ -15,8 +15,17 @@ namespace lamina {
 [[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file,
                                           std::size_t most = std::size_t{4} << 30);
 
-/// Writes a file whole or not at all: beside its place first, then renamed. Links are followed.
+/// What a written file outlasts.
+enum class Lasting {
+  power_loss,  ///< waits until it is on the disk
+  process,     ///< enough for what can be made anew, such as a cache
+};
+
+/// Writes a file whole or not at all: beside its place first, then renamed. Links are followed, a
+/// file keeps its permissions. What processes that were killed have left in the making in the same
+/// folder is removed.
 /// @throws WriteError
-void write_file_bytes(const std::filesystem::path& file, std::span<const std::byte> bytes);
+void write_file_bytes(const std::filesystem::path& file, std::span<const std::byte> bytes,
+                      Lasting lasting = Lasting::power_loss);
 
 }  // namespace lamina
