@@ -136,15 +136,18 @@ Named solve(const BsdfOptions& options, const Material& material, const Angles& 
     std::vector<LayerStack> stacks;
     for (std::size_t band = 0; band < material.bands.size(); ++band)
       stacks.push_back(layer_stack(material, band));
-    result.bands = stack_bsdf(stacks, theta_i, theta_o, phi_o, {.accuracy = options.accuracy});
+    result.bands = stack_bsdf(
+        stacks, theta_i, theta_o, phi_o,
+        {.accuracy = options.accuracy, .progress = make_progress(method, Keeps::nothing)});
     return result;
   }
-  parallel_for(result.bands.size(), [&](std::size_t band) {
+  const auto solve_band = [&](std::size_t band) {
     result.bands[band] =
         layered_bsdf(layer_stack(material, band),
                      method == "first_order" ? ScatteringOrders::first : ScatteringOrders::all,
                      theta_i, theta_o, phi_o);
-  });
+  };
+  parallel_for(result.bands.size(), solve_band, make_progress(method, Keeps::nothing));
   return result;
 }
 

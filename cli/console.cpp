@@ -2,17 +2,15 @@
 #include "console.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -22,44 +20,24 @@
 namespace lamina::cli {
 namespace {
 
-std::atomic<bool> interrupted{false};
-
-class Bar {
- public:
-  explicit Bar(std::string label) : label_(std::move(label)) {}
-  ~Bar() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
-  }
-  Bar(const Bar&) = delete;
-  Bar& operator=(const Bar&) = delete;
-
-  bool operator()(double finished) {
-    if (interrupted) return false;
-    if (!is_terminal_) return true;
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return true;
-    const auto now = std::chrono::steady_clock::now();
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
-    if (elapsed < 1.0 || std::chrono::duration<double>(now - last_).count() < 0.1) return true;
-    last_ = now;
-    shown_ = true;
-    constexpr int width = 32;
-    const int filled = static_cast<int>(finished * width);
-    const double left = finished > 0.0 ? elapsed * (1.0 - finished) / finished : 0.0;
-    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {:.0f} s left\033[K", label_, "", filled,
-               "", width - filled, 100.0 * finished, left);
-    return true;
-  }
-
- private:
-  std::string label_;
-  bool is_terminal_ = isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  std::mutex mutex_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
-};
+/// @param place  of the value in the result, such as ".rows[2].diffusion"
+/// @throws WriteError where a number is to be, but is none: JSON would have null there.
+void require_numbers(const nlohmann::ordered_json& value, const std::string& place) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    throw WriteError(fmt::format("the result has no number, but {}, at {}", value.get<double>(),
+                                 place.empty() ? place : place.substr(1)));
+  if (!value.is_structured()) return;
+  for (const auto& [key, inner] : value.items())
+    require_numbers(inner, place + (value.is_array() ? "[" + key + "]" : "." + key));
+}
 
 }  // namespace
+
+void write_output(std::string_view text) {
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!is_written || std::fflush(stdout) != 0)
+    throw WriteError(std::string("standard output: cannot be written: ") + std::strerror(errno));
+}
 
 void add_common_options(const Command& command, CommonOptions& options) {
   command.add_output_file("--json", options.json,
@@ -113,30 +91,17 @@ nlohmann::ordered_json make_result(std::string_view command) {
 }
 
 void write_json(const nlohmann::ordered_json& result, const CommonOptions& options) {
+  require_numbers(result, "");
   if (options.json.empty()) return;
   const std::string text = result.dump(1) + "\n";
   if (options.json == "-")
-    fmt::print("{}", text);
+    write_output(text);
   else
     write_file(options.json, text);
 }
 
 void print(const CommonOptions& options, std::string_view text) {
-  if (options.json != "-") fmt::print("{}", text);
-}
-
-Progress make_progress(std::string label) {
-  return
-      [bar = std::make_shared<Bar>(std::move(label))](double finished) { return (*bar)(finished); };
-}
-
-bool was_interrupted() { return interrupted; }
-
-void watch_for_interrupt() {
-  struct sigaction action{};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends at once
-  sigaction(SIGINT, &action, nullptr);
+  if (options.json != "-") write_output(printable(text, "\n\t"));
 }
 
 void write_file(const std::string& path, std::string_view text) {

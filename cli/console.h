@@ -48,19 +48,37 @@ void refuse_unused(const Command& command, const std::string& method,
 /// A result object that starts with "lamina": VERSION and "command": name.
 [[nodiscard]] nlohmann::ordered_json make_result(std::string_view command);
 
-/// Writes the result where --json says; does nothing if it was not given.
+/// Writes the result where --json says; does nothing if it was not given. Comes before print(), so
+/// that a file has the result even where standard output cannot be written.
+/// @throws WriteError, also if the result holds a number that is not finite
 void write_json(const nlohmann::ordered_json& result, const CommonOptions& options);
 
-/// Prints text for people, unless standard output is taken by --json -.
+/// Prints text for people, unless standard output is taken by --json -. @throws WriteError
 void print(const CommonOptions& options, std::string_view text);
 
-/// A bar with the time left on standard error, shown if that is a terminal and the work lasts over
-/// a second. Asks the work to stop after Ctrl-C.
-[[nodiscard]] Progress make_progress(std::string label);
+/// To standard output, at once. @throws WriteError
+void write_output(std::string_view text);
 
-/// Whether Ctrl-C was pressed; main then exits with 130.
+/// A line on standard error, "lamina: MESSAGE": printable, and cut in its middle if it is long.
+void say(std::string_view message);
+
+/// Text without what would steer a terminal, which is shown as \x1b, but for the bytes `also`.
+[[nodiscard]] std::string printable(std::string_view text, std::string_view also);
+
+/// What work has to hand over when it is asked to stop.
+enum class Keeps {
+  what_there_is,  ///< from the first progress on; until then it is ended at once
+  nothing,        ///< before its end: it is ended at once
+};
+
+/// A bar with the time left on standard error, shown if that is a terminal and the work lasts over
+/// a second. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
+[[nodiscard]] Progress make_progress(std::string label, Keeps keeps = Keeps::what_there_is);
+
+/// Whether work was asked to stop; main then exits with 130. Without work that keeps something, the
+/// signal itself ends the process with that code, and so does a second one in any case.
 [[nodiscard]] bool was_interrupted();
-void watch_for_interrupt();
+void watch_for_signals();
 
 /// Text put into a file whole or not at all: written beside it, then renamed.
 /// @throws WriteError

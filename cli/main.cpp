@@ -1,20 +1,63 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
+#include "lamina/core/nearest_name.h"
 
 namespace {
 
-// Exit codes: 0 done, 1 the work failed, 2 wrong use or wrong input, 130 interrupted.
+using namespace lamina::cli;
+
+enum ExitCode { done = 0, failed = 1, wrong_use = 2, interrupted = 130 };
+
+/// The names that would have been understood, for one that was not.
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+  return lamina::did_you_mean(name, std::vector<std::string_view>(known.begin(), known.end()));
+}
+
+/// What is wrong with a command line that the parser refuses.
+std::string explain(const CLI::App& app, const CLI::ParseError& error,
+                    const std::vector<std::string>& arguments) {
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty()) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    if (!arguments.empty() && !arguments[0].starts_with('-'))
+      return fmt::format("there is no subcommand \"{}\"{}; see lamina --help", arguments[0],
+                         did_you_mean(arguments[0], names));
+    return fmt::format("{}; see lamina --help", error.what());
+  }
+  const CLI::App& command = *chosen[0];
+  std::string what = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& argument : arguments) {
+      const std::string name = argument.substr(0, argument.find('='));
+      if (name.starts_with("--") && std::ranges::find(names, name) == names.end())
+        what = fmt::format("there is no option {}{}", name, did_you_mean(name, names));
+    }
+  }
+  return fmt::format("{}; see lamina {} --help", what, command.get_name());
+}
+
 int run(int argc, char** argv) {
-  using namespace lamina::cli;
   CLI::App app("Light in layered translucent materials: predict and render.", "lamina");
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
@@ -28,34 +71,57 @@ int run(int argc, char** argv) {
   add_render_command(app);
   add_slab_command(app);
   try {
-    watch_for_interrupt();
     app.parse(argc, argv);
-    return was_interrupted() ? 130 : 0;
+    return was_interrupted() ? interrupted : done;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const bool is_unknown = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
-    const auto commands = app.get_subcommands();
-    const std::string help = commands.empty() ? "" : commands[0]->get_name() + " ";
-    if (is_unknown)
-      fmt::print(stderr, "lamina: there is no subcommand \"{}\"; see lamina --help\n", argv[1]);
-    else
-      fmt::print(stderr, "lamina: {}; see lamina {}--help\n", error.what(), help);
-    return 2;
-  } catch (const lamina::WriteError& error) {
-    fmt::print(stderr, "lamina: {}\n", error.what());
-    return 1;
-  } catch (const lamina::Error& error) {
-    fmt::print(stderr, "lamina: {}\n", error.what());
-    return 2;
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "lamina: not enough memory\n");
-    return 1;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "lamina: {}\n", error.what());
-    return 1;
+    if (error.get_exit_code() != 0) {
+      say(explain(app, error, std::vector<std::string>(argv + std::min(argc, 1), argv + argc)));
+      return wrong_use;
+    }
+    std::ostringstream text;  // of --help or --version
+    app.exit(error, text, text);
+    write_output(text.str());
+    return done;
   }
+}
+
+/// Runs the command and turns what it throws into a line and an exit code.
+int run_and_explain(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const lamina::Interrupted& error) {
+    say(error.what());
+    return interrupted;
+  } catch (const lamina::WriteError& error) {
+    say(error.what());
+    return failed;
+  } catch (const lamina::Error& error) {
+    say(error.what());
+    return wrong_use;
+  } catch (const std::bad_alloc&) {
+    say("not enough memory");
+    return failed;
+  } catch (const std::exception& error) {
+    say(error.what());
+    return failed;
+  }
+}
+
+/// Standard streams that the caller has closed: else the first files opened would take their place,
+/// and get what is printed.
+void hold_closed_streams() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(number, F_GETFD) < 0 && errno == EBADF)
+      (void)!open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // using it fails
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return run(argc, argv); }
+int main(int argc, char** argv) {
+  hold_closed_streams();
+  watch_for_signals();
+  const int code = run_and_explain(argc, argv);
+  if (std::fclose(stdout) == 0) return code;
+  say(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
+  return code == done ? failed : code;
+}

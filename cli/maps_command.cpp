@@ -89,7 +89,7 @@ void warn_of_patches(const Features& features, const KindOf& kind_of,
   for (const auto& feature : features)
     if (const auto* synthesis = std::get_if<Synthesis>(&kind_of(feature)))
       for (const std::string& warning : synthesis->warnings) {
-        fmt::print(stderr, "lamina: warning: {}\n", warning);
+        say("warning: " + warning);
         json["warnings"].push_back(warning);
       }
 }
@@ -147,8 +147,8 @@ void run_maps(const MapsOptions& options) {
   write_file(user_file.string(), user_json.dump(1) + "\n");
   text += user_file.string() + "\n";
   json[user] = user_file.string();
-  print(options.common, text);
   write_json(json, options.common);
+  print(options.common, text);
 }
 
 }  // namespace

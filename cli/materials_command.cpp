@@ -45,10 +45,10 @@ void list_materials(const CommonOptions& options) {
                         bands_text(material.bands), material.source);
     list.push_back(summary(material));
   }
-  print(options, text);
   ordered_json result = make_result("materials");
   result["materials"] = std::move(list);
   write_json(result, options);
+  print(options, text);
 }
 
 void show_material(const std::string& name, const CommonOptions& options) {
@@ -56,10 +56,10 @@ void show_material(const std::string& name, const CommonOptions& options) {
   const bool is_builtin =
       std::ranges::find(builtin_materials(), name, &Material::name) != builtin_materials().end();
   const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);
-  print(options, text);
   ordered_json result = make_result("materials");
   result["material"] = ordered_json::parse(text, nullptr, true, true);
   write_json(result, options);
+  print(options, text);
 }
 
 }  // namespace

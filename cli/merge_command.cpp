@@ -57,8 +57,8 @@ void run_merge(const MergeOptions& options) {
     for (int i = 0; i < shards && missing.size() < 20; ++i)
       if (!done.contains(i)) missing.push_back(fmt::format("{}/{}", i, shards));
     const std::size_t absent = static_cast<std::size_t>(shards) - done.size();
-    fmt::print(stderr, "warning: {} of {} shards are missing: {}{}\n", absent, shards,
-               fmt::join(missing, ", "), absent > missing.size() ? ", ..." : "");
+    say(fmt::format("warning: {} of {} shards are missing: {}{}", absent, shards,
+                    fmt::join(missing, ", "), absent > missing.size() ? ", ..." : ""));
   }
   for (PhotonRun& run : sum) {
     if (is_whole) run.shard = 0, run.shards = 1;

@@ -79,7 +79,7 @@ std::array<double, 3> mean_color(const Image& image) {
 void run_patch(const PatchOptions& options) {
   const SkinPatch patch = load_skin_patch(options.patch);
   for (const std::string& warning : patch.warnings)
-    fmt::print(stderr, "lamina: warning: {}\n", warning);
+    say("warning: " + warning);
   const fs::path name =
       options.output.empty() ? fs::path(options.patch).stem() : fs::path(options.output);
   if (const fs::path folder = name.has_parent_path() ? name.parent_path() : ".";
@@ -94,10 +94,9 @@ void run_patch(const PatchOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const SkinPatchResult result =
       render_skin_patch(patch, options.uses_no_cache ? std::nullopt : user_cache(),
-                        make_progress("light through skin"));
+                        make_progress("light through skin", Keeps::nothing));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (was_interrupted()) return;
   save_exr(result.image, name.string() + ".exr", ExrPrecision::single_float);
   if (!options.fit_plot.empty()) save_fit_plot(options.fit_plot, patch, result.tables);
   save_png(view_image(result.image, View::standard, options.exposure), name.string() + ".png");
@@ -126,13 +125,13 @@ void run_patch(const PatchOptions& options) {
       "summed over threads\n",
       seconds, result.table_seconds, result.transport_seconds,
       1e9 * result.transport_seconds / texel_bands);
-  print(options.common, text);
   json["mean_rgb"] = mean_color(result.image);
   json["wall_seconds"] = seconds;
   json["table_seconds"] = result.table_seconds;
   json["transport_seconds"] = result.transport_seconds;
   json["warnings"] = patch.warnings;
   write_json(json, options.common);
+  print(options.common, text);
 }
 
 }  // namespace

@@ -249,7 +249,6 @@ void print_photon_runs(const std::vector<PhotonRun>& runs, const std::string& co
                        const CommonOptions& options, bool with_counts, const std::string& plot) {
   std::string text;
   for (const PhotonRun& run : runs) text += (text.empty() ? "" : "\n") + photon_text(run);
-  print(options, text);
   if (!options.json.empty()) {
     ordered_json result = make_result(command);
     ordered_json counts = ordered_json::array();
@@ -271,6 +270,7 @@ void print_photon_runs(const std::vector<PhotonRun>& runs, const std::string& co
     write_json(result, options);
   }
   if (!plot.empty() && !runs.empty()) plot_photons(runs[0], plot);
+  print(options, text);
 }
 
 }  // namespace lamina::cli

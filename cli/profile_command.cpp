@@ -61,7 +61,8 @@ ExactProfileOptions exact_options(const ProfileOptions& options) {
   return {.accuracy = options.accuracy,
           .illumination =
               options.incidence == "diffuse" ? Illumination::diffuse : Illumination::normal_beam,
-          .is_from_below = options.from == "below"};
+          .is_from_below = options.from == "below",
+          .progress = make_progress("radiative transfer", Keeps::nothing)};
 }
 
 ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
@@ -337,8 +338,8 @@ void run_profile(const ProfileOptions& options) {
   for (const ProfileMethod& method : profile_methods()) {
     if (method.name != options.method) continue;
     const ProfileResult result = method.solve(stacks, options);
-    for (const std::string& remark : result.remarks) fmt::print(stderr, "note: {}\n", remark);
-    print(options.common, profile_text(material, result.profile));
+    for (const std::string& remark : result.remarks) say(fmt::format("note: {}", remark));
+    std::string text = profile_text(material, result.profile);
     ordered_json json = make_result("profile");
     json["method"] = method.name;
     json["material"] = material.name;
@@ -357,13 +358,14 @@ void run_profile(const ProfileOptions& options) {
     if (options.compare || !options.plot.empty()) {
       const Rival rival = make_rival(stacks, options, result.profile);
       if (options.compare) {
-        print(options.common, comparison_text(material, result.profile, rival));
+        text += comparison_text(material, result.profile, rival);
         json["comparison"] = comparison_json(result.profile, rival);
       }
       if (!options.plot.empty())
         save_plot(options.plot, material, method.name, result.profile, rival);
     }
     write_json(json, options.common);
+    print(options.common, text);
   }
 }
 

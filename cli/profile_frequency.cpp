@@ -44,12 +44,12 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
       for (std::size_t band = 0; band < stacks.size(); ++band)
         text += fmt::format("  {:10.3e}", (*values)[i * stacks.size() + band]);
   }
-  print(common, text + "\n");
   nlohmann::ordered_json json = result_with(head);
   json["k_per_mm"] = k;
   json["reflectance"] = table_json(response.reflectance, stacks.size());
   json["transmittance"] = table_json(response.transmittance, stacks.size());
   write_json(json, common);
+  print(common, text + "\n");
 }
 
 void run_profile_gaussians(const Material& material, int count, const ExactProfileOptions& options,
@@ -92,8 +92,8 @@ void run_profile_gaussians(const Material& material, int count, const ExactProfi
     text += "\n";
     add("transmittance", fit.transmittance);
   }
-  print(common, text);
   write_json(json, common);
+  print(common, text);
 }
 
 }  // namespace lamina::cli

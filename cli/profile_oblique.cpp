@@ -30,7 +30,8 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
                          double degrees, const RadialGrid& grid, int moments,
                          const ordered_json& head, const CommonOptions& common) {
   const ObliqueProfile profile =
-      oblique_profile(stacks, degrees * std::numbers::pi / 180.0, grid, moments);
+      oblique_profile(stacks, degrees * std::numbers::pi / 180.0, grid, moments,
+                      make_progress("radiative transfer", Keeps::nothing));
   const std::size_t bands = profile.bands, size = profile.r.size();
   std::string text = "R(r, phi) = sum of R_m(r) cos(m phi), phi from where the beam goes on\n";
   text += fmt::format("{:>10}", "r [mm]");
@@ -50,7 +51,6 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
     for (std::size_t b = 0; b < bands; ++b)
       text += fmt::format("  {:10.4f}", moment(0, b) > 0.0 ? moment(1, b) / moment(0, b) : 0.0);
   }
-  print(common, text + "\n");
   ordered_json json = make_result("profile");
   json["method"] = "exact";
   json.update(head);
@@ -64,6 +64,7 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
   json["total_transmittance"] = profile.total_transmittance;
   json["accuracy"] = table_json(profile.estimated_error, bands);
   write_json(json, common);
+  print(common, text + "\n");
 }
 
 }  // namespace lamina::cli

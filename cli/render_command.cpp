@@ -157,7 +157,7 @@ void run_render(const RenderCommandOptions& options) {
   require_writable(files.png);
   Scene scene = load_scene(options.scene);
   for (const std::string& warning : scene.warnings)
-    fmt::print(stderr, "lamina: warning: {}\n", warning);
+    say("warning: " + warning);
   apply(options, scene);
   if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
       scene.render.method != Method::texture_space)
@@ -167,9 +167,19 @@ void run_render(const RenderCommandOptions& options) {
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
   const fs::path checkpoint = checkpoint_file(files);
-  RenderResult result =
-      render(scene, {.cache = options.cache, .checkpoint = checkpoint, .resumes = options.resumes},
-             make_progress("rendering"));
+  const auto say_how_to_go_on = [&] {
+    if (fs::exists(checkpoint))
+      say("stopped early; the same command with --resume goes on from " + checkpoint.string());
+  };
+  RenderResult result;
+  try {
+    result = render(
+        scene, {.cache = options.cache, .checkpoint = checkpoint, .resumes = options.resumes},
+        make_progress("rendering"));
+  } catch (const Interrupted&) {
+    say_how_to_go_on();
+    throw;
+  }
   if (options.denoises) result.image = denoise(result.image);
   std::string written;
   if (!files.exr.empty()) {
@@ -183,9 +193,7 @@ void run_render(const RenderCommandOptions& options) {
   }
 
   const RenderStatistics& s = result.statistics;
-  if (!s.is_complete && fs::exists(checkpoint))
-    fmt::print(stderr, "lamina: stopped early; the same command with --resume goes on from {}\n",
-               checkpoint.string());
+  if (!s.is_complete) say_how_to_go_on();
   std::string sampled;
   for (const LightSamples& light : s.light_samples)
     sampled +=
@@ -196,10 +204,6 @@ void run_render(const RenderCommandOptions& options) {
                                  : "");
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
-  print(options.common,
-        fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
-                    s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
-                    s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
   nlohmann::ordered_json json = make_result("render");
   json["method"] = name_of(scene.render.method);
   json["wall_seconds"] = s.wall_seconds;
@@ -219,6 +223,10 @@ void run_render(const RenderCommandOptions& options) {
   json["is_complete"] = s.is_complete;
   json["warnings"] = scene.warnings;
   write_json(json, options.common);
+  print(options.common,
+        fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                    s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
+                    s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
 }
 
 }  // namespace

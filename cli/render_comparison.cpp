@@ -97,9 +97,11 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
                           static_cast<double>(scene.film.exposure)),
                beside("_" + method + ".png"));
       results.push_back(std::move(result));
+    } catch (const Interrupted&) {
+      break;
     } catch (const InvalidInput& refusal) {  // the others can be compared all the same
       if (methods.size() - ++refused < 2) throw;
-      fmt::print(stderr, "lamina: warning: left out: {}\n", refusal.what());
+      say(fmt::format("warning: left out: {}", refusal.what()));
     }
   }
   if (results.empty()) return;
@@ -138,8 +140,8 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
     }
     json["methods"].push_back(row);
   }
-  print(common, table);
   write_json(json, common);
+  print(common, table);
 }
 
 }  // namespace lamina::cli

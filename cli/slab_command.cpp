@@ -53,7 +53,9 @@ SlabResult by_adding_doubling(const std::vector<LayerStack>& stacks, const Incid
                               const SlabOptions& options) {
   SlabResult result;
   double error = 0.0;  // the largest that is not as small as asked
-  for (const auto& band : adding_doubling(stacks, incidence, options.adding_doubling)) {
+  AddingDoublingOptions effort = options.adding_doubling;
+  effort.progress = make_progress("adding-doubling", Keeps::nothing);
+  for (const auto& band : adding_doubling(stacks, incidence, effort)) {
     if (!band.is_accurate) error = std::max(error, band.estimated_error);
     result.totals.push_back(band.totals);
     result.more["unscattered_reflectance"].push_back(band.unscattered_reflectance);
@@ -175,8 +177,7 @@ void run_slab(const SlabOptions& options) {
   for (const SlabMethod& method : slab_methods()) {
     if (method.name != options.method) continue;
     const SlabResult result = method.solve(stacks, incidence, options);
-    for (const std::string& remark : result.remarks) fmt::print(stderr, "note: {}\n", remark);
-    print(options.common, slab_text(material, result));
+    for (const std::string& remark : result.remarks) say(fmt::format("note: {}", remark));
     ordered_json json = make_result("slab");
     json["method"] = method.name;
     json["material"] = material.name;
@@ -185,6 +186,7 @@ void run_slab(const SlabOptions& options) {
     json.update(slab_json(result));
     json.update(result.more);
     write_json(json, options.common);
+    print(options.common, slab_text(material, result));
   }
 }
 

@@ -65,7 +65,7 @@ SlabTotals diffusion_or_nan(const LayerStack& stack, const Incidence& incidence)
   try {
     return diffusion_totals(stack, incidence);
   } catch (const InvalidInput& error) {
-    fmt::print(stderr, "note: {}\n", error.what());
+    say(fmt::format("note: {}", error.what()));
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan, nan, std::vector<double>(stack.layers().size(), nan)};
   }
@@ -76,7 +76,8 @@ SlabTotals diffusion_or_nan(const LayerStack& stack, const Incidence& incidence)
 void run_slab_comparison(const Material& material, const std::vector<LayerStack>& stacks,
                          const Incidence& incidence, std::int64_t photons,
                          const CommonOptions& options) {
-  const auto exact = adding_doubling(stacks, incidence, {.accuracy = 1e-6});
+  const auto exact = adding_doubling(stacks, incidence, 
+      {.accuracy = 1e-6, .progress = make_progress("adding-doubling", Keeps::nothing)});
   std::vector<Row> rows;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
     MonteCarloOptions effort{.photons = static_cast<std::uint64_t>(photons), .seed = options.seed};
@@ -87,7 +88,6 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
     for (Row& row : rows_of(material, band, exact[band].totals, traced, diffusion))
       rows.push_back(std::move(row));
   }
-  print(options, to_text(material, rows));
   ordered_json json = make_result("slab");
   json["method"] = "compare";
   json["material"] = material.name;
@@ -103,6 +103,7 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
                             {"difference_in_standard_errors", row.in_standard_errors()},
                             {"diffusion", row.diffusion}});
   write_json(json, options);
+  print(options, to_text(material, rows));
 }
 
 }  // namespace lamina::cli

@@ -1,17 +1,22 @@
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 """What users meet at the command line: help, exit codes, one-line errors, JSON.
 
-usage: command_test.py LAMINA
+usage: command_test.py LAMINA SCENES
 """
 import json
 import math
 import os
+import pty
+import resource
+import select
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
-LAMINA = sys.argv.pop(1)
+LAMINA, SCENES = os.path.abspath(sys.argv.pop(1)), os.path.abspath(sys.argv.pop(1))
 os.environ["LAMINA_CACHE"] = "off"
 
 
@@ -105,6 +110,138 @@ class FailedWork(unittest.TestCase):
             self.assertEqual(run("slab", "jade", "--method", "diffusion", "--json", link).returncode, 0)
             self.assertTrue(os.path.islink(link))
             self.assertGreater(os.path.getsize(target), 0)
+
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is full")
+    def test_a_full_disk_is_exit_code_1(self):
+        for args in (["--help"], ["--version"], ["slab", "--help"], ["materials"], ["materials", "jade"],
+                     ["slab", "jade", "--method", "diffusion"],
+                     ["slab", "jade", "--method", "diffusion", "--json", "-"],
+                     ["slab", "jade", "--method", "diffusion", "--json", "/dev/full"],
+                     ["profile", "jade", "--method", "dipole", "--radii", "5"],
+                     ["photons", "jade", "--photons", "100"],
+                     ["bsdf", "leaf", "--method", "first_order", "--plot", "/dev/full"]):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([LAMINA, *args], stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+            self.assertEqual(result.returncode, 1, args)
+            self.assertIn("cannot be written: No space left on device", result.stderr, args)
+            self.assertEqual(result.stderr.count("\n"), 1, args)
+
+    def test_a_file_has_the_result_even_if_standard_output_does_not(self):
+        result = subprocess.run([LAMINA, "slab", "jade", "--method", "diffusion", "--json", "kept.json"],
+                                preexec_fn=lambda: os.close(1), stderr=subprocess.PIPE, timeout=120)
+        self.assertEqual(result.returncode, 1)
+        with open("kept.json") as file:
+            self.assertEqual(json.load(file)["command"], "slab")
+
+    def test_a_file_that_may_not_grow_so_large_keeps_the_last_good_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "x.json")
+            with open(file, "w") as good:
+                good.write("the last good one")
+            limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
+            result = subprocess.run([LAMINA, "profile", "jade", "--method", "dipole", "--json", file],
+                                    preexec_fn=limit, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("File too large", result.stderr)
+            self.assertEqual(os.listdir(folder), ["x.json"])
+            with open(file) as good:
+                self.assertEqual(good.read(), "the last good one")
+
+
+class Stopping(unittest.TestCase):
+    """By Ctrl-C, by kill, and by the end of the terminal."""
+
+    def stop(self, args, how, until=b" s "):
+        """Starts lamina on a terminal and sends a signal once its bar says `until`.
+        @return exit code, seconds that this took, what it said"""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen([LAMINA, *args], stdout=subprocess.DEVNULL, stderr=theirs,
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
+        os.close(theirs)
+        said = b""
+        try:
+            while until not in said:
+                self.assertTrue(select.select([ours], [], [], 60)[0], (args, said))
+                said += os.read(ours, 4096)
+            process.send_signal(how)
+            start = time.monotonic()
+            try:
+                while chunk := os.read(ours, 4096):
+                    said += chunk
+            except OSError:  # how a terminal ends
+                pass
+            return process.wait(60), time.monotonic() - start, said.decode()
+        finally:
+            process.kill()
+            process.wait()
+            os.close(ours)
+
+    def test_work_without_a_result_ends_at_once_and_leaves_the_last_good_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            good = os.path.join(folder, "good.json")
+            exact = ["profile", "donner_jensen_skin", "--accuracy", "1e-4", "--no-cache", "--json", good]
+            for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                with open(good, "w") as file:
+                    file.write("the last good one")
+                code, seconds, said = self.stop(exact, how)
+                self.assertEqual(code, 130, said)
+                self.assertLess(seconds, 1)
+                self.assertIn("interrupted", said)
+                with open(good) as file:
+                    self.assertEqual(file.read(), "the last good one")
+            self.assertEqual(os.listdir(folder), ["good.json"])
+
+    def test_a_picture_is_not_replaced_before_there_is_another(self):
+        with tempfile.TemporaryDirectory() as folder:
+            good = os.path.join(folder, "good.png")
+            with open(good, "w") as file:
+                file.write("the last good one")
+            scene = os.path.join(SCENES, "sphere_skin.json")
+            code, seconds, said = self.stop(["render", scene, "--profile", "exact", "-o", good], signal.SIGINT)
+            self.assertEqual(code, 130, said)
+            self.assertLess(seconds, 1)
+            with open(good) as file:
+                self.assertEqual(file.read(), "the last good one")
+            self.assertEqual(os.listdir(folder), ["good.png"])
+
+    def test_work_with_a_result_keeps_it_and_says_what_a_second_time_does(self):
+        for how in (signal.SIGINT, signal.SIGTERM):
+            with tempfile.TemporaryDirectory() as folder:
+                file = os.path.join(folder, "photons.json")
+                args = ["bsdf", "leaf", "--method", "monte_carlo", "--photons", "1e12", "--json", file]
+                code, seconds, said = self.stop(args, how, b"left")
+                self.assertEqual(code, 130, said)
+                self.assertLess(seconds, 2)
+                self.assertIn("once more ends at once", said)
+                with open(file) as result:
+                    self.assertEqual(json.load(result)["command"], "bsdf")
+
+
+class Messages(unittest.TestCase):
+    def test_show_what_files_hold_as_printable_text_of_bounded_length(self):
+        for name, shown in (("\x1b[31mred", "\\x1b[31mred"), ("two\nlines", "two\\x0alines"), ("\x9bred", "\\xc2\\x9bred"),
+                            ("turned\u202e", "turned\\xe2"), ("Käse 乳 🧀", "Käse 乳 🧀"), ("long" * 1000, " ... ")):
+            result = run("slab", name)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(shown, result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1)
+            self.assertLess(len(result.stderr), 2200)
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump({"lamina": "material", "version": 1, "name": "\x1b[2J", "length_unit": "mm", "bands": "rgb",
+                       "layers": [{"name": "\x1b]0;title\x07" + "x" * 10000, "sigma_a": 1, "sigma_s": 2, "g": 0,
+                                   "ior": 1.3, "thickness": "infinite"}]}, file)
+            file.flush()
+            result = run("slab", file.name, "--method", "diffusion")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertNotIn("\x1b", result.stdout)
+
+    def test_suggest_the_name_that_was_meant(self):
+        for args, meant in ((["rendr"], '"render"'), (["render", "x.json", "--smaples", "3"], '"--samples"'),
+                            (["slab", "jade", "--acuracy=1e-3"], '"--accuracy"')):
+            result = run(*args)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("did you mean " + meant, result.stderr)
 
 
 class Json(unittest.TestCase):

@@ -81,6 +81,7 @@ got=0; wait "$pid" || got=$?
 [ "$got" = 130 ] || fail "interrupted: exit code $got instead of 130"
 [ -s stopped.exr ] && [ -s stopped.png ] || fail "interrupted: no picture"
 [ -s stopped.unfinished ] || fail "interrupted: nothing to go on from"
+grep -q 'once more ends at once' stopped.txt || fail "interrupted: $(cat stopped.txt)"
 expect 2 'other settings' "$scene" --samples 1000 --width 64 -o stopped --resume
 expect 0 '' "$scene" "${small[@]}" -o resumed.exr --resume
 cmp -s resumed.exr one.exr || fail "--resume without a start differs"

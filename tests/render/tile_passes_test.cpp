@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
 #include "small_scenes.h"
 
@@ -51,8 +53,12 @@ TEST(TilePasses, StopAndResumeGiveTheSameImage) {
   FilmAccumulator last(1, 1);
   while (!is_complete && stops < 1000) {  // each time in a new film, after some more tiles
     FilmAccumulator film(70, 50);
-    int reports = 0;
-    is_complete = add_tile_passes(sample, options, [&](double) { return ++reports < 7; }, film);
+    double first = -1.0;
+    const auto stop_after_some = [&](double finished) {
+      if (first < 0.0) first = finished;
+      return finished < first + 0.02;
+    };
+    is_complete = add_tile_passes(sample, options, stop_after_some, film);
     EXPECT_EQ(fs::exists(file.path), !is_complete);
     stops += !is_complete;
     last = film;
@@ -81,10 +87,10 @@ TEST(TilePasses, NoiseEndsWhereItIsReached) {
 TEST(TilePasses, RefusesWhatIsNoCheckpointOfThisImage) {
   const auto sample = [](int x, int y, int i) { return noisy_sample(x, y, i, 0.5f); };
   const ScratchFile file;
-  const auto stop_at_once = [](double) { return false; };
+  const auto stop_soon = [](double finished) { return finished == 0.0; };
   FilmAccumulator film(70, 50);
   TilePassOptions options{.samples = 40, .checkpoint = file.path, .key = 5, .resumes = true};
-  ASSERT_FALSE(add_tile_passes(sample, options, stop_at_once, film));
+  ASSERT_FALSE(add_tile_passes(sample, options, stop_soon, film));
   const auto resume = [&] { return add_tile_passes(sample, options, {}, film); };
   options.key = 6;
   EXPECT_THROW((void)resume(), FileError);
@@ -116,20 +122,52 @@ TEST(TilePasses, AreEqualForRendersThatWereStopped) {
   scene.render.samples_per_pixel = 5;
   const ScratchFile file;
   const RenderResult whole = render(scene);
-  int reports = 0;
-  const RenderResult stopped =
-      render(scene, {.checkpoint = file.path}, [&](double) { return ++reports < 12; });
+  const auto stop_late = [](double finished) { return finished < 0.3; };
+  const RenderResult stopped = render(scene, {.checkpoint = file.path}, stop_late);
   ASSERT_FALSE(stopped.statistics.is_complete);
   const RenderResult resumed = render(scene, {.checkpoint = file.path, .resumes = true});
   EXPECT_TRUE(resumed.statistics.is_complete);
   EXPECT_EQ(resumed.image.pixels, whole.image.pixels);
 
   ASSERT_FALSE(fs::exists(file.path));
-  reports = 0;
-  (void)render(scene, {.checkpoint = file.path}, [&](double) { return ++reports < 12; });
+  (void)render(scene, {.checkpoint = file.path}, stop_late);
   ASSERT_TRUE(fs::exists(file.path));
   scene.camera.position.x += 1.0;
   EXPECT_THROW((void)render(scene, {.checkpoint = file.path, .resumes = true}), FileError);
+}
+
+// A black picture, or one with black tiles, is no picture.
+TEST(TilePasses, MakeNoPictureBeforeEveryPixelHasASample) {
+  Scene scene;
+  scene.film = {.width = 64, .height = 64};
+  scene.camera = camera_above(10);
+  scene.lights = {EnvironmentLight{}};
+  scene.render.samples_per_pixel = 8;
+  const ScratchFile file;
+  const auto stop_at = [&](double least) {
+    return [=](double finished) { return finished < least; };
+  };
+  EXPECT_THROW((void)render(scene, {.checkpoint = file.path}, stop_at(0.0)), Interrupted);
+  EXPECT_FALSE(fs::exists(file.path));  // there is nothing to go on from
+  set_thread_count(1);                  // else all sixteen tiles may be in work at once
+  EXPECT_THROW((void)render(scene, {.checkpoint = file.path}, stop_at(0.01)), Interrupted);
+  set_thread_count(0);
+  EXPECT_TRUE(fs::exists(file.path));
+  const RenderResult resumed = render(scene, {.checkpoint = file.path, .resumes = true});
+  EXPECT_EQ(resumed.image.pixels, render(scene).image.pixels);
+}
+
+// However long the tiles take, a stop is heard within a row of pixels.
+TEST(TilePasses, HearAStopWithinATile) {
+  std::atomic<int> samples = 0;
+  const auto sample = [&](int x, int y, int i) {
+    ++samples;
+    return noisy_sample(x, y, i, 0.5f);
+  };
+  FilmAccumulator film(16, 16);  // one tile
+  const auto stop_soon = [&](double) { return samples < 100; };
+  EXPECT_FALSE(add_tile_passes(sample, {.samples = 1000}, stop_soon, film));
+  EXPECT_LE(samples, 100 + 16);
 }
 
 }  // namespace

@@ -102,6 +102,10 @@ double FilmAccumulator::mean_samples() const {
   return total / static_cast<double>(pixels_.size());
 }
 
+int FilmAccumulator::least_samples() const {
+  return std::ranges::min(pixels_, {}, &Pixel::samples).samples;
+}
+
 std::optional<double> relative_noise(const Image& image, const std::vector<bool>& is_measured) {
   const int w = image.width, h = image.height;
   const auto value = [&](int x, int y) {

@@ -26,6 +26,7 @@ class FilmAccumulator {
   [[nodiscard]] std::vector<bool> measured_pixels() const;
 
   [[nodiscard]] double mean_samples() const;
+  [[nodiscard]] int least_samples() const;  ///< of all pixels
 
   struct Luminance {
     double mean = 0.0;

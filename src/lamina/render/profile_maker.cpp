@@ -29,7 +29,8 @@ LayerStack smoothed(const LayerStack& stack) {
 
 }  // namespace
 
-Profile exact_diffuse_profile(const Material& material, const std::optional<DiskCache>& cache) {
+Profile exact_diffuse_profile(const Material& material, const std::optional<DiskCache>& cache,
+                              const Progress& progress) {
   std::vector<LayerStack> stacks;
   std::vector<double> entry;
   for (const LayerStack& stack : stacks_of(material)) {
@@ -38,7 +39,10 @@ Profile exact_diffuse_profile(const Material& material, const std::optional<Disk
   }
   const auto [exact, was_cached] = cached_exact_profile(
       cache, stacks, {},
-      {.accuracy = 0.02, .r_lowest = 0.02, .illumination = Illumination::diffuse});
+      {.accuracy = 0.02,
+       .r_lowest = 0.02,
+       .illumination = Illumination::diffuse,
+       .progress = progress});
   return per_entered_flux(exact.profile, entry);
 }
 
@@ -46,10 +50,12 @@ Profile diffusion_profile(const Material& material) {
   return make_diffusion_profile(stacks_of(material)).profile;
 }
 
-ProfileMaker profile_maker(RenderSettings::Profile profile) {
+ProfileMaker profile_maker(RenderSettings::Profile profile, const Progress& progress) {
   switch (profile) {
     case RenderSettings::Profile::exact:
-      return [](const Material& material) { return exact_diffuse_profile(material, user_cache()); };
+      return [progress](const Material& material) {
+        return exact_diffuse_profile(material, user_cache(), progress);
+      };
     case RenderSettings::Profile::dipole:
       return [](const Material& material) { return make_dipole_profile(stacks_of(material)); };
     case RenderSettings::Profile::multipole:

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lamina/core/disk_cache.h"
+#include "lamina/core/progress.h"
 #include "lamina/materials/material.h"
 #include "lamina/render/scene.h"
 #include "lamina/scattering/profile.h"
@@ -17,14 +18,16 @@ using ProfileMaker = std::function<Profile(const Material&)>;
 
 /// By radiative transfer, to some 2 % from 0.02 mm on; kept in the cache. Boundaries count as
 /// smooth, their roughness being the renderer's business.
-/// @throws InvalidInput if a band does not scatter.
+/// @throws InvalidInput if a band does not scatter; Interrupted if progress asks to stop.
 [[nodiscard]] Profile exact_diffuse_profile(const Material& material,
-                                            const std::optional<DiskCache>& cache);
+                                            const std::optional<DiskCache>& cache,
+                                            const Progress& progress = {});
 
 /// By layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);
 
-/// The maker that a scene asks for.
-[[nodiscard]] ProfileMaker profile_maker(RenderSettings::Profile profile);
+/// The maker that a scene asks for; what takes long reports to `progress`.
+[[nodiscard]] ProfileMaker profile_maker(RenderSettings::Profile profile,
+                                         const Progress& progress = {});
 
 }  // namespace lamina

@@ -114,13 +114,14 @@ void require_light_once(const RenderSettings& settings) {
 /// The one place where a method of subsurface transport is chosen.
 template <int N>
 Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>& conversion,
-                              const RenderOptions& options) {
+                              const RenderOptions& options, const Progress& progress) {
   using Method = RenderSettings::Method;
   require_light_once(scene.scene->render);
   const auto& materials = scene.scene->materials;
   Transports<N> transports;
   transports.of_material.resize(materials.size());
-  const ProfileMaker make_profile = profile_maker(scene.scene->render.profile);
+  const ProfileMaker make_profile = 
+      profile_maker(scene.scene->render.profile, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
   for (const SurfaceMaterial& material : materials) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
@@ -208,7 +209,7 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
-  const Transports<N> transports = make_transports<N>(scene, conversion, options);
+  const Transports<N> transports = make_transports<N>(scene, conversion, options, progress);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
   const PathTracer<N> tracer({scene,
@@ -273,6 +274,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
       bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film, sampled)
       : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film, sampled)
                           : trace_passes<16>(prepared, bands, options, progress, film, sampled);
+  if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();
   statistics.relative_noise = relative_noise(result.image, film.measured_pixels());

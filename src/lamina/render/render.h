@@ -68,12 +68,14 @@ struct RenderResult {
 /// Renders a scene as its render settings ask.
 ///
 /// Passes over the whole frame double the samples each time, so an early stop leaves a complete but
-/// noisier image. The result depends on scene and seed, not on the number of threads.
+/// noisier image, from the end of the first pass on. The result depends on scene and seed, not on the number of threads.
 ///
 /// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
 ///         bands, a method that does not exist yet, a cache of another scene.
 /// @throws FileError, WriteError if the cache cannot be read or written; FileError if the
 ///         checkpoint to go on from is damaged, or of another scene or other settings.
+/// @throws Interrupted if progress asked to stop before every pixel had a sample. What there is of
+///         them, the checkpoint keeps.
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options = {},
                                   const Progress& progress = {});
 

@@ -150,8 +150,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
   const Plane arriving = plane_of(patch.light);
   const double all_light = std::accumulate(arriving.values.begin(), arriving.values.end(), 0.0);
   std::atomic<double> table_seconds = 0.0, transport_seconds = 0.0;
-  std::atomic<std::size_t> done = 0;
-  parallel_for(bands, [&](std::size_t b) {
+  const auto light_band = [&](std::size_t b) {
     const double wavelength = patch.bands.wavelengths()[b];
     const SkinPlanes planes = skin_planes(patch.skin, patch.width, patch.height, wavelength);
     std::vector<double> reference;
@@ -180,9 +179,8 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
                        .fit_error = largest_fit_error(tables, planes.sigma_a),
                        .terms = out.terms,
                        .last_term = out.last_term};
-    ++done;
-    (void)report(progress, static_cast<double>(done) / static_cast<double>(bands));
-  });
+  };
+  parallel_for(bands, light_band, progress);
   add_colors(result.image, bands, patch.bands, patch.skin.skin);
   result.table_seconds = table_seconds;
   result.transport_seconds = transport_seconds;

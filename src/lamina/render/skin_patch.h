@@ -58,6 +58,7 @@ struct SkinPatchResult {
 /// The light that leaves the patch; mirror reflection is left out.
 ///
 /// @param cache  keeps the tables; absent: none.
+/// @throws Interrupted if progress asks to stop.
 [[nodiscard]] SkinPatchResult render_skin_patch(const SkinPatch& patch,
                                                 const std::optional<DiskCache>& cache = {},
                                                 const Progress& progress = {});

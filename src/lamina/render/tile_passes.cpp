@@ -8,6 +8,7 @@
 #include <numeric>
 #include <shared_mutex>
 #include <system_error>
+#include <vector>
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -21,6 +22,7 @@ namespace {
 
 constexpr int tile_size = 16;      // [pixel]
 constexpr int least_samples = 16;  // before a tile may end early
+constexpr int samples_at_once = 16;  // of each pixel of a tile; what a stop may lose
 constexpr std::chrono::seconds between_checkpoints{30};
 
 /// Treats subnormal numbers as 0 on this thread: Embree and the tails of profiles would be slow.
@@ -77,9 +79,8 @@ class Passes {
     }
     if (!options_.checkpoint.empty()) {
       std::error_code ignored;
-      if (is_stopped_)
-        keep();
-      else
+      if (is_stopped_ && finished_ > 0) keep();
+      if (!is_stopped_)
         std::filesystem::remove(options_.checkpoint, ignored);
     }
     return !is_stopped_;
@@ -97,22 +98,39 @@ class Passes {
   }
 
   void add_to_tile(std::size_t tile, int to) {
-    if (is_stopped_ || tiles_.is_quiet[tile] || tiles_.samples[tile] >= to) return;
-    {
-      const std::shared_lock whole_tile = begin_tile();
-      const FlushSubnormals flush;
-      const Rectangle r = rectangle(tile);
-      const int from = tiles_.samples[tile];
-      for (int y = r.y0; y < r.y1; ++y)
-        for (int x = r.x0; x < r.x1; ++x)
-          for (int i = from; i < to; ++i) film_.add(x, y, sample_(x, y, i));
-      finished_ += to - from;
-      tiles_.samples[tile] = to;
+    while (!is_stopped_ && !tiles_.is_quiet[tile] && tiles_.samples[tile] < to) {
+      add_samples(tile, std::min(to, tiles_.samples[tile] + samples_at_once));
+      keep_now_and_then();
     }
+  }
+
+  /// Adds samples to all pixels of a tile, or none if asked to stop meanwhile.
+  void add_samples(std::size_t tile, int to) {
+    const std::shared_lock whole_tile = begin_tile();
+    const FlushSubnormals flush;
+    const Rectangle r = rectangle(tile);
+    const int from = tiles_.samples[tile];
+    std::vector<CameraSample> samples;  // [y][x][i]
+    for (int y = r.y0; y < r.y1; ++y) {
+      for (int x = r.x0; x < r.x1; ++x)
+        for (int i = from; i < to; ++i) samples.push_back(sample_(x, y, i));
+      if (!is_told()) return;
+    }
+    std::size_t next = 0;
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x)
+        for (int i = from; i < to; ++i) film_.add(x, y, samples[next++]);
+    finished_ += to - from;
+    tiles_.samples[tile] = to;
+    (void)is_told();
+  }
+
+  /// Reports how far the image is. Returns whether to go on.
+  bool is_told() {
     const double all =
         static_cast<double>(options_.samples) * static_cast<double>(tiles_.samples.size());
     if (!report(progress_, static_cast<double>(finished_) / all)) is_stopped_ = true;
-    keep_now_and_then();
+    return !is_stopped_;
   }
 
   /// Waits while a checkpoint is written, or is about to be.

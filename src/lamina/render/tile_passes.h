@@ -23,8 +23,8 @@ struct TilePassOptions {
 /// being stopped and resumed.
 ///
 /// @param sample  value of a pixel's sample: x, y, index of the sample
-/// @return        whether it was completed. If not, the checkpoint holds what there is; else it is
-///                removed.
+/// @return        whether it was completed. If not, the checkpoint holds what there is, if that is
+///                anything; else it is removed.
 /// @throws        as load_checkpoint, save_checkpoint
 [[nodiscard]] bool add_tile_passes(const std::function<CameraSample(int, int, int)>& sample,
                                    const TilePassOptions& options, const Progress& progress,

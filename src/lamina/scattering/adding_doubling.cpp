@@ -128,12 +128,13 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
   std::vector<std::size_t> coarse(stacks.size());
   std::iota(coarse.begin(), coarse.end(), 0);
   int nodes = std::min(coarsest, options.max_nodes);
+  const Progress progress = of_unknown_length(options.progress);
   while (true) {
     std::vector<GridStack> on_grid;
     for (const std::size_t k : coarse)
       on_grid.push_back(detail::make_grid_stack(*stacks[k], nodes, beams));
-    const detail::RoughBoundaries rough = detail::rough_boundaries(on_grid[0], 0, 1).front();
-    parallel_for(coarse.size(), [&](std::size_t c) {
+    const detail::RoughBoundaries rough = detail::rough_boundaries(on_grid[0], 0, 1, progress).front();
+    const auto solve = [&](std::size_t c) {
       std::vector<AddingDoublingTotals>& last = results[coarse[c]];
       std::vector<AddingDoublingTotals> finer = totals_on_grid(on_grid[c], incidences, rough);
       for (std::size_t i = 0; i < finer.size(); ++i) {
@@ -146,7 +147,8 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
         finer[i].is_accurate = finer[i].estimated_error <= options.accuracy;
       }
       last = std::move(finer);
-    });
+    };
+    parallel_for(coarse.size(), solve, progress);
     std::erase_if(coarse,
                   [&](std::size_t k) { return std::ranges::none_of(results[k], is_coarse); });
     if (coarse.empty() || nodes >= options.max_nodes) return results;

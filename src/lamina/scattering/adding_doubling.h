@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/slab_totals.h"
 
@@ -12,6 +13,7 @@ namespace lamina {
 struct AddingDoublingOptions {
   double accuracy = 1e-5;  ///< asked of each total, absolute; down to 1e-10
   int max_nodes = 96;      ///< of the direction grid's first segment, >= 4; where refining stops
+  Progress progress = {};  ///< told that the work goes on, not how far it is
 };
 
 /// What adding-doubling finds, with how far it can be trusted.
@@ -33,6 +35,8 @@ struct AddingDoublingTotals {
 ///
 /// In a semi-infinite stack `transmittance` is 0, unless its last layer is clear: then it is the
 /// light that goes down and never returns. Over a ground that reflects it is what the ground takes.
+///
+/// @throws Interrupted if progress asks to stop.
 ///
 /// Source: [Plass1973], [Wiscombe1977], [Prahl1993]; the grid that has one index per layer and the
 /// doubling by even and odd illumination are lamina's (docs/adding_doubling.md).

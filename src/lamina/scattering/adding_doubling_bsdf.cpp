@@ -186,16 +186,19 @@ void add_single(BandOnGrid& band, const LayerStack& layers, const Angles& angles
 
 /// All bands on one grid. Their boundaries are equal, so rough ones are made once.
 std::vector<StackBsdf> bsdf_on_grid(std::span<const LayerStack* const> stacks, const Angles& angles,
-                                    int nodes, double accuracy) {
+                                    int nodes, double accuracy, const Progress& progress) {
   constexpr int modes_at_once = 8;
   std::vector<BandOnGrid> bands;
   for (const LayerStack* stack : stacks) bands.push_back(put_on_grid(*stack, angles, nodes));
   for (int first = 0; !std::ranges::all_of(bands, &BandOnGrid::is_done); first += modes_at_once) {
-    const auto rough = detail::rough_boundaries(bands[0].stack, first, modes_at_once);
-    parallel_for(bands.size(), [&](std::size_t b) {
-      for (const detail::RoughBoundaries& boundaries : rough)
+    const auto rough = detail::rough_boundaries(bands[0].stack, first, modes_at_once, progress);
+    const auto add_modes = [&](std::size_t b) {
+      for (const detail::RoughBoundaries& boundaries : rough) {
         if (!bands[b].is_done()) add_mode(bands[b], angles, boundaries, accuracy);
-    });
+        report_or_throw(progress, 0.0);
+      }
+    };
+    parallel_for(bands.size(), add_modes);
   }
   std::vector<StackBsdf> results;
   for (std::size_t b = 0; b < bands.size(); ++b) {
@@ -238,10 +241,11 @@ std::vector<StackBsdf> solve_group(std::span<const LayerStack* const> stacks, co
   std::vector<std::size_t> coarse(stacks.size());
   std::iota(coarse.begin(), coarse.end(), 0);
   int nodes = std::min(coarsest, finest);
+  const Progress progress = of_unknown_length(options.progress);
   while (true) {
     std::vector<const LayerStack*> refined;
     for (const std::size_t k : coarse) refined.push_back(stacks[k]);
-    std::vector<StackBsdf> finer = bsdf_on_grid(refined, angles, nodes, accuracy);
+    std::vector<StackBsdf> finer = bsdf_on_grid(refined, angles, nodes, accuracy, progress);
     for (std::size_t c = 0; c < coarse.size(); ++c) {
       StackBsdf& last = results[coarse[c]];
       finer[c].estimated_error =

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {
@@ -14,6 +15,7 @@ inline constexpr double rough_bsdf_error = 2e-3;
 struct StackBsdfOptions {
   double accuracy = 1e-3;  ///< asked of each value, relative to it or to the mean if that is larger
   int max_nodes = 72;      ///< of the direction grid's first segment, >= 4; 42 if rough
+  Progress progress = {};  ///< told that the work goes on, not how far it is
 };
 
 /// How a stack scatters a beam: radiance per irradiance [1/sr], for one angle of incidence.
@@ -45,8 +47,7 @@ struct StackBsdf {
 /// @param phi_o    azimuths from that of the light [rad]: 0 looks along the incident beam, pi is
 ///                 the side of the mirror direction.
 /// @throws InvalidInput for angles out of range, and for rough boundaries whose lobes are too
-/// narrow
-///                      for the finest grid.
+///         narrow for the finest grid; Interrupted if progress asks to stop.
 ///
 /// Source: [Nakajima1988] for the single scattering, extended to the ladder of reflections.
 [[nodiscard]] StackBsdf stack_bsdf(const LayerStack& stack, double theta_i,

@@ -247,21 +247,24 @@ bool is_rough(const Interface& boundary, double ior_above, double ior_below) {
 
 std::vector<RoughBoundary> rough_boundary_modes(const DirectionGrid& grid,
                                                 const Interface& boundary, double ior_above,
-                                                double ior_below, int first, int count) {
+                                                double ior_below, int first, int count,
+                                                const Progress& progress) {
   assert(is_rough(boundary, ior_above, ior_below));
   const std::array<Side, 2> sides{make_side(grid, boundary, ior_above, ior_below),
                                   make_side(grid, boundary, ior_below, ior_above)};
   std::array<std::vector<FacetOperators>, 2> facets;
-  parallel_for(2, [&](std::size_t s) {
+  const auto make_facets = [&](std::size_t s) {
     facets[s] = facet_operators(grid, sides[s].facets, sides[1 - s].facets, first, count);
-  });
+  };
+  parallel_for(2, make_facets, progress);
   const Sources sources = number_sources(sides);
   std::vector<RoughBoundary> modes(static_cast<std::size_t>(count));
-  parallel_for(modes.size(), [&](std::size_t m) {
+  const auto make_mode = [&](std::size_t m) {
     const double enough = first == 0 && m == 0 ? negligible : negligible_turned;
     modes[m] = to_states(grid, sides, sources,
                          follow(grid, sides, {facets[0][m], facets[1][m]}, sources, enough));
-  });
+  };
+  parallel_for(modes.size(), make_mode, progress);
   return modes;
 }
 

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_matrix.h"
 #include "lamina/scattering/direction_grid.h"
@@ -30,11 +31,13 @@ inline constexpr double rough_boundary_error = 1e-4;
 /// up and down.
 ///
 /// @return  for `count` azimuthal modes from `first` on, [mode]; one after the other costs more.
+/// @throws Interrupted if progress asks to stop.
 ///
 /// Source: [Heitz2016] for the walk; its solution on a grid is lamina's (docs/adding_doubling.md).
 [[nodiscard]] std::vector<RoughBoundary> rough_boundary_modes(const DirectionGrid& grid,
                                                               const Interface& boundary,
                                                               double ior_above, double ior_below,
-                                                              int first, int count);
+                                                              int first, int count,
+                                                              const Progress& progress = {});
 
 }  // namespace lamina::detail

@@ -111,13 +111,14 @@ double node_fresnel(const DirectionGrid& grid, std::size_t node, double ior_a, d
   return 0.5 * (r_s * r_s + r_p * r_p);
 }
 
-std::vector<RoughBoundaries> rough_boundaries(const GridStack& stack, int first, int count) {
+std::vector<RoughBoundaries> rough_boundaries(const GridStack& stack, int first, int count,
+                                              const Progress& progress) {
   std::vector<RoughBoundaries> modes(static_cast<std::size_t>(count),
                                      RoughBoundaries(stack.interfaces.size()));
   for (std::size_t k = 0; k < stack.interfaces.size(); ++k) {
     if (!is_rough(stack.interfaces[k], stack.ior[k], stack.ior[k + 1])) continue;
     auto boundary = rough_boundary_modes(stack.grid, stack.interfaces[k], stack.ior[k],
-                                         stack.ior[k + 1], first, count);
+                                         stack.ior[k + 1], first, count, progress);
     for (std::size_t m = 0; m < modes.size(); ++m) modes[m][k] = std::move(boundary[m]);
   }
   return modes;

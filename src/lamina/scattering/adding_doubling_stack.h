@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_layer.h"
 #include "lamina/scattering/adding_doubling_matrix.h"
@@ -62,8 +63,10 @@ struct StackOperators {
 using RoughBoundaries = std::vector<RoughBoundary>;
 
 /// For `count` azimuthal modes from `first` on, [mode].
+/// @throws Interrupted if progress asks to stop.
 [[nodiscard]] std::vector<RoughBoundaries> rough_boundaries(const GridStack& stack, int first,
-                                                            int count);
+                                                            int count,
+                                                            const Progress& progress = {});
 
 /// Stacks whose rough boundaries are equal, by their places in `stacks`. A smooth stack stands
 /// alone.

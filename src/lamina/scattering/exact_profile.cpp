@@ -102,7 +102,7 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
   result.estimated_error.assign(bands, 0.0);
   const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
   const std::vector<AddingDoublingTotals> totals =
-      adding_doubling(stacks, incidence, {.accuracy = 1e-6});
+      adding_doubling(stacks, incidence, {.accuracy = 1e-6, .progress = options.progress});
   for (const AddingDoublingTotals& of_band : totals) {
     profile.total_reflectance.push_back(of_band.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(of_band.totals.transmittance);
@@ -150,13 +150,15 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
   for (std::size_t b = 0; b < bands; ++b) {
     const auto solver =
         detail::make_frequency_solver(stacks[b], nodes_of_responses, modes_of_responses);
-    parallel_for(k.size(), [&](std::size_t i) {
+    const auto respond = [&](std::size_t i) {
       const auto all = options.illumination == Illumination::diffuse
                            ? detail::diffuse_response(solver, k[i])
                            : detail::response(solver, k[i]);
       result.reflectance[i * bands + b] = all.reflectance;
       result.transmittance[i * bands + b] = all.transmittance;
-    });
+    };
+    const double part = 1.0 / static_cast<double>(bands), before = part * static_cast<double>(b);
+    parallel_for(k.size(), respond, part_of(options.progress, before, before + part));
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/hankel.h"
 #include "lamina/scattering/profile.h"
@@ -23,6 +24,7 @@ struct ExactProfileOptions {
   double r_highest = 6.0;  ///< and up to this one [mm]
   Illumination illumination = Illumination::normal_beam;
   bool is_from_below = false;  ///< lit on the lower side, which reflectance then means, too
+  Progress progress = {};      ///< told that the work goes on, not how far it is
 };
 
 /// A profile by radiative transfer, with an estimate of its error.
@@ -51,6 +53,7 @@ struct ExactProfile {
 /// @throws InvalidInput naming a rough boundary, a wrong grid, a stack without a lower side, or a
 /// plate that neither scatters nor absorbs nine tenths: its reflections throw rings far out, which
 /// frequencies do not resolve.
+/// @throws Interrupted if progress asks to stop.
 ///
 /// Source: docs/exact_profiles.md.
 [[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,

@@ -67,6 +67,7 @@ class BandSolver {
       : stack_(stack),
         plan_(plan),
         options_(options),
+        progress_(of_unknown_length(options.progress)),
         is_diffuse_(options.illumination == Illumination::diffuse) {}
 
   BandProfile solve(const FrequencyResponse& flux);
@@ -103,6 +104,7 @@ class BandSolver {
   const LayerStack& stack_;
   const HankelPlan& plan_;
   const ExactProfileOptions& options_;
+  Progress progress_;
   bool is_diffuse_;
   std::map<std::size_t, Curves> lowest_orders_;  ///< [node step]
   std::map<Resolution, Solution> all_;
@@ -120,11 +122,12 @@ const Curves& BandSolver::lowest_orders(std::size_t node_step) {
   const SingleScatteringTotals totals = single_scattering_totals(light);
   Curves curves{std::vector<double>(radii), std::vector<double>(radii), totals.reflectance,
                 totals.transmittance};
-  parallel_for(radii, [&](std::size_t i) {
+  const auto solve_at = [&](std::size_t i) {
     const SingleScatteringProfile at = single_scattering_profile(light, plan_.r[i]);
     curves.reflectance[i] = at.reflectance;
     curves.transmittance[i] = at.transmittance;
-  });
+  };
+  parallel_for(radii, solve_at, progress_);
   return place->second = std::move(curves);
 }
 
@@ -142,7 +145,7 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
   std::vector<double> reflected(frequencies), transmitted(frequencies);
   // Neighbours share the lanes of the processor; the same ones, however many threads there are.
   const auto lanes = static_cast<std::size_t>(matrix_kernels().lanes);
-  parallel_for((frequencies + lanes - 1) / lanes, [&](std::size_t group) {
+  const auto respond = [&](std::size_t group) {
     const std::size_t first = group * lanes, count = std::min(lanes, frequencies - first);
     const auto at = std::span(grid.k).subspan(first, count);
     const auto every = is_diffuse_ ? diffuse_responses(solver, at) : responses(solver, at);
@@ -156,7 +159,8 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
       transmitted[i] =
           every[i - first].transmittance - once.transmittance - unscattered.transmittance;
     }
-  });
+  };
+  parallel_for((frequencies + lanes - 1) / lanes, respond, progress_);
   Solution& made = place->second;
   made.reflected = make_spectrum(grid, reflected);
   made.transmitted = make_spectrum(grid, transmitted);

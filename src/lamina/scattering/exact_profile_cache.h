@@ -15,7 +15,7 @@ namespace lamina {
 /// and the source code of the solver. So a cache never needs to be emptied.
 ///
 /// @param cache  may be absent; `user_cache()` is the user's.
-/// @throws InvalidInput as `exact_profile`.
+/// @throws InvalidInput, Interrupted as `exact_profile`.
 struct CachedExactProfile {
   ExactProfile result;
   bool was_cached = false;

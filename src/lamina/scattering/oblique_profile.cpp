@@ -76,12 +76,13 @@ std::vector<double> transforms(const std::vector<MomentSpectrum>& spectra,
 
 /// What is not scattered once and straight, [side][i][m], m up to the modes.
 std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const GridDirection& beam,
-                                                 int modes, std::span<const double> r) {
+                                                 int modes, std::span<const double> r,
+                                                 const Progress& progress) {
   const auto solver = detail::make_frequency_solver(stack, nodes, modes, std::array{beam});
   const auto grid = detail::make_frequency_grid(solver.stack, frequencies);
   const auto count = static_cast<std::size_t>(modes) + 1;
   std::vector<std::vector<double>> values(2 * count, std::vector<double>(grid.k.size()));
-  parallel_for(grid.k.size(), [&](std::size_t i) {
+  const auto respond = [&](std::size_t i) {
     const auto all = detail::oblique_response(solver, grid.k[i]);
     const auto once = detail::oblique_single_on_grid(solver, grid.k[i]);
     for (std::size_t m = 0; m < count; ++m) {
@@ -89,7 +90,8 @@ std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const 
       values[m][i] = factor * (all[m].reflectance - once[m].reflectance);
       values[count + m][i] = factor * (all[m].transmittance - once[m].transmittance);
     }
-  });
+  };
+  parallel_for(grid.k.size(), respond, progress);
   std::array<std::vector<double>, 2> sides;
   for (std::size_t side = 0; side < (is_semi_infinite(stack) ? 1u : 2u); ++side) {
     std::vector<MomentSpectrum> spectra;
@@ -104,13 +106,14 @@ std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const 
 /// Light scattered once and straight, [side][i][m].
 std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
                                                   const GridDirection& beam,
-                                                  std::span<const double> r, std::size_t count) {
+                                                  std::span<const double> r, std::size_t count,
+                                                  const Progress& progress) {
   const auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{beam}).stack;
   const double p = beam.ior * beam.sin;
   const std::size_t points = std::max(azimuths, 2 * count);
   std::array<std::vector<double>, 2> sides;
   for (auto& side : sides) side.resize(r.size() * count);
-  parallel_for(r.size(), [&](std::size_t i) {
+  const auto average = [&](std::size_t i) {
     for (std::size_t q = 0; q < points; ++q) {
       const double phi = (static_cast<double>(q) + 0.5) * pi / static_cast<double>(points);
       const auto once = detail::oblique_single_profile(stack, on_grid, p, r[i] * std::cos(phi),
@@ -122,7 +125,8 @@ std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
         sides[1][i * count + m] += weight * once.transmittance;
       }
     }
-  });
+  };
+  parallel_for(r.size(), average, progress);
   return sides;
 }
 
@@ -145,7 +149,7 @@ void check(std::span<const LayerStack> stacks, double theta, int moments) {
 }  // namespace
 
 ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
-                               const RadialGrid& grid, int moments) {
+                               const RadialGrid& grid, int moments, const Progress& progress) {
   check(stacks, theta, moments);
   const std::size_t bands = stacks.size(), count = static_cast<std::size_t>(moments);
   ObliqueProfile profile{.bands = bands, .moments = count, .r = radii(grid)};
@@ -153,15 +157,19 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
   profile.reflectance_moments.resize(size * count * bands);
   profile.transmittance_moments.resize(size * count * bands);
   profile.estimated_error.resize(size * bands);
-  for (const auto& totals : adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6})) {
+  for (const auto& totals : adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(totals.totals.transmittance);
   }
   for (std::size_t b = 0; b < bands; ++b) {
     const GridDirection beam = direction_in(stacks[b].ior_above(), theta);
-    const auto once = single_moments(stacks[b], beam, profile.r, count);
-    const auto coarse = higher_orders(stacks[b], beam, coarse_modes, profile.r);
-    const auto fine = higher_orders(stacks[b], beam, fine_modes, profile.r);
+    const auto part = [&](double begin, double end) {  // of this band
+      return part_of(progress, (static_cast<double>(b) + begin) / static_cast<double>(bands),
+                     (static_cast<double>(b) + end) / static_cast<double>(bands));
+    };
+    const auto once = single_moments(stacks[b], beam, profile.r, count, part(0.0, 0.2));
+    const auto coarse = higher_orders(stacks[b], beam, coarse_modes, profile.r, part(0.2, 0.4));
+    const auto fine = higher_orders(stacks[b], beam, fine_modes, profile.r, part(0.4, 1.0));
     constexpr std::size_t few = coarse_modes + 1, many = fine_modes + 1;
     for (std::size_t i = 0; i < size; ++i) {
       for (std::size_t side = 0; side < 2; ++side)

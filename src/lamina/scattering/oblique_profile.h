@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/hankel.h"
 
@@ -29,9 +30,10 @@ struct ObliqueProfile {
 ///
 /// @param theta    [rad], in [0, pi/2), above the stack.
 /// @param moments  in [1, 32]; beyond 8 only light scattered once has them.
-/// @throws InvalidInput as `exact_profile`, or if theta is out of range.
+/// @throws InvalidInput as `exact_profile`, or if theta is out of range; Interrupted.
 [[nodiscard]] ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
-                                             const RadialGrid& radii = {}, int moments = 8);
+                                             const RadialGrid& radii = {}, int moments = 8,
+                                             const Progress& progress = {});
 
 /// R at a point, from the moments.
 [[nodiscard]] double reflectance_at(const ObliqueProfile& profile, std::size_t i, double phi,

@@ -1,0 +1,107 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+// Ctrl-C, the terminal's end and `kill`: what they do to the work, and the bar that shows how far
+// it is.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+#include "console.h"
+
+namespace lamina::cli {
+namespace {
+
+constexpr int exit_code_interrupted = 130;
+constexpr std::string_view erase_line = "\r\033[K";
+
+// Read and written by a signal's handler.
+std::atomic<bool> interrupted{false}, has_something_to_keep{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+volatile sig_atomic_t is_terminal = 0;  // standard error
+
+void write_error(std::string_view text) {  // what a handler may call
+  [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, text.data(), text.size());
+}
+
+void on_signal(int) {
+  const int before = errno;
+  if (is_terminal) write_error(erase_line);
+  if (!has_something_to_keep) {
+    write_error("lamina: interrupted: there was no result yet\n");
+    _exit(exit_code_interrupted);
+  }
+  write_error("lamina: stopping, to keep what there is; once more ends at once, and loses it\n");
+  interrupted = true;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) signal(number, SIG_DFL);
+  errno = before;
+}
+
+class Bar {
+ public:
+  Bar(std::string label, Keeps keeps) : label_(std::move(label)), keeps_(keeps) {}
+  ~Bar() {
+    if (shown_) fmt::print(stderr, "{}", erase_line);
+  }
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+
+  bool operator()(double finished) {
+    if (keeps_ == Keeps::what_there_is && finished > 0.0) has_something_to_keep = true;
+    if (interrupted) return false;
+    if (!is_terminal) return true;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return true;
+    const auto now = std::chrono::steady_clock::now();
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    if (elapsed < 1.0 || std::chrono::duration<double>(now - last_).count() < 0.1) return true;
+    last_ = now;
+    shown_ = true;
+    constexpr int width = 32;
+    const int filled = static_cast<int>(finished * width);
+    const std::string time = finished > 0.0
+                                 ? fmt::format("{:.0f} s left", elapsed * (1.0 - finished) / finished)
+                                 : fmt::format("{:.0f} s so far", elapsed);
+    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {}\033[K", label_, "", filled, "",
+               width - filled, 100.0 * finished, time);
+    return true;
+  }
+
+ private:
+  std::string label_;
+  Keeps keeps_;
+  bool shown_ = false;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
+};
+
+}  // namespace
+
+Progress make_progress(std::string label, Keeps keeps) {
+  return [bar = std::make_shared<Bar>(std::move(label), keeps)](double finished) {
+    return (*bar)(finished);
+  };
+}
+
+bool was_interrupted() { return interrupted; }
+
+void watch_for_signals() {
+  is_terminal = isatty(STDERR_FILENO);
+  struct sigaction action{};
+  action.sa_handler = on_signal;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&action.sa_mask, number);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  struct sigaction hangup{};
+  sigaction(SIGHUP, nullptr, &hangup);
+  if (hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // else as nohup wants
+  signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is then one that cannot be written
+}
+
+}  // namespace lamina::cli
