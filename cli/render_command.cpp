@@ -31,7 +31,7 @@ struct RenderCommandOptions {
   std::string scene, output, method, profile, cache, single_scattering;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
-  bool resumes = false, denoises = false;
+  bool needs_cache = false, resumes = false, denoises = false;
   std::vector<std::string> compared;
   Option seed, exposure_given;
 };
@@ -133,7 +133,8 @@ void run_comparison(const RenderCommandOptions& options, const OutputFiles& file
                        ": with --compare the name must have no ending, there are many files");
   for (const auto& [name, is_given] :
        {std::pair{"--method", !options.method.empty()},
-        std::pair{"--cache", !options.cache.empty()}, std::pair{"--resume", options.resumes},
+        std::pair{"--cache", !options.cache.empty()},
+        std::pair{"--cache-only", options.needs_cache}, std::pair{"--resume", options.resumes},
         std::pair{"--denoise", options.denoises}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
   std::vector<NamedMethod> methods_to_compare;
@@ -163,7 +164,9 @@ void run_render(const RenderCommandOptions& options) {
       scene.render.method != Method::texture_space)
     throw InvalidInput("--cache: the method must be hierarchy or texture_space, but is " +
                        name_of(scene.render.method));
-  require_writable(options.cache);
+  if (options.needs_cache && options.cache.empty())
+    throw InvalidInput("--cache-only: goes with --cache, which is not given");
+  if (!options.needs_cache) require_writable(options.cache);
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
   const fs::path checkpoint = checkpoint_file(files);
@@ -173,9 +176,13 @@ void run_render(const RenderCommandOptions& options) {
   };
   RenderResult result;
   try {
-    result = render(
-        scene, {.cache = options.cache, .checkpoint = checkpoint, .resumes = options.resumes},
-        make_progress("rendering"));
+    result = render(scene,
+                    {.cache = options.cache,
+                     .needs_cache = options.needs_cache,
+                     .checkpoint = checkpoint,
+                     .resumes = options.resumes,
+                     .on_notice = say},
+                    make_progress("rendering"));
   } catch (const Interrupted&) {
     say_how_to_go_on();
     throw;
@@ -289,8 +296,11 @@ void add_render_command(CLI::App& app) {
       .add_option("--cache", options->cache,
                   "keeps the light that hierarchy samples, or that leaves at the texels of "
                   "texture_space: other cameras on the same scene read it instead. "
-                  "PLY, a point per sample. Refused if the scene has changed")
+                  "PLY, a point per sample. Made anew where the light has changed or the file is "
+                  "damaged")
       .type_name("FILE");
+  command.add_flag("--cache-only", options->needs_cache,
+                   "ends with what differs where the light of --cache would have to be made anew");
   command
       .add_option("--profile", options->profile,
                   "how light spreads below surfaces: exact, by radiative transfer; multipole, by "

@@ -33,3 +33,22 @@ function(lamina_library name)
   lamina_precompile(lamina_${name})
   install(TARGETS lamina_${name} EXPORT lamina_targets FILE_SET HEADERS)
 endfunction()
+
+# lamina_fingerprint(FOLDER HEADER MACRO PATTERN [FILES...]): a header whose macro is a hash of the
+# folder's sources that match, of other source files, and of all that they include. What a cache keeps
+# belongs to the code that made it.
+function(lamina_fingerprint folder header name pattern)
+  get_target_property(sources lamina_${folder} SOURCES)
+  list(FILTER sources INCLUDE REGEX ${pattern})
+  list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(APPEND sources ${ARGN})
+  set(fingerprint ${CMAKE_CURRENT_BINARY_DIR}/${header})
+  add_custom_command(OUTPUT ${fingerprint} VERBATIM
+    COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${PROJECT_SOURCE_DIR}/src
+      -D NAME=${name} -D HEADER=${fingerprint} -D DEPFILE=${fingerprint}.d
+      -P ${PROJECT_SOURCE_DIR}/cmake/fingerprint.cmake
+    DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/cmake/fingerprint.cmake
+    DEPFILE ${fingerprint}.d)
+  target_sources(lamina_${folder} PRIVATE ${fingerprint})
+  target_include_directories(lamina_${folder} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+endfunction()

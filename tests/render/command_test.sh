@@ -59,16 +59,26 @@ expect 2 'must be different files' "$scene" "${endless[@]}" -o same.png --json s
 expect 2 'there is no such file' no_scene.json
 expect 2 'method' "$scene" --method magic
 
-# What hierarchy samples is kept for other cameras, and refused for other light.
+# What hierarchy samples is kept for other cameras, and made anew for other light or after damage.
 sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)
 expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method profile --cache cloud.ply
 expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method shadow_map --cache cloud.ply
 [ ! -e cloud.ply ] || fail "a cache was written for a method that has none"
+expect 2 'cloud.ply: there is no such file' "$scene" "${sphere[@]}" --cache-only -o kept.exr
 expect 0 '' "$scene" "${sphere[@]}" -o kept.exr
-expect 0 '' "$scene" "${sphere[@]}" -o again.exr
+expect 0 '' "$scene" "${sphere[@]}" --cache-only -o again.exr
 cmp -s kept.exr again.exr || fail "the picture depends on where the samples come from"
-expect 2 'settings have changed' "$scene" "${sphere[@]}" --bounces 1 -o other.exr
+expect 2 'made for other settings' "$scene" "${sphere[@]}" --bounces 1 --cache-only -o other.exr
 [ ! -e other.exr ] || fail "a picture was written from a stale cache"
+printf '\377' | dd of=cloud.ply bs=1 seek=5000 conv=notrunc status=none
+expect 2 'is damaged' "$scene" "${sphere[@]}" --cache-only -o other.exr
+expect 0 'is damaged; it is made anew' "$scene" "${sphere[@]}" -o again.exr
+cmp -s kept.exr again.exr || fail "the picture shows damage of the cache"
+expect 0 'made for other settings' "$scene" "${sphere[@]}" --bounces 1 -o other.exr
+expect 2 'goes with --cache' "$scene" "${small[@]}" --cache-only
+echo holiday >mine.ply
+expect 2 'another file' "$scene" --method hierarchy "${small[@]}" --cache mine.ply
+[ "$(cat mine.ply)" = holiday ] || fail "a file that is no cache was overwritten"
 expect 2 'no such folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
 expect 2 'profile' "$scene" --profile guessed
 

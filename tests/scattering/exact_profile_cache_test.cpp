@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <span>
 #include <string>
 #include <vector>
+
+#include "lamina/core/file_bytes.h"
 
 namespace lamina {
 namespace {
@@ -42,6 +45,21 @@ TEST_F(ExactProfileCacheTest, GivesBackEveryDigit) {
   EXPECT_EQ(a.modes, b.modes);
   EXPECT_EQ(a.is_accurate, b.is_accurate);
   EXPECT_FALSE(cached_exact_profile(std::nullopt, stacks, grid, options).was_cached);
+}
+
+TEST_F(ExactProfileCacheTest, SolvesAgainWhatIsDamaged) {
+  const std::vector<LayerStack> stacks = {LayerStack(layers)};
+  const ExactProfile right = cached_exact_profile(cache, stacks, grid, options).result;
+  const fs::path file = fs::directory_iterator(cache.folder)->path();
+  const std::string whole = read_file_bytes(file);
+  for (std::size_t at = 5; at < whole.size(); at += whole.size() / 6) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x04);
+    write_file_bytes(file, std::as_bytes(std::span(damaged)));
+    const auto solved = cached_exact_profile(cache, stacks, grid, options);
+    EXPECT_FALSE(solved.was_cached) << at;
+    EXPECT_EQ(solved.result.profile.reflectance_profile, right.profile.reflectance_profile) << at;
+  }
 }
 
 // What is kept for one question must not answer another.

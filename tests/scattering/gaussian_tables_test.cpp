@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <span>
 
+#include "lamina/core/file_bytes.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/diffuse_boundary.h"
@@ -156,8 +158,9 @@ TEST(GaussianTables, ExactProfilesAreThoseOfTheWholeStack) {
 }
 
 TEST(GaussianTables, AreKeptInACacheAndTheSameFromIt) {
-  const auto folder = std::filesystem::temp_directory_path() / "lamina_gaussian_tables_test";
-  std::filesystem::remove_all(folder);
+  namespace fs = std::filesystem;
+  const auto folder = fs::temp_directory_path() / "lamina_gaussian_tables_test";
+  fs::remove_all(folder);
   const DiskCache cache{.folder = folder};
   GaussianTableGrid grid;
   grid.rows = 16;
@@ -170,12 +173,23 @@ TEST(GaussianTables, AreKeptInACacheAndTheSameFromIt) {
     EXPECT_EQ(kept.layers[0].transmission_up.weights, made.layers[0].transmission_up.weights);
     EXPECT_EQ(kept.layers[1].reflection_above.error, made.layers[1].reflection_above.error);
   }
+  // Damage anywhere is seen, and the tables are worked out again.
+  const fs::path file = fs::directory_iterator(folder)->path();
+  const std::string whole = read_file_bytes(file);
+  for (std::size_t at = 3; at < whole.size(); at += whole.size() / 12) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    write_file_bytes(file, std::as_bytes(std::span(damaged)));
+    const StackTables kept = cached_stack_tables(cache, stack, OperatorTotals::diffusion, {}, grid);
+    EXPECT_EQ(kept.layers[0].transmission_up.weights, made.layers[0].transmission_up.weights) << at;
+    EXPECT_TRUE(read_file_bytes(file) == whole) << at;
+  }
   grid.rows = 17;  // another key
   EXPECT_EQ(cached_stack_tables(cache, stack, OperatorTotals::diffusion, {}, grid)
                 .layers[0]
                 .reflection_above.error.size(),
             17u);
-  std::filesystem::remove_all(folder);
+  fs::remove_all(folder);
 }
 
 TEST(MappedOperator, PolynomialsFollowTheTable) {

@@ -13,6 +13,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/hash.h"
 
 namespace lamina {
 namespace {
@@ -21,23 +22,25 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view suffix = ".lamina";
 
-/// Fowler, Noll and Vo's hash FNV-1a.
-std::uint64_t hash(std::string_view bytes, std::uint64_t start = 0xcbf29ce484222325u) {
-  for (const char byte : bytes) start = (start ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  return start;
+/// Of one text, or of a key and a value.
+std::uint64_t hash_of(std::string_view text, std::string_view more = {}) {
+  Hash hash;
+  hash.add_text(text);
+  if (!more.empty()) hash.add_text(more);
+  return hash.value();
 }
 
 /// What a file starts with; the key and the value follow. The numbers are as this machine has them.
 struct Header {
   std::array<char, 8> magic = {'l', 'a', 'm', 'c', 'a', 'c', 'h', 'e'};
-  std::uint64_t version = 1;
+  std::uint64_t version = 2;
   std::uint64_t key_size = 0, value_size = 0;
   std::uint64_t checksum = 0;  ///< of key and value
 };
 
 fs::path file_of(const DiskCache& cache, std::string_view key) {
   std::array<char, 17> name{};
-  std::snprintf(name.data(), name.size(), "%016llx", static_cast<unsigned long long>(hash(key)));
+  std::snprintf(name.data(), name.size(), "%016llx", static_cast<unsigned long long>(hash_of(key)));
   return cache.folder / (name.data() + std::string(suffix));
 }
 
@@ -99,17 +102,18 @@ std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
   std::memcpy(&found, bytes.data(), sizeof found);
   const std::string_view rest = std::string_view(bytes).substr(sizeof found);
+  if (!rest.starts_with(key)) return std::nullopt;
+  const std::string_view value = rest.substr(key.size());
   const Header expected{
-      .key_size = key.size(), .value_size = rest.size() - key.size(), .checksum = hash(rest)};
-  if (std::memcmp(&found, &expected, sizeof found) != 0 || !rest.starts_with(key))
-    return std::nullopt;
+      .key_size = key.size(), .value_size = value.size(), .checksum = hash_of(key, value)};
+  if (std::memcmp(&found, &expected, sizeof found) != 0) return std::nullopt;
   fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
-  return std::string(rest.substr(key.size()));
+  return std::string(value);
 }
 
 bool store(const DiskCache& cache, std::string_view key, std::string_view value) {
   const Header header{
-      .key_size = key.size(), .value_size = value.size(), .checksum = hash(value, hash(key))};
+      .key_size = key.size(), .value_size = value.size(), .checksum = hash_of(key, value)};
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   bytes.append(key).append(value);
   std::error_code error;

@@ -2,12 +2,14 @@
 #include "lamina/render/checkpoint.h"
 
 #include <array>
+#include <cstddef>
 #include <cstring>
 #include <span>
 #include <string>
 
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/hash.h"
 
 // The file is for the machine that wrote it: a header, the tiles, and the film as it lies in
 // memory.
@@ -15,19 +17,17 @@ namespace lamina {
 namespace {
 
 struct Header {
-  std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ', 'f', 'i', 'l', 'm', ' ', '1'};
-  std::uint64_t key = 0, tiles = 0, film_bytes = 0, checksum = 0;
+  std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ', 'f', 'i', 'l', 'm', ' ', '2'};
+  std::uint64_t checksum = 0;  ///< of all that comes behind it
+  std::uint64_t key = 0, tiles = 0, film_bytes = 0;
   std::int64_t from = 0;
 };
+constexpr std::size_t up_to_checksum = offsetof(Header, checksum) + sizeof(Header::checksum);
 
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325u;  // FNV-1a, by words
-  for (std::size_t i = 0; i < bytes.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + i, std::min<std::size_t>(8, bytes.size() - i));
-    sum = (sum ^ word) * 0x100000001b3u;
-  }
-  return sum;
+std::uint64_t checksum(std::span<const std::byte> file) {
+  Hash hash;
+  hash.add_bytes(file.subspan(up_to_checksum));
+  return hash.value();
 }
 
 }  // namespace
@@ -44,7 +44,8 @@ void save_checkpoint(const std::filesystem::path& file, std::uint64_t key,
   append(std::as_bytes(std::span(tiles.samples)));
   append(std::as_bytes(std::span(tiles.is_quiet)));
   append(pixels);
-  header.checksum = checksum(std::span(bytes).subspan(sizeof header));
+  std::memcpy(bytes.data(), &header, sizeof header);
+  header.checksum = checksum(bytes);
   std::memcpy(bytes.data(), &header, sizeof header);
   write_file_bytes(file, bytes);
 }
@@ -59,16 +60,17 @@ std::optional<TileProgress> load_checkpoint(const std::filesystem::path& file, s
   if (bytes.size() >= sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
   if (bytes.size() < sizeof header || header.magic != magic)
     throw FileError(file.string() + ": is not an unfinished image of this version");
+  const auto refuse = [&](const std::string& why) {
+    throw FileError(file.string() + ": " + why + "; remove it, or render without --resume");
+  };
+  if (header.checksum != checksum(bytes)) refuse("is damaged");
   if (header.key != key)
-    throw FileError(file.string() +
-                    ": is an unfinished image of another scene or other settings; remove it, or "
-                    "render without --resume");
+    refuse("is an unfinished image of another scene, other settings or another version of lamina");
   const std::span<const std::byte> body = bytes.subspan(sizeof header);
   constexpr std::size_t per_tile = sizeof(std::int32_t) + sizeof(std::uint8_t);
   if (header.tiles > body.size() || header.film_bytes != film.bytes().size() ||
-      body.size() != header.tiles * per_tile + header.film_bytes ||
-      header.checksum != checksum(body))
-    throw FileError(file.string() + ": is damaged");
+      body.size() != header.tiles * per_tile + header.film_bytes)
+    refuse("is damaged");
   TileProgress tiles{.from = static_cast<int>(header.from),
                      .samples = std::vector<std::int32_t>(header.tiles),
                      .is_quiet = std::vector<std::uint8_t>(header.tiles)};

@@ -5,11 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
-#include "lamina/render/irradiance_cloud_file.h"
+#include "lamina/render/light_cache.h"
 #include "lamina/render/nearest_pixel.h"
-#include "lamina/render/scene_fingerprint.h"
 #include "lamina/render/surface_cells.h"
 
 namespace lamina {
@@ -92,21 +90,32 @@ std::optional<IrradianceCloud> sampled_light(HierarchyTransport<N>& hierarchy, c
 template <int N>
 bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
                          const RenderScene& scene, const CameraRays& camera,
-                         const LightGatherer<N>& light, const std::filesystem::path& cache,
+                         const LightGatherer<N>& light, const RenderOptions& options,
                          const Progress& progress, std::vector<LightSamples>& sampled) {
   if (hierarchies.empty()) return true;
-  const SceneFingerprint made_for = cache.empty() ? SceneFingerprint{} : fingerprint(*scene.scene);
-  if (!cache.empty() && std::filesystem::exists(cache)) {
-    const std::vector<IrradianceCloud> clouds = load_irradiance_clouds(cache, made_for);
+  const bool is_kept = !options.cache.empty();
+  const auto spacing_of = [&](const HierarchyTransport<N>& hierarchy) {
+    return hierarchy.spacing_for(nearest_pixel(*scene.scene, camera, hierarchy.material()));
+  };
+  const auto misfit = [&](const std::vector<IrradianceCloud>& clouds) -> std::string {
+    for (const HierarchyTransport<N>* hierarchy : hierarchies) {
+      const IrradianceCloud* cloud = cloud_of(clouds, hierarchy->material());
+      if (!cloud || cloud->bands > N || cloud->irradiance.empty())
+        return "lacks a material of the scene";
+      const float wanted = spacing_of(*hierarchy);
+      if (!(scene.scene->render.hierarchy.refine > 0.0f) && cloud->spacing > 1.001f * wanted)
+        return "its samples are " + std::to_string(cloud->spacing) +
+               " mm apart, but this camera sees light as fine as " + std::to_string(wanted) + " mm";
+    }
+    return {};
+  };
+  if (const auto kept = find_kept_light(*scene.scene, options, misfit)) {
     for (HierarchyTransport<N>* hierarchy : hierarchies) {
-      const auto found =
-          std::ranges::find(clouds, hierarchy->material(), &IrradianceCloud::material);
-      if (found == clouds.end() || found->bands > N || found->irradiance.empty())
-        throw FileError(cache.string() + ": lacks a material of the scene");
-      hierarchy->use(*found);
+      const IrradianceCloud& found = *cloud_of(*kept, hierarchy->material());
+      hierarchy->use(found);
       sampled.push_back({.material = hierarchy->material(),
-                         .spacing = static_cast<double>(found->spacing),
-                         .count = found->points.size(),
+                         .spacing = static_cast<double>(found.spacing),
+                         .count = found.points.size(),
                          .change = {}});
     }
     return true;
@@ -115,22 +124,21 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
   for (HierarchyTransport<N>* hierarchy : hierarchies) {
     // What is kept serves cameras that come closer, too.
     const float pixel =
-        (cache.empty() ? 1.0f : 0.5f) * nearest_pixel(*scene.scene, camera, hierarchy->material());
+        (is_kept ? 0.5f : 1.0f) * nearest_pixel(*scene.scene, camera, hierarchy->material());
     auto& done = sampled.emplace_back(LightSamples{.material = hierarchy->material()});
     auto cloud = sampled_light(*hierarchy, *scene.scene, light, hierarchy->spacing_for(pixel),
                                progress, done);
     if (!cloud) return false;
     clouds.push_back(*std::move(cloud));
   }
-  if (!cache.empty()) save_irradiance_clouds(clouds, made_for, cache);
+  keep_light(*scene.scene, options, clouds);
   return true;
 }
 
-#define LAMINA_INSTANTIATE(N)                                                                 \
-  template bool prepare_hierarchies<N>(const std::vector<HierarchyTransport<N>*>&,            \
-                                       const RenderScene&, const CameraRays&,                 \
-                                       const LightGatherer<N>&, const std::filesystem::path&, \
-                                       const Progress&, std::vector<LightSamples>&)
+#define LAMINA_INSTANTIATE(N)                                                            \
+  template bool prepare_hierarchies<N>(                                                  \
+      const std::vector<HierarchyTransport<N>*>&, const RenderScene&, const CameraRays&, \
+      const LightGatherer<N>&, const RenderOptions&, const Progress&, std::vector<LightSamples>&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
 #include "lamina/core/progress.h"
@@ -15,16 +14,16 @@ namespace lamina {
 /// ask for it samples are made twice as close, from four times as far apart, until the light that
 /// leaves hardly changes.
 ///
-/// @param cache    a file that keeps the samples: read if it is there, else written. Empty: none.
-///                 Samples that are kept are up to twice as close as this camera needs.
+/// @param options  of these the cache. Samples that are kept are twice as close as this camera
+///                 needs, so that others may come nearer; one that needs closer ones makes them.
 /// @param sampled  gets what was done, an entry per hierarchy
 /// @return         whether it was completed
-/// @throws       as load_irradiance_clouds, save_irradiance_clouds
+/// @throws       as find_kept_light, keep_light
 template <int N>
 [[nodiscard]] bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
                                        const RenderScene& scene, const CameraRays& camera,
-                                       const LightGatherer<N>& light,
-                                       const std::filesystem::path& cache, const Progress& progress,
+                                       const LightGatherer<N>& light, const RenderOptions& options,
+                                       const Progress& progress,
                                        std::vector<LightSamples>& sampled);
 
 }  // namespace lamina

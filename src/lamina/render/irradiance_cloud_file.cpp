@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iomanip>
 #include <limits>
 #include <span>
 #include <sstream>
@@ -13,6 +14,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/hash.h"
 
 namespace lamina {
 namespace {
@@ -23,7 +25,7 @@ constexpr std::size_t fixed_numbers = 14;  // of a vertex, before those of its b
 
 std::string hexadecimal(std::uint64_t value) {
   std::ostringstream text;
-  text << std::hex << value;
+  text << std::hex << std::setw(16) << std::setfill('0') << value;
   return text.str();
 }
 
@@ -41,12 +43,19 @@ std::string property_lines(std::size_t bands, bool has_spread) {
   return text + "end_header\n";
 }
 
-constexpr int version = 2;  // of what the file means; older ones are refused
-constexpr const char* format_lines = "ply\nformat binary_little_endian 1.0\n";
-constexpr const char* version_words = "comment lamina irradiance cloud, version";
+constexpr int version = 3;  // of what the file means; older ones are made anew
+const std::string first_words =
+    "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
+const std::string no_checksum(16, '0');  // while the checksum of the file is taken
+
+std::uint64_t checksum(std::string_view bytes) {
+  Hash hash;
+  hash.add_text(bytes);
+  return hash.value();
+}
 
 /// The parts of a scene, by the words that a message uses.
-std::array<std::pair<const char*, std::uint64_t>, 5> parts(const SceneFingerprint& f) {
+std::array<std::pair<const char*, std::uint64_t>, 5> parts(const LightFingerprint& f) {
   return {{{"meshes", f.meshes},
            {"materials", f.materials},
            {"maps", f.maps},
@@ -54,10 +63,11 @@ std::array<std::pair<const char*, std::uint64_t>, 5> parts(const SceneFingerprin
            {"settings", f.settings}}};
 }
 
-std::string header(const std::vector<IrradianceCloud>& clouds, const SceneFingerprint& made_for) {
+std::string header(const std::vector<IrradianceCloud>& clouds, const LightFingerprint& made_for) {
   std::ostringstream text;
   text.precision(9);
-  text << format_lines << version_words << ' ' << version << ", lengths in mm\n";
+  text << first_words << version << ", lengths in mm\n"
+       << "comment checksum " << no_checksum << '\n';
   for (const auto& [name, value] : parts(made_for))
     text << "comment " << name << ' ' << hexadecimal(value) << '\n';
   std::size_t count = 0;
@@ -72,23 +82,28 @@ std::string header(const std::vector<IrradianceCloud>& clouds, const SceneFinger
   return text.str();
 }
 
+struct Unusable {
+  std::string why;
+};
+
+void require(bool holds) {
+  if (!holds) throw Unusable{"is damaged"};
+}
+
 /// Goes through a header line by line.
 class Lines {
  public:
-  Lines(std::string_view text, std::string file) : rest_(text), file_(std::move(file)) {}
-
-  [[noreturn]] void refuse(const std::string& why) const { throw FileError(file_ + ": " + why); }
+  explicit Lines(std::string_view text) : rest_(text) {}
 
   void expect(std::string_view text) {
-    if (!rest_.starts_with(text)) refuse("is not a point cloud of lamina's, or damaged");
+    require(rest_.starts_with(text));
     rest_.remove_prefix(text.size());
   }
   /// The words after a beginning, if the next line has it.
   bool next(const std::string& beginning, std::istringstream& words) {
-    const std::size_t end = rest_.find('\n');
-    if (!rest_.starts_with(beginning + ' ') || end == std::string_view::npos) return false;
-    words = std::istringstream(
-        std::string(rest_.substr(beginning.size() + 1, end - beginning.size() - 1)));
+    const std::size_t end = rest_.find('\n', beginning.size());
+    if (!rest_.starts_with(beginning) || end == std::string_view::npos) return false;
+    words = std::istringstream(std::string(rest_.substr(beginning.size(), end - beginning.size())));
     rest_.remove_prefix(end + 1);
     return true;
   }
@@ -96,13 +111,91 @@ class Lines {
 
  private:
   std::string_view rest_;
-  std::string file_;
 };
+
+/// What a vertex must be, whatever the checksum says.
+void check(const CloudPoint& point, float spacing, std::span<const float> of_bands) {
+  const auto is_at_least_0 = [](float x) { return x >= 0.0f && std::isfinite(x); };
+  for (int k = 0; k < 3; ++k) require(std::isfinite(point.position[k]));
+  require(std::abs(length(point.normal) - 1.0f) < 1e-3f);
+  require(std::isfinite(point.uv.x) && std::isfinite(point.uv.y));
+  require(point.area > 0.0f && point.area < 1e4f * spacing * spacing);  // about spacing²
+  for (int k = 0; k < 3; ++k) require(std::isfinite(point.albedo[k]));
+  require(point.thickness > 0.0f);
+  for (const float value : of_bands) require(is_at_least_0(value));
+}
+
+/// @throws Unusable
+std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerprint& wanted) {
+  Lines lines(bytes);
+  std::istringstream words;
+  int found_version = 0;
+  require(lines.next(first_words, words) && words >> found_version);
+  if (found_version != version)
+    throw Unusable{"is of version " + std::to_string(found_version) + ", not " +
+                   std::to_string(version)};
+  lines.expect("comment checksum ");
+  const std::size_t at = bytes.size() - lines.rest().size();
+  require(bytes.size() >= at + no_checksum.size());
+  const std::string stated = bytes.substr(at, no_checksum.size());
+  bytes.replace(at, no_checksum.size(), no_checksum);
+  require(stated == hexadecimal(checksum(bytes)));
+  lines.expect(no_checksum + '\n');
+  for (const auto& [name, value] : parts(wanted)) {
+    std::string found;
+    require(lines.next(std::string("comment ") + name + ' ', words) && words >> found);
+    if (found != hexadecimal(value))
+      throw Unusable{
+          std::string("was made for other ") + name +
+          (name == parts(wanted).back().first ? ", or by another version of the program" : "")};
+  }
+  std::vector<IrradianceCloud> clouds;
+  std::size_t count = 0;
+  while (lines.next("comment cloud ", words)) {
+    IrradianceCloud cloud;
+    std::size_t points = 0;
+    require(words >> cloud.material >> points >> cloud.spacing && cloud.spacing > 0.0f &&
+            std::isfinite(cloud.spacing) && points <= bytes.size());
+    cloud.points.resize(points);
+    count += points;
+    clouds.push_back(std::move(cloud));
+  }
+  std::size_t bands = 0;
+  require(lines.next("comment bands ", words) && words >> bands && bands >= 1 && bands <= 16);
+  const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
+  const bool has_spread = lines.rest().starts_with(before_properties + property_lines(bands, true));
+  lines.expect(before_properties + property_lines(bands, has_spread));
+  const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
+  std::string_view rest = lines.rest();
+  require(rest.size() == count * stride * sizeof(float));
+  std::vector<float> v(stride);
+  for (IrradianceCloud& cloud : clouds) {
+    cloud.bands = bands;
+    for (CloudPoint& point : cloud.points) {
+      std::memcpy(v.data(), rest.data(), stride * sizeof(float));
+      rest.remove_prefix(stride * sizeof(float));
+      point = {.position = {v[0], v[1], v[2]},
+               .normal = {v[3], v[4], v[5]},
+               .uv = {v[6], v[7]},
+               .area = v[8],
+               .albedo = {v[9], v[10], v[11]},
+               .thickness = v[12] != 0.0f ? v[12] : std::numeric_limits<float>::infinity()};
+      check(point, cloud.spacing, std::span(v).subspan(fixed_numbers));
+      require(v[13] == static_cast<float>(cloud.material));
+      const auto first = v.begin() + fixed_numbers,
+                 second = first + static_cast<std::ptrdiff_t>(bands);
+      std::vector<float>& of_first = has_spread ? cloud.exitance : cloud.irradiance;
+      of_first.insert(of_first.end(), first, second);
+      cloud.reflectance.insert(cloud.reflectance.end(), second, v.end());
+    }
+  }
+  return clouds;
+}
 
 }  // namespace
 
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
-                            const SceneFingerprint& made_for, const std::filesystem::path& file) {
+                            const LightFingerprint& made_for, const std::filesystem::path& file) {
   std::string bytes = header(clouds, made_for);
   std::vector<float> vertex;
   for (const IrradianceCloud& cloud : clouds)
@@ -134,74 +227,21 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
       }
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
     }
+  const std::string sum = hexadecimal(checksum(bytes));
+  bytes.replace(bytes.find("comment checksum ") + 17, sum.size(), sum);
   write_file_bytes(file, std::as_bytes(std::span(bytes)));
 }
 
-std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path& file,
-                                                    const SceneFingerprint& wanted) {
-  const std::string bytes = read_file_bytes(file);
-  Lines lines(bytes, file.string());
-  std::istringstream words;
-  lines.expect(format_lines);
-  int found_version = 0;
-  if (!lines.next(version_words, words) || !(words >> found_version))
-    lines.refuse("is not a point cloud of lamina's, or damaged");
-  if (found_version != version)
-    lines.refuse("must be of version " + std::to_string(version) + ", but is of version " +
-                 std::to_string(found_version) + "; remove it to make it anew");
-  for (const auto& [name, value] : parts(wanted)) {
-    std::string found;
-    if (!lines.next(std::string("comment ") + name, words) || !(words >> found))
-      lines.refuse(std::string("does not say which ") + name + " it was made for");
-    if (found != hexadecimal(value))
-      throw InvalidInput(file.string() + ": is stale: the scene's " + name +
-                         " have changed since it was made; remove it to make it anew");
+KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
+                                  const LightFingerprint& wanted) {
+  std::string bytes = read_file_bytes(file);
+  if (!bytes.starts_with(first_words))
+    throw FileError(file.string() + ": must be a cache of light, but is another file");
+  try {
+    return {.clouds = parse_clouds(std::move(bytes), wanted), .why_unusable = {}};
+  } catch (const Unusable& unusable) {
+    return {.clouds = {}, .why_unusable = unusable.why};
   }
-  std::vector<IrradianceCloud> clouds;
-  std::size_t count = 0;
-  while (lines.next("comment cloud", words)) {
-    IrradianceCloud cloud;
-    std::size_t points = 0;
-    if (!(words >> cloud.material >> points >> cloud.spacing) || !(cloud.spacing > 0.0f) ||
-        points > bytes.size())
-      lines.refuse("has a damaged header");
-    cloud.points.resize(points);
-    count += points;
-    clouds.push_back(std::move(cloud));
-  }
-  std::size_t bands = 0;
-  if (!lines.next("comment bands", words) || !(words >> bands) || bands < 1 || bands > 16)
-    lines.refuse("has a damaged header");
-  const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
-  const bool has_spread = lines.rest().starts_with(before_properties + property_lines(bands, true));
-  lines.expect(before_properties + property_lines(bands, has_spread));
-  const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
-  if (lines.rest().size() != count * stride * sizeof(float))
-    lines.refuse("must hold " + std::to_string(count) + " vertices, but is cut off or too long");
-  std::vector<float> vertex(stride);
-  std::string_view rest = lines.rest();
-  for (IrradianceCloud& cloud : clouds) {
-    cloud.bands = bands;
-    for (CloudPoint& point : cloud.points) {
-      std::memcpy(vertex.data(), rest.data(), stride * sizeof(float));
-      rest.remove_prefix(stride * sizeof(float));
-      for (const float number : vertex)
-        if (!std::isfinite(number)) lines.refuse("holds a number that is not finite");
-      const auto& v = vertex;
-      point = {.position = {v[0], v[1], v[2]},
-               .normal = {v[3], v[4], v[5]},
-               .uv = {v[6], v[7]},
-               .area = v[8],
-               .albedo = {v[9], v[10], v[11]},
-               .thickness = v[12] > 0.0f ? v[12] : std::numeric_limits<float>::infinity()};
-      const auto first = v.begin() + fixed_numbers,
-                 second = first + static_cast<std::ptrdiff_t>(bands);
-      std::vector<float>& of_first = has_spread ? cloud.exitance : cloud.irradiance;
-      of_first.insert(of_first.end(), first, second);
-      cloud.reflectance.insert(cloud.reflectance.end(), second, v.end());
-    }
-  }
-  return clouds;
 }
 
 }  // namespace lamina

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "lamina/render/irradiance_cloud.h"
@@ -12,18 +13,24 @@ namespace lamina {
 /// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
 /// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
 /// thickness [mm] (0: thick), material (its index), and of each band irradiance_0 …; of light that
-/// has spread exitance_0 … and reflectance_0 … instead. What it was made for is said in comments.
+/// has spread exitance_0 … and reflectance_0 … instead. What it was made for, and a checksum of all
+/// of the file, are said in comments.
 ///
 /// @param clouds  at least one, all of the same number of bands, and all spread or none
 /// @throws WriteError
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
-                            const SceneFingerprint& made_for, const std::filesystem::path& file);
+                            const LightFingerprint& made_for, const std::filesystem::path& file);
+
+/// What such a file holds, or why that is of no use: it may be made anew in its place.
+struct KeptClouds {
+  std::vector<IrradianceCloud> clouds;
+  std::string why_unusable;  ///< damaged, of another version, made for another scene; else empty
+};
 
 /// Reads such a file back.
 ///
-/// @throws FileError if it is no such file, or damaged; InvalidInput if it was made for another
-///         scene, naming the part that differs.
-[[nodiscard]] std::vector<IrradianceCloud> load_irradiance_clouds(const std::filesystem::path& file,
-                                                                  const SceneFingerprint& wanted);
+/// @throws FileError if it cannot be read, or is no such file: then it is someone else's.
+[[nodiscard]] KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
+                                                const LightFingerprint& wanted);
 
 }  // namespace lamina

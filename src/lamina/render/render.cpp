@@ -220,11 +220,10 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                               {.max_bounces = settings.max_bounces,
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
   const CameraRays camera(scene.scene->camera, width, height);
-  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options.cache, progress,
+  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options, progress,
                            light_samples))
     return false;
-  if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options.cache,
-                              progress))
+  if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options, progress))
     return false;
   for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
     if (!shadow_map->look_from_lights(tracer, progress)) return false;

@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lamina/core/progress.h"
@@ -27,15 +29,19 @@ struct RenderOptions {
   enum class DirectLight { combined, lights_only, surfaces_only };
   DirectLight direct_light = DirectLight::combined;
 
-  /// File that keeps what the methods `hierarchy` and `texture_space` sample, for other cameras;
-  /// empty: none. It is
-  /// read if it is there, else written.
+  /// File that keeps the light that the methods `hierarchy` and `texture_space` sample, for other
+  /// cameras; empty: none. It is read if it is there and of use: made for this light, whole, and
+  /// fine enough. Else the light is sampled and it is written, which on_notice is told.
   std::filesystem::path cache;
+  bool needs_cache = false;  ///< refuses to sample what the cache does not have
 
   /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
   /// image is complete. Empty: none.
   std::filesystem::path checkpoint;
   bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
+
+  /// Told what a user should know before the work goes on, a line each. May be empty.
+  std::function<void(const std::string&)> on_notice;
 };
 
 /// How the method `hierarchy` has sampled the light on a material.
@@ -71,8 +77,9 @@ struct RenderResult {
 /// noisier image, from the end of the first pass on. The result depends on scene and seed, not on the number of threads.
 ///
 /// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
-///         bands, a method that does not exist yet, a cache of another scene.
-/// @throws FileError, WriteError if the cache cannot be read or written; FileError if the
+///         bands, a method that does not exist yet, a cache that is needed but of no use.
+/// @throws FileError, WriteError if the cache is another file, or cannot be read or written;
+/// FileError if the
 ///         checkpoint to go on from is damaged, or of another scene or other settings.
 /// @throws Interrupted if progress asked to stop before every pixel had a sample. What there is of
 ///         them, the checkpoint keeps.

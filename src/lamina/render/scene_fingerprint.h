@@ -8,18 +8,19 @@
 
 namespace lamina {
 
-/// What the light on surfaces follows from, part by part: parts that differ have other numbers, but
-/// for one case in 10^19. The camera and the film are no part of it.
-struct SceneFingerprint {
+/// What the light that enters surfaces follows from, part by part: parts that differ have other
+/// numbers, but for one case in 10^19. Camera, film and samples of the picture are no part of it,
+/// nor names, nor the roughness of glass. That of a coat is: what it reflects does not enter.
+struct LightFingerprint {
   std::uint64_t meshes = 0, materials = 0, maps = 0, lights = 0;
-  std::uint64_t settings = 0;  ///< method and how it samples, bounces and seed
-  friend bool operator==(const SceneFingerprint&, const SceneFingerprint&) = default;
+  std::uint64_t settings = 0;  ///< the program, the method and how it samples, bounces and seed
+  friend bool operator==(const LightFingerprint&, const LightFingerprint&) = default;
 };
 
-[[nodiscard]] SceneFingerprint fingerprint(const Scene& scene);
+[[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options);
 
 /// All that the samples of a picture follow from: the scene with its camera, the size of the
-/// picture, and how it is rendered.
+/// picture, how it is rendered, and the program.
 [[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);
 
 }  // namespace lamina

@@ -5,11 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
-#include "lamina/render/irradiance_cloud_file.h"
+#include "lamina/render/light_cache.h"
 #include "lamina/render/nearest_pixel.h"
-#include "lamina/render/scene_fingerprint.h"
 
 namespace lamina {
 namespace {
@@ -39,31 +37,41 @@ std::vector<bool> seen_texels(const RenderScene& scene, std::span<const AtlasTex
 template <int N>
 bool prepare_texture_spaces(const std::vector<TextureSpaceTransport<N>*>& transports,
                             const RenderScene& scene, const CameraRays& camera,
-                            const LightGatherer<N>& light, const std::filesystem::path& cache,
+                            const LightGatherer<N>& light, const RenderOptions& options,
                             const Progress& progress) {
   if (transports.empty()) return true;
-  const SceneFingerprint made_for = cache.empty() ? SceneFingerprint{} : fingerprint(*scene.scene);
-  if (!cache.empty() && std::filesystem::exists(cache)) {
-    const std::vector<IrradianceCloud> clouds = load_irradiance_clouds(cache, made_for);
+  const bool is_kept = !options.cache.empty();
+  const auto pixel_of = [&](const TextureSpaceTransport<N>& transport) {
+    return nearest_pixel(*scene.scene, camera, transport.material());
+  };
+  const auto misfit = [&](const std::vector<IrradianceCloud>& clouds) -> std::string {
+    for (const TextureSpaceTransport<N>* transport : transports) {
+      const IrradianceCloud* cloud = cloud_of(clouds, transport->material());
+      if (!cloud || cloud->bands > N || cloud->exitance.empty())
+        return "lacks a material of the scene";
+      const float wanted = transport->spacing_for(pixel_of(*transport));
+      if (cloud->spacing > 2.001f * wanted)
+        return "its texels are " + std::to_string(cloud->spacing) +
+               " mm wide, but this camera sees light as fine as " + std::to_string(wanted) + " mm";
+    }
+    return {};
+  };
+  if (const auto kept = find_kept_light(*scene.scene, options, misfit)) {
     for (TextureSpaceTransport<N>* transport : transports) {
-      const auto found =
-          std::ranges::find(clouds, transport->material(), &IrradianceCloud::material);
-      if (found == clouds.end() || found->bands > N)
-        throw FileError(cache.string() + ": lacks a material of the scene");
-      transport->make_texels(0.0f, found->spacing);
-      transport->use(*found);
+      const IrradianceCloud& found = *cloud_of(*kept, transport->material());
+      transport->make_texels(found.spacing);
+      transport->use(found);
     }
     return true;
   }
   const std::optional<DiskCache> tables = user_cache();
   for (TextureSpaceTransport<N>* transport : transports) {
-    transport->make_texels(nearest_pixel(*scene.scene, camera, transport->material()));
+    transport->make_texels(transport->spacing_for(pixel_of(*transport)));
     transport->make_layers(tables);
   }
   std::vector<IrradianceCloud> clouds;
   for (TextureSpaceTransport<N>* transport : transports) {
-    const auto is_seen =
-        cache.empty() ? seen_texels(scene, transport->texels()) : std::vector<bool>{};
+    const auto is_seen = is_kept ? std::vector<bool>{} : seen_texels(scene, transport->texels());
     auto cloud = transport->sample_light(light, is_seen, scene.scene->render.seed, progress);
     if (!cloud) return false;
     clouds.push_back(*std::move(cloud));
@@ -72,21 +80,21 @@ bool prepare_texture_spaces(const std::vector<TextureSpaceTransport<N>*>& transp
     transports[i]->spread(clouds[i]);
     transports[i]->use(clouds[i]);
   }
-  if (!cache.empty()) save_irradiance_clouds(clouds, made_for, cache);
+  keep_light(*scene.scene, options, clouds);
   return true;
 }
 
 template bool prepare_texture_spaces<4>(const std::vector<TextureSpaceTransport<4>*>&,
                                         const RenderScene&, const CameraRays&,
-                                        const LightGatherer<4>&, const std::filesystem::path&,
+                                        const LightGatherer<4>&, const RenderOptions&,
                                         const Progress&);
 template bool prepare_texture_spaces<8>(const std::vector<TextureSpaceTransport<8>*>&,
                                         const RenderScene&, const CameraRays&,
-                                        const LightGatherer<8>&, const std::filesystem::path&,
+                                        const LightGatherer<8>&, const RenderOptions&,
                                         const Progress&);
 template bool prepare_texture_spaces<16>(const std::vector<TextureSpaceTransport<16>*>&,
                                          const RenderScene&, const CameraRays&,
-                                         const LightGatherer<16>&, const std::filesystem::path&,
+                                         const LightGatherer<16>&, const RenderOptions&,
                                          const Progress&);
 
 }  // namespace lamina

@@ -62,15 +62,18 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
 }
 
 template <int N>
-void TextureSpaceTransport<N>::make_texels(float pixel_size, float spacing) {
+float TextureSpaceTransport<N>::spacing_for(float pixel_size) const {
   const TextureSpaceSettings& settings = scene_.scene->render.texture_space;
   const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
   // Finer than the narrowest profiles matter there is nothing to see.
   constexpr float finest = 0.02f;
   const float wanted = settings.texel > 0.0f ? settings.texel : std::max(pixel_size, finest);
-  spacing_ = spacing > 0.0f
-                 ? spacing
-                 : std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_texels)));
+  return std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_texels)));
+}
+
+template <int N>
+void TextureSpaceTransport<N>::make_texels(float spacing) {
+  spacing_ = spacing;
   atlas_.emplace(scene_.scene->meshes, material_, spacing_);
   if (atlas_->texels().empty())
     throw InvalidInput("material \"" + scene_.scene->materials[material_].name +

@@ -32,12 +32,15 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
   /// @throws InvalidInput if the material is no recipe of skin, or has a color.
   TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
 
-  /// Cuts the surface into texels. Comes before all else.
+  /// The width of texels that the settings ask for, never more than `max_texels` of them [mm].
   ///
   /// @param pixel_size  what a pixel sees at least [mm]: texels need not be smaller
-  /// @param spacing     of the texels [mm]; 0: from the scene's settings and the size of a pixel
+  [[nodiscard]] float spacing_for(float pixel_size) const;
+
+  /// Cuts the surface into texels. Comes before all else.
+  /// @param spacing  of the texels [mm]
   /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
-  void make_texels(float pixel_size, float spacing = 0.0f);
+  void make_texels(float spacing);
 
   /// Works out what skin is at each texel. Comes before sample_light.
   /// @param cache  of tables
