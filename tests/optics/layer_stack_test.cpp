@@ -32,8 +32,10 @@ TEST(LayerStack, NamesTheLayerTheRuleAndTheValueOfWrongInput) {
   EXPECT_EQ(message_of(stack_with({.thickness = 0.0})),
             "layer 1: thickness must be > 0 [mm], but is 0");
   EXPECT_EQ(message_of(stack_with({.medium = {.g = 0.5}, .phase = Rayleigh{}})),
-            "layer 1: g must be the mean cosine of the phase function, 0.000000, but is 0.5");
-  EXPECT_EQ(message_of([] { LayerStack({Layer{}, Layer{}}); }),
+            "layer 1: g must be the mean cosine of the phase function, 0, but is 0.5");
+  EXPECT_EQ(message_of([] {
+              LayerStack({Layer{}, Layer{}});
+            }),
             "layer 0: thickness must be finite above the bottom layer [mm], but is inf");
   EXPECT_NE(message_of([] { LayerStack({}); }), "");
 }

@@ -133,7 +133,7 @@ TEST(Ply, SaysWhatIsWrong) {
   EXPECT_EQ(ply_refusal(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
             "f.ply: face 0: a vertex index must be < 3, but is 3");
   EXPECT_EQ(ply_refusal(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"),
-            "f.ply: face 0 of 1: a vertex index must be a whole number >= 0, but is -1.000000");
+            "f.ply: face 0 of 1: a vertex index must be a whole number >= 0, but is -1");
   EXPECT_EQ(ply_refusal(head + "0 0 0\n1 0 0\n0 1"), "f.ply: is cut off within vertex 2 of 3");
   EXPECT_EQ(ply_refusal(head + "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n"),
             "f.ply: vertex 1 of 3 must hold numbers, but has \"x\"");
@@ -285,7 +285,7 @@ TEST(Gltf, SaysWhatIsWrong) {
   SquareGltf out_of_range;
   out_of_range.binary[80] = 4;
   EXPECT_EQ(gltf_refusal(out_of_range.glb()),
-            "f.glb:5: meshes[0].primitives[0].indices: index 0 must be < 4, but is 4.000000");
+            "f.glb:5: meshes[0].primitives[0].indices: index 0 must be < 4, but is 4");
   SquareGltf not_a_number;
   ByteWriter nan;
   nan.put(std::nanf(""));

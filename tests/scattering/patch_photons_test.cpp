@@ -124,7 +124,7 @@ TEST(PatchPhotons, RefuseMapsThatDoNotFit) {
   patch.sigma_a = {{1.0, 2.0}};
   expect_refusal(patch, "sigma_a must have 4 texels, but has 2");
   patch.sigma_a = {{1.0, 2.0, -1.0, 0.0}};
-  expect_refusal(patch, "sigma_a must lie in [0, inf), but is -1.000000");
+  expect_refusal(patch, "sigma_a must lie in [0, inf), but is -1");
   patch.sigma_a = {{1.0, 2.0, std::nan(""), 0.0}};
   expect_refusal(patch, "sigma_a must lie in [0, inf), but is nan");
   patch.sigma_a = {};

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <charconv>
 #include <cmath>
 #include <system_error>
 
@@ -12,6 +11,7 @@
 #include "lamina/core/file_bytes.h"
 #include "lamina/core/json_tree.h"
 #include "lamina/core/nearest_name.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
@@ -21,13 +21,6 @@ using json_detail::Kind;
 using json_detail::Node;
 using json_detail::none;
 using json_detail::Tree;
-
-/// The shortest digits that read back to the same number.
-std::string digits(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
 
 bool contains(const NumberRange& range, double value) {
   return std::isfinite(value) && (range.includes_low ? value >= range.low : value > range.low) &&
@@ -39,11 +32,11 @@ std::string rule(const NumberRange& range) {
   const std::string unit = range.unit.empty() ? "" : " [" + std::string(range.unit) + "]";
   if (std::isinf(range.low) && std::isinf(range.high)) return "must be a number" + unit;
   if (std::isinf(range.high))
-    return (range.includes_low ? "must be >= " : "must be > ") + digits(range.low) + unit;
+    return (range.includes_low ? "must be >= " : "must be > ") + number_text(range.low) + unit;
   if (std::isinf(range.low))
-    return (range.includes_high ? "must be <= " : "must be < ") + digits(range.high) + unit;
-  return std::string("must lie in ") + (range.includes_low ? "[" : "(") + digits(range.low) + ", " +
-         digits(range.high) + (range.includes_high ? "]" : ")") +
+    return (range.includes_high ? "must be <= " : "must be < ") + number_text(range.high) + unit;
+  return std::string("must lie in ") + (range.includes_low ? "[" : "(") + number_text(range.low) +
+         ", " + number_text(range.high) + (range.includes_high ? "]" : ")") +
          (range.unit.empty() ? "" : " " + std::string(range.unit));
 }
 
@@ -227,7 +220,7 @@ std::string JsonInput::described() const {
     case Kind::boolean:
       return node.number != 0.0 ? "true" : "false";
     case Kind::number:
-      return digits(node.number);
+      return number_text(node.number);
     case Kind::string:
       return in_quotes(tree_->texts[node.text]);
     case Kind::array:

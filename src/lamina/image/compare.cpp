@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
@@ -53,7 +54,7 @@ ImageComparison compare_renders(const RenderEstimate& a, const RenderEstimate& b
   const std::size_t count = a.mean.pixels.size(), channels = a.mean.channel_count();
   if (count == 0) throw InvalidInput("images: there are no pixels to compare");
   if (!(significance > 0.0 && significance < 1.0))
-    throw InvalidInput("significance must lie in (0, 1), but is " + std::to_string(significance));
+    throw InvalidInput("significance must lie in (0, 1), but is " + number_text(significance));
 
   ImageComparison result;
   result.threshold = 0.5 * significance / static_cast<double>(count);
@@ -93,13 +94,11 @@ ImageComparison compare_renders(const RenderEstimate& a, const RenderEstimate& b
 }
 
 std::string ImageComparison::report() const {
-  char line[256];
-  std::snprintf(line, sizeof line,
-                "%s: %zu pixel values differ (smallest p-value %.2g, threshold %.2g), bias %.2f "
-                "standard errors, mean square z %.3f, rmse %.3g",
-                agrees ? "agree" : "differ", differing, smallest_p_value, threshold, bias_z,
-                mean_square_z, rmse);
-  return line;
+  return printf_text(
+      "%s: %zu pixel values differ (smallest p-value %.2g, threshold %.2g), bias %.2f "
+      "standard errors, mean square z %.3f, rmse %.3g",
+      agrees ? "agree" : "differ", differing, smallest_p_value, threshold, bias_z, mean_square_z,
+      rmse);
 }
 
 double root_mean_square_difference(const Image& a, const Image& b) {

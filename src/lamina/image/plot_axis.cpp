@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
@@ -15,16 +16,14 @@ namespace {
 bool is_log(AxisScale scale) { return scale == AxisScale::logarithmic; }
 
 /// A number as people write it, with a true minus sign.
-std::string number_text(double value, int decimals) {
-  char digits[64];
-  std::snprintf(digits, sizeof digits, "%.*f", decimals, value);
-  std::string text = digits;
+std::string tick_text(double value, int decimals) {
+  std::string text = printf_text("%.*f", decimals, value);
   if (text.find_first_of("123456789") == std::string::npos && text[0] == '-') text.erase(0, 1);
   if (text[0] == '-') text.replace(0, 1, "−");
   return text;
 }
 
-std::string integer_text(int value) { return number_text(value, 0); }
+std::string integer_text(int value) { return tick_text(value, 0); }
 
 std::vector<Tick> linear_ticks(const AxisSpan& span, double labels) {
   const double rough = (span.high - span.low) / std::max(labels, 2.0);
@@ -47,12 +46,9 @@ std::vector<Tick> linear_ticks(const AxisSpan& span, double labels) {
        i * minor <= span.high + tolerance && ticks.size() < 200; ++i) {
     const bool is_major = std::fmod(std::abs(i), minor_count) == 0.0;
     Tick tick{.value = i * minor, .label = {}, .exponent = {}, .is_major = is_major};
-    if (is_major && is_plain) tick.label = number_text(tick.value, decimals);
-    if (is_major && !is_plain) {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.3g", tick.value == 0.0 ? 0.0 : tick.value);
-      tick.label = text;
-    }
+    if (is_major && is_plain) tick.label = tick_text(tick.value, decimals);
+    if (is_major && !is_plain)
+      tick.label = printf_text("%.3g", tick.value == 0.0 ? 0.0 : tick.value);
     ticks.push_back(tick);
   }
   return ticks;
@@ -76,7 +72,7 @@ std::vector<Tick> log_ticks(const AxisSpan& span, double labels) {
       if (is_major || (labels_within_decades && (digit == 2 || digit == 5))) {
         const bool is_plain = labels_within_decades || (low > -3.01 && high < 4.01);
         if (is_plain && power >= -4 && power <= 4) {
-          tick.label = number_text(value, std::max(0, -power));
+          tick.label = tick_text(value, std::max(0, -power));
         } else {
           tick.label = is_decade ? "10" : integer_text(digit) + "·10";
           tick.exponent = integer_text(power);
@@ -127,8 +123,8 @@ AxisSpan make_span(const Axis& axis, const ValueRange& values) {
   if (!(std::isfinite(span.low) && std::isfinite(span.high) && span.low < span.high) ||
       (log && span.low <= 0.0))
     throw InvalidInput("axis \"" + axis.label + "\": its limits must ascend" +
-                       (log ? " and be positive" : "") + ", but are " + std::to_string(span.low) +
-                       " and " + std::to_string(span.high));
+                       (log ? " and be positive" : "") + ", but are " + number_text(span.low) +
+                       " and " + number_text(span.high));
   return span;
 }
 

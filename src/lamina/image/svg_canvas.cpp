@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lamina/core/number_text.h"
+
 namespace lamina {
 
 std::string svg_number(double value) {
-  char digits[48];
-  std::snprintf(digits, sizeof digits, "%.2f", value);
-  std::string text = digits;
+  std::string text = printf_text("%.2f", value);
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
   return text == "-0" ? "0" : text;

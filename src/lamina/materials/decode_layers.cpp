@@ -1,15 +1,15 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
+#include "lamina/core/number_text.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina::material_file {
 namespace {
 
 std::string short_number(double value) {
-  std::ostringstream text;
+  PlainTextStream text;
   text << value;
   return text.str();
 }

@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <sstream>
 
+#include "lamina/core/number_text.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina::material_file {
@@ -21,7 +21,7 @@ void require_wavelengths(const JsonInput& recipe, const Context& context, double
                          double longest) {
   for (const double wavelength : context.wavelengths) {
     if (shortest <= wavelength && wavelength <= longest) continue;
-    std::ostringstream message;
+    PlainTextStream message;
     message << "knows wavelengths in [" << shortest << ", " << longest << "] nm, but \"bands\" has "
             << wavelength;
     recipe.fail(message.str());

@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "lamina/core/number_text.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {
@@ -14,20 +14,13 @@ std::string in_quotes(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// The shortest digits that read back to the same number.
-std::string digits(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
-
 /// One number if all bands have the same.
 std::string per_band(const std::vector<double>& values) {
   if (!values.empty() &&
       std::ranges::all_of(values, [&](double value) { return value == values[0]; }))
-    return digits(values[0]);
+    return number_text(values[0]);
   std::string list = "[";
-  for (const double value : values) list += (list.size() > 1 ? ", " : "") + digits(value);
+  for (const double value : values) list += (list.size() > 1 ? ", " : "") + number_text(value);
   return list + "]";
 }
 
@@ -39,7 +32,7 @@ std::string entry(const std::string& key, const std::string& value) {
 
 void add_interface(Entries& entries, const Interface& interface) {
   if (interface.roughness == 0.0) return;
-  entries.push_back(entry("roughness", digits(interface.roughness)));
+  entries.push_back(entry("roughness", number_text(interface.roughness)));
   if (interface.distribution == MicrofacetDistribution::ggx)
     entries.push_back(entry("distribution", in_quotes("ggx")));
 }
@@ -65,7 +58,7 @@ std::string one_line(const Entries& entries) { return "{ " + join(entries, ", ")
 std::string format_part(const MixturePart& part) {
   Entries entries;
   if (!part.name.empty()) entries.push_back(entry("name", in_quotes(part.name)));
-  entries.push_back(entry("fraction", digits(part.fraction)));
+  entries.push_back(entry("fraction", number_text(part.fraction)));
   add_substance(entries, part);
   return "        " + one_line(entries);
 }
@@ -80,8 +73,8 @@ std::string format_layer(const MaterialLayer& layer, bool is_top) {
     entries.push_back(entry("mixture", "[\n" + join(parts, ",\n") + "\n      ]"));
   }
   entries.push_back(entry("ior", per_band(layer.ior)));
-  entries.push_back(entry(
-      "thickness", std::isinf(layer.thickness) ? in_quotes("infinite") : digits(layer.thickness)));
+  entries.push_back(entry("thickness", std::isinf(layer.thickness) ? in_quotes("infinite")
+                                                                   : number_text(layer.thickness)));
   if (!is_top) add_interface(entries, layer.top);
   return "    {\n      " + join(entries, ",\n      ") + "\n    }";
 }
@@ -89,7 +82,8 @@ std::string format_layer(const MaterialLayer& layer, bool is_top) {
 std::string format_bands(const BandSet& bands) {
   if (bands.is_rgb()) return in_quotes("rgb");
   Entries wavelengths;
-  for (const double wavelength : bands.wavelengths()) wavelengths.push_back(digits(wavelength));
+  for (const double wavelength : bands.wavelengths())
+    wavelengths.push_back(number_text(wavelength));
   return "[" + join(wavelengths, ", ") + "]";
 }
 
@@ -109,14 +103,14 @@ std::string format_material(const Material& material) {
     if (!std::isinf(material.layers.back().thickness)) {
       file.push_back(entry("ior_below", per_band(material.ior_below)));
       if (material.ground.reflectance != 0.0)
-        ground.push_back(entry("reflectance", digits(material.ground.reflectance)));
+        ground.push_back(entry("reflectance", number_text(material.ground.reflectance)));
       add_interface(ground, material.ground.top);
     }
     add_interface(surface, material.layers.front().top);
   }
   if (!surface.empty()) file.push_back(entry("surface", one_line(surface)));
   if (!ground.empty()) file.push_back(entry("ground", one_line(ground)));
-  if (material.oiliness != 0.0) file.push_back(entry("oiliness", digits(material.oiliness)));
+  if (material.oiliness != 0.0) file.push_back(entry("oiliness", number_text(material.oiliness)));
   file.push_back(entry("layers", "[\n" + join(layers, ",\n") + "\n  ]"));
   return "{\n  " + join(file, ",\n  ") + "\n}\n";
 }

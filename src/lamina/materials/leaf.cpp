@@ -1,9 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/materials/leaf.h"
 
-#include <sstream>
-
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/materials/leaf_tables.h"
 
 namespace lamina {
@@ -27,7 +26,7 @@ void check(const LeafParameters& leaf) {
   for (const LeafParameterRange& range : ranges) {
     const double value = leaf.*range.value;
     if (value >= range.low && value <= range.high) continue;
-    std::ostringstream message;
+    PlainTextStream message;
     message << "leaf: " << range.name << " must lie in [" << range.low << ", " << range.high
             << "], but is " << value;
     throw InvalidInput(message.str());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
@@ -86,7 +87,7 @@ double rest_of(const MaterialLayer& layer, const std::string& where) {
   const bool is_whole = layer.sigma_a.empty() && !layer.mixture.empty();
   if (!in_range || sum > 1.0 + mixture_tolerance || (is_whole && sum < 1.0 - mixture_tolerance))
     throw InvalidInput(where + ".mixture: fractions must lie in [0, 1] and sum to " +
-                       (is_whole ? "1" : "at most 1") + ", but sum to " + std::to_string(sum));
+                       (is_whole ? "1" : "at most 1") + ", but sum to " + number_text(sum));
   return std::max(1.0 - sum, 0.0);
 }
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/materials/chromophore_tables.h"
 
 namespace lamina {
@@ -48,7 +48,7 @@ void check(const SkinParameters& skin) {
     const double value = skin.*range.value;
     if (value >= range.low && value <= range.high) continue;
     if (std::isinf(value) && range.value == &SkinParameters::dermis_thickness) continue;
-    std::ostringstream message;
+    PlainTextStream message;
     message << "skin: " << range.name << " must lie in [" << range.low << ", " << range.high
             << "], but is " << value;
     throw InvalidInput(message.str());

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
 #include "lamina/materials/material_file.h"
 
@@ -58,7 +58,7 @@ void clamp(const SkinParameterRange& range, Image& values, std::vector<std::stri
     ++count;
   }
   if (count == 0) return;
-  std::ostringstream text;
+  PlainTextStream text;
   text << "skin." << range.name << ": " << count << " of " << values.pixels.size()
        << " texels lie outside [" << range.low << ", " << range.high << "] and were clamped";
   warnings.push_back(text.str());

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina {
@@ -121,7 +122,7 @@ void scatter(Traveller& ray, const Vec2& slopes, double eta, Random& random) {
 GaussianHeightField::GaussianHeightField(const HeightFieldShape& shape, Random& random) {
   const auto& [s, cells, across] = shape;
   if (!(s > 0.0 && std::isfinite(s)))
-    throw InvalidInput("smoothness must be > 0 and finite, but is " + std::to_string(s));
+    throw InvalidInput("smoothness must be > 0 and finite, but is " + number_text(s));
   if (cells < 2 || across < 4 || cells > 4096 / across)
     throw InvalidInput(
         "a height field must have >= 2 cells per correlation length, >= 4 correlation lengths and "

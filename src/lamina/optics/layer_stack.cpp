@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
 
 void require(bool holds, const std::string& where, const std::string& rule, double given) {
   if (holds) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message << where << ": " << rule << ", but is " << given;
   throw InvalidInput(message.str());
 }
@@ -52,17 +52,15 @@ void check(const Layer& layer, std::size_t index, bool is_bottom) {
   if (const auto* mixture = std::get_if<PhaseMixture>(&*layer.phase)) check(*mixture, where);
   const double mean = mean_cosine(*layer.phase);
   require(std::abs(mean - g) < 1e-9, where,
-          "g must be the mean cosine of the phase function, " + std::to_string(mean), g);
+          "g must be the mean cosine of the phase function, " + number_text(mean), g);
 }
 
 }  // namespace
 
-LayerStack::LayerStack(std::vector<Layer> layers, double ior_above, double ior_below,
-                       Ground ground)
+LayerStack::LayerStack(std::vector<Layer> layers, double ior_above, double ior_below, Ground ground)
     : layers_(std::move(layers)), ior_above_(ior_above), ior_below_(ior_below), ground_(ground) {
   if (layers_.empty()) throw InvalidInput("layers: at least one is required, but there are 0");
-  for (std::size_t i = 0; i < layers_.size(); ++i)
-    check(layers_[i], i, i + 1 == layers_.size());
+  for (std::size_t i = 0; i < layers_.size(); ++i) check(layers_[i], i, i + 1 == layers_.size());
   require(std::isfinite(ior_above) && ior_above > 0.0, "ior_above", "must be > 0", ior_above);
   require(std::isfinite(ior_below) && ior_below > 0.0, "ior_below", "must be > 0", ior_below);
   require(ground.reflectance >= 0.0 && ground.reflectance <= 1.0, "ground",

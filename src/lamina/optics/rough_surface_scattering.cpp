@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/facet_walk.h"
@@ -22,7 +23,7 @@ constexpr int most_facets = 10'000;
 
 void check(const GaussianSurface& surface, double theta_i, ExitCells cells) {
   const auto require = [](bool holds, const std::string& rule, double given) {
-    if (!holds) throw InvalidInput(rule + ", but is " + std::to_string(given));
+    if (!holds) throw InvalidInput(rule + ", but is " + number_text(given));
   };
   require(0.01 <= surface.smoothness && surface.smoothness <= 1e4,
           "smoothness must lie in [0.01, 10000]", surface.smoothness);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <iomanip>
 #include <limits>
+#include <locale>
 #include <span>
 #include <sstream>
 #include <string>
@@ -15,6 +16,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
 #include "lamina/core/hash.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
@@ -24,7 +26,7 @@ static_assert(std::endian::native == std::endian::little, "the file is written a
 constexpr std::size_t fixed_numbers = 14;  // of a vertex, before those of its bands
 
 std::string hexadecimal(std::uint64_t value) {
-  std::ostringstream text;
+  PlainTextStream text;
   text << std::hex << std::setw(16) << std::setfill('0') << value;
   return text.str();
 }
@@ -64,7 +66,7 @@ std::array<std::pair<const char*, std::uint64_t>, 5> parts(const LightFingerprin
 }
 
 std::string header(const std::vector<IrradianceCloud>& clouds, const LightFingerprint& made_for) {
-  std::ostringstream text;
+  PlainTextStream text;
   text.precision(9);
   text << first_words << version << ", lengths in mm\n"
        << "comment checksum " << no_checksum << '\n';
@@ -104,6 +106,7 @@ class Lines {
     const std::size_t end = rest_.find('\n', beginning.size());
     if (!rest_.starts_with(beginning) || end == std::string_view::npos) return false;
     words = std::istringstream(std::string(rest_.substr(beginning.size(), end - beginning.size())));
+    words.imbue(std::locale::classic());
     rest_.remove_prefix(end + 1);
     return true;
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/render/mesh_orientation.h"
 #include "lamina/render/mesh_subdivision.h"
 #include "lamina/render/mesh_triangulation.h"
@@ -40,7 +41,7 @@ void move_to_world(PolygonMesh& mesh, const Transform& to_world) {
       if (!(std::abs(x) <= most))
         throw InvalidInput(mesh.name + ": vertex " + std::to_string(i) +
                            " must lie within 1e9 mm of the origin, but has a coordinate " +
-                           std::to_string(x) + " mm");
+                           number_text(x) + " mm");
 }
 
 /// Takes out corners that repeat the one before, and the faces that this leaves without area.

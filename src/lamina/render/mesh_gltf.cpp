@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/render/gltf_data.h"
 #include "lamina/render/mesh_file.h"
 
@@ -196,7 +197,7 @@ class GltfReader {
         vectors[i][c] = static_cast<float>(value);
         if (must_be_finite && !std::isfinite(vectors[i][c]))
           accessor.fail("vertex " + std::to_string(i) + " of " + std::to_string(given.count) +
-                        ": every coordinate must be finite, but one is " + std::to_string(value));
+                        ": every coordinate must be finite, but one is " + number_text(value));
       }
     return vectors;
   }
@@ -222,7 +223,7 @@ class GltfReader {
       for (std::size_t i = 0; i < given.count; ++i) {
         if (!(given.values[i] >= 0.0 && given.values[i] < static_cast<double>(count)))
           accessor->fail("index " + std::to_string(i) + " must be < " + std::to_string(count) +
-                         ", but is " + std::to_string(given.values[i]));
+                         ", but is " + number_text(given.values[i]));
         indices.push_back(static_cast<std::uint32_t>(given.values[i]));
       }
     } else {

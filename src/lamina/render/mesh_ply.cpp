@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/render/mesh_file.h"
 #include "lamina/render/mesh_text.h"
 
@@ -331,7 +332,7 @@ class PlyReader {
         given[slot_of[p]] = static_cast<float>(value);
         if (!std::isfinite(given[slot_of[p]]) && !(nx <= slot_of[p] && slot_of[p] <= nz))
           refuse(what() + ": " + element.properties[p].name + " must be finite, but is " +
-                 std::to_string(value));
+                 number_text(value));
       }
       mesh_.positions.push_back({given[x], given[y], given[z]});
       if (has_normals) mesh_.normals.push_back({given[nx], given[ny], given[nz]});
@@ -388,8 +389,7 @@ class PlyReader {
   template <class What>
   std::uint32_t index(double given, const What& what) const {
     if (!(given >= 0.0 && given < static_cast<double>(no_index)) || given != std::floor(given))
-      refuse(what() + ": a vertex index must be a whole number >= 0, but is " +
-             std::to_string(given));
+      refuse(what() + ": a vertex index must be a whole number >= 0, but is " + number_text(given));
     return static_cast<std::uint32_t>(given);
   }
 

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <charconv>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 
@@ -16,8 +17,7 @@ namespace lamina {
   double value = 0.0;
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size() || code == std::errc::invalid_argument) return std::nullopt;
-  if (code == std::errc::result_out_of_range)
-    return std::strtod(std::string(word).c_str(), nullptr);
+  if (code == std::errc::result_out_of_range) return rounded_number(std::string(word));
   return value;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
@@ -120,7 +121,7 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   const auto& materials = scene.scene->materials;
   Transports<N> transports;
   transports.of_material.resize(materials.size());
-  const ProfileMaker make_profile = 
+  const ProfileMaker make_profile =
       profile_maker(scene.scene->render.profile, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
   for (const SurfaceMaterial& material : materials) {
@@ -251,7 +252,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   const auto start = std::chrono::steady_clock::now();
   const double cpu_before = cpu_seconds();
   const auto require = [](bool holds, const std::string& rule, double given) {
-    if (!holds) throw InvalidInput(rule + ", but is " + std::to_string(given));
+    if (!holds) throw InvalidInput(rule + ", but is " + number_text(given));
   };
   require(scene.film.width >= 1 && scene.film.width <= 65536, "film: width must lie in [1, 65536]",
           scene.film.width);

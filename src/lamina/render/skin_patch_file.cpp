@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <tuple>
 
 #include "lamina/core/error.h"
 #include "lamina/core/json_input.h"
+#include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/resample.h"
 #include "lamina/render/skin_patch.h"
@@ -17,7 +17,7 @@ namespace {
 /// Says that a map of another size than the patch is resampled.
 void note_size(const std::string& what, const Image& image, SkinPatch& patch) {
   if (image.width == patch.width && image.height == patch.height) return;
-  std::ostringstream text;
+  PlainTextStream text;
   text << what << ": " << image.width << " x " << image.height << " texels, resampled to "
        << patch.width << " x " << patch.height;
   patch.warnings.push_back(text.str());
@@ -76,7 +76,7 @@ void decode_light(const JsonInput& value, SkinPatch& patch) {
       map->fail(error.what());
     }
     for (const float light : image.pixels)
-      if (light < 0.0f) map->fail("light must be >= 0, but the image has " + std::to_string(light));
+      if (light < 0.0f) map->fail("light must be >= 0, but the image has " + number_text(light));
     note_size("light.map", image, patch);
     patch.light = resampled(image, patch.width, patch.height);
   }
@@ -105,7 +105,7 @@ void decode_albedo(const JsonInput& file, SkinPatch& patch) {
   }
   for (const float value : image.pixels)
     if (value < 0.0f)
-      file.fail("reflectance must be >= 0, but the image has " + std::to_string(value));
+      file.fail("reflectance must be >= 0, but the image has " + number_text(value));
   note_size("albedo", image, patch);
   patch.albedo = resampled(image, patch.width, patch.height);
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
 #include "lamina/render/noise.h"
 #include "lamina/render/surface_canvas.h"
@@ -133,8 +134,8 @@ const SurfaceTexel& nearest_texel(const SurfaceCanvas& canvas, const Vec3f& at, 
   const float distance = nearest == canvas.texels.end() ? std::numeric_limits<float>::infinity()
                                                         : std::sqrt(distance2(*nearest));
   if (distance > most)
-    throw InvalidInput("a feature must lie within " + std::to_string(most) +
-                       " mm of the surface, but is " + std::to_string(distance) + " mm away");
+    throw InvalidInput("a feature must lie within " + number_text(most) +
+                       " mm of the surface, but is " + number_text(distance) + " mm away");
   return *nearest;
 }
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/render/texel_neighborhood.h"
 
 namespace lamina {
@@ -189,7 +190,7 @@ void TextureAtlas::fill_chart(const std::vector<Mesh>& meshes, std::uint32_t cha
                        "\": texture coordinates overlap: " + std::to_string(overlaps) + " of " +
                        std::to_string(filled) +
                        " texels of a chart lie on several faces, as at u " +
-                       std::to_string(overlap_at.x) + ", v " + std::to_string(overlap_at.y));
+                       number_text(overlap_at.x) + ", v " + number_text(overlap_at.y));
 }
 
 std::uint32_t TextureAtlas::texel_at(const AtlasChart& chart, std::int32_t x,

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/render/irradiance_specks.h"
 #include "lamina/render/skin_patch.h"
@@ -246,7 +247,7 @@ void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
     const Vec3f offset = cloud.points[i].position - atlas_->texels()[i].position;
     if (!(length(offset) < 0.01f * spacing_))
       throw InvalidInput("texture_space: sample of light " + std::to_string(i) +
-                         " must lie on its texel, but is " + std::to_string(length(offset)) +
+                         " must lie on its texel, but is " + number_text(length(offset)) +
                          " mm away: another version of lamina made the cache; remove it");
   }
   const auto field_of = [&](const std::vector<float>& values) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling_rough.h"
 #include "lamina/scattering/adding_doubling_stack.h"
@@ -98,13 +99,13 @@ void check(const Incidence& incidence) {
   if (!incidence.is_diffuse &&
       !(0.0 <= incidence.theta && incidence.theta < 0.5 * std::numbers::pi))
     throw InvalidInput("angle of incidence: must lie in [0, pi/2), but is " +
-                       std::to_string(incidence.theta));
+                       number_text(incidence.theta));
 }
 
 void check(const AddingDoublingOptions& options) {
   if (!(1e-10 <= options.accuracy && options.accuracy <= 0.1))
     throw InvalidInput("accuracy: must lie in [1e-10, 0.1], but is " +
-                       std::to_string(options.accuracy));
+                       number_text(options.accuracy));
   if (!(4 <= options.max_nodes && options.max_nodes <= 1000))
     throw InvalidInput("max_nodes: must lie in [4, 1000], but is " +
                        std::to_string(options.max_nodes));
@@ -133,7 +134,8 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
     std::vector<GridStack> on_grid;
     for (const std::size_t k : coarse)
       on_grid.push_back(detail::make_grid_stack(*stacks[k], nodes, beams));
-    const detail::RoughBoundaries rough = detail::rough_boundaries(on_grid[0], 0, 1, progress).front();
+    const detail::RoughBoundaries rough =
+        detail::rough_boundaries(on_grid[0], 0, 1, progress).front();
     const auto solve = [&](std::size_t c) {
       std::vector<AddingDoublingTotals>& last = results[coarse[c]];
       std::vector<AddingDoublingTotals> finer = totals_on_grid(on_grid[c], incidences, rough);

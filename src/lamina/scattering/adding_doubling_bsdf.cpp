@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling_lobes.h"
 #include "lamina/scattering/adding_doubling_single.h"
@@ -31,7 +32,7 @@ struct Side {
 
 void check_angle(double angle, const std::string& name) {
   if (!(0.0 <= angle && angle < 0.5 * std::numbers::pi))
-    throw InvalidInput(name + ": must lie in [0, pi/2), but is " + std::to_string(angle));
+    throw InvalidInput(name + ": must lie in [0, pi/2), but is " + number_text(angle));
 }
 
 /// The grid has the node of the beam first among its extra nodes, then those to look from above,
@@ -228,7 +229,7 @@ std::vector<StackBsdf> solve_group(std::span<const LayerStack* const> stacks, co
   for (const LayerStack* stack : stacks) {
     const detail::NarrowestLobe lobe = detail::narrowest_lobe(*stack);
     if (lobe.nodes > finest)
-      throw InvalidInput(lobe.where + ": the lobes of roughness " + std::to_string(lobe.roughness) +
+      throw InvalidInput(lobe.where + ": the lobes of roughness " + number_text(lobe.roughness) +
                          " need " + std::to_string(lobe.nodes) + " directions and " +
                          std::to_string(2 * lobe.nodes) +
                          " azimuthal modes, but adding-doubling takes at most " +
@@ -270,10 +271,10 @@ std::vector<StackBsdf> stack_bsdf(std::span<const LayerStack> bands, double thet
   for (const double theta : theta_o) check_angle(theta, "angle to look from");
   for (const double phi : phi_o)
     if (!std::isfinite(phi))
-      throw InvalidInput("azimuth: must be finite, but is " + std::to_string(phi));
+      throw InvalidInput("azimuth: must be finite, but is " + number_text(phi));
   if (!(1e-8 <= options.accuracy && options.accuracy <= 0.1))
     throw InvalidInput("accuracy: must lie in [1e-8, 0.1], but is " +
-                       std::to_string(options.accuracy));
+                       number_text(options.accuracy));
   if (!(4 <= options.max_nodes && options.max_nodes <= 1000))
     throw InvalidInput("max_nodes: must lie in [4, 1000], but is " +
                        std::to_string(options.max_nodes));

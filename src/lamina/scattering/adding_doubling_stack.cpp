@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina::detail {
 namespace {
@@ -181,7 +182,7 @@ void require_smooth(const LayerStack& stack, const std::string& method) {
   const auto require = [&](const Interface& interface, const std::string& where) {
     if (interface.roughness > 0.0)
       throw InvalidInput(where + ": " + method + " needs smooth boundaries, but the roughness is " +
-                         std::to_string(interface.roughness) +
+                         number_text(interface.roughness) +
                          "; photon Monte Carlo takes rough ones");
   };
   for (std::size_t k = 0; k < stack.layers().size(); ++k)

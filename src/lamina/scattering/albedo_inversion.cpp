@@ -1,9 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/albedo_inversion.h"
 
-#include <sstream>
-
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/scattering/dipole.h"
 
 namespace lamina {
@@ -28,7 +27,7 @@ double half_frequency(const Spectrum& spectrum) {
 
 void require(bool holds, const char* rule, double given) {
   if (holds) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message << rule << ", but is " << given;
   throw InvalidInput(message.str());
 }

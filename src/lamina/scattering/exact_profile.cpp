@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/exact_profile_band.h"
@@ -23,7 +24,7 @@ constexpr int fewest_nodes = 6, fewest_modes = 4;  ///< of a profile
 void check(std::span<const LayerStack> stacks, const ExactProfileOptions& options) {
   if (!(1e-4 <= options.accuracy && options.accuracy <= 0.1))
     throw InvalidInput("accuracy: must lie in [1e-4, 0.1], but is " +
-                       std::to_string(options.accuracy));
+                       number_text(options.accuracy));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
     const std::string band = "band " + std::to_string(b);
     detail::require_smooth(stacks[b], "the exact profile of " + band);
@@ -60,7 +61,7 @@ void refuse_clear_plates(std::span<const LayerStack> stacks) {
       throw InvalidInput("band " + std::to_string(b) + ", layer " + std::to_string(l) +
                          ": does not scatter, so its sigma_a times thickness must be at least 3 "
                          "for an exact profile, but is " +
-                         std::to_string(optical_thickness) + "; monte_carlo takes such plates");
+                         number_text(optical_thickness) + "; monte_carlo takes such plates");
     }
 }
 
@@ -74,7 +75,7 @@ std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
       throw InvalidInput(band + ": light from below needs a finite last layer, but it is infinite");
     if (stack.ground().reflectance > 0.0)
       throw InvalidInput(band + ": light from below needs a black ground, but its reflectance is " +
-                         std::to_string(stack.ground().reflectance));
+                         number_text(stack.ground().reflectance));
     turned.push_back(flipped(stack));
   }
   return turned;
@@ -142,7 +143,7 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
   for (const double frequency : k)
     if (!(std::isfinite(frequency) && frequency >= 0.0))
       throw InvalidInput("spatial frequency: must be finite and >= 0 [1/mm], but is " +
-                         std::to_string(frequency));
+                         number_text(frequency));
   const std::size_t bands = stacks.size();
   SpatialFrequencyResponse result{.k = {k.begin(), k.end()},
                                   .reflectance = std::vector<double>(k.size() * bands),

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling_stack.h"
 
@@ -47,14 +48,11 @@ SolutionCost solution_cost(std::span<const LayerStack> stacks, int nodes, int mo
 
 void require_affordable(const SolutionCost& cost) {
   if (cost.seconds <= most_seconds && cost.mebibytes <= most_mebibytes) return;
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "exact profile: this stack takes at least some %.0f min of one core and %.2g GiB, "
-                "but must take at most %.0f min and %.0f GiB; fewer layers of different ior take "
-                "less",
-                cost.seconds / 60.0, cost.mebibytes / 1024.0, most_seconds / 60.0,
-                most_mebibytes / 1024.0);
-  throw InvalidInput(text);
+  throw InvalidInput(printf_text(
+      "exact profile: this stack takes at least some %.0f min of one core and %.2g GiB, "
+      "but must take at most %.0f min and %.0f GiB; fewer layers of different ior take "
+      "less",
+      cost.seconds / 60.0, cost.mebibytes / 1024.0, most_seconds / 60.0, most_mebibytes / 1024.0));
 }
 
 }  // namespace lamina::detail

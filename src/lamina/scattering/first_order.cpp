@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/first_order_beam-inl.h"
 
@@ -39,7 +40,7 @@ void require_smooth_inside(const LayerStack& stack) {
       throw InvalidInput(where +
                          ": first order needs smooth boundaries below the top, but the "
                          "roughness is " +
-                         std::to_string(boundary.roughness));
+                         number_text(boundary.roughness));
   };
   for (std::size_t k = 1; k < stack.layers().size(); ++k)
     require(stack.layers()[k].top, "layer " + std::to_string(k));

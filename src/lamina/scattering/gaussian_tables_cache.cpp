@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstring>
-#include <sstream>
 #include <string>
 
 #include "gaussian_tables_fingerprint.h"
+#include "lamina/core/number_text.h"
 #include "lamina/scattering/gaussian_tables.h"
 
 namespace lamina {
@@ -12,7 +12,7 @@ namespace {
 
 std::string key_of(const MappedStack& stack, OperatorTotals totals,
                    std::span<const double> reference_sigma_a, const GaussianTableGrid& grid) {
-  std::ostringstream key;
+  PlainTextStream key;
   key << std::hexfloat << "gaussian tables, format 1, solver " LAMINA_GAUSSIAN_TABLES_FINGERPRINT
       << ' ' << static_cast<int>(totals) << ' ' << stack.ior_above << ' ' << stack.ior_below;
   for (const auto& [sigma_s, g, ior, thickness] : stack.layers)

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/scattering/diffusion_kernels.h"
 
 namespace lamina {
@@ -77,7 +77,7 @@ void check(const RadialGrid& grid) {
   const bool is_valid = grid.size >= 2 && grid.first > 0.0 && grid.last > grid.first &&
                         std::isfinite(grid.last) && std::isfinite(grid.last / grid.first);
   if (is_valid) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message << "radii: at least 2, with 0 < first < last [mm], are required, but there are "
           << grid.size << " from " << grid.first << " to " << grid.last;
   throw InvalidInput(message.str());

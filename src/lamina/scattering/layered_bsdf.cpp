@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/scattering/first_order.h"
 #include "lamina/scattering/higher_orders.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 void check_angle(double angle, const std::string& name) {
   if (!(0.0 <= angle && angle < 0.5 * std::numbers::pi))
-    throw InvalidInput(name + ": must lie in [0, pi/2), but is " + std::to_string(angle));
+    throw InvalidInput(name + ": must lie in [0, pi/2), but is " + number_text(angle));
 }
 
 Vec3 direction(double theta, double phi, bool is_above) {

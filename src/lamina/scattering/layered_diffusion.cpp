@@ -3,17 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
 
 void check_that_it_diffuses(const Medium& medium, std::size_t index) {
   if (sigma_s_prime(medium) > 0.0 && std::isfinite(mfp_prime(medium))) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message << "layer " << index << ": diffusion requires sigma_s > 0 [1/mm], but is "
           << medium.sigma_s;
   throw InvalidInput(message.str());

@@ -3,24 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <span>
+
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 namespace {
 
-/// printf into a string; the formats below are MCML's.
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  char buffer[256];
-  const int length = std::snprintf(buffer, sizeof buffer, format, values...);
-  return std::string(buffer, static_cast<std::size_t>(std::clamp(length, 0, 255)));
-}
-
 std::string column(const std::string& head, const std::vector<double>& values) {
   std::string text = head + "\n";
-  for (const double value : values) text += formatted("%12.4E\n", value);
+  for (const double value : values) text += printf_text("%12.4E\n", value);
   return text + "\n";
 }
 
@@ -29,7 +22,7 @@ std::string table(const std::string& head, const std::vector<double>& values) {
   std::string text = head;
   std::size_t i = 0;
   for (const double value : values) {
-    text += formatted("%12.4E ", value);
+    text += printf_text("%12.4E ", value);
     if (++i % 5 == 0) text += "\n";
   }
   return text + "\n";
@@ -45,17 +38,17 @@ std::string input_section(const McmlRun& run) {
   std::string text = "InParm \t\t\t# Input parameters. cm is used.\n";
   text += run.output_file + " \tA\t\t# output file name, ASCII.\n";
   text += std::to_string(run.photons) + " \t\t\t# No. of photons\n";
-  text += formatted("%G\t%G\t\t# dz, dr [cm]\n", run.dz, run.dr);
-  text += formatted("%d\t%d\t%d\t# No. of dz, dr, da.\n\n", run.nz, run.nr, run.na);
-  text += formatted("%zu\t\t\t\t\t# Number of layers\n", run.layers.size());
+  text += printf_text("%G\t%G\t\t# dz, dr [cm]\n", run.dz, run.dr);
+  text += printf_text("%d\t%d\t%d\t# No. of dz, dr, da.\n\n", run.nz, run.nr, run.na);
+  text += printf_text("%zu\t\t\t\t\t# Number of layers\n", run.layers.size());
   text += "#n\tmua\tmus\tg\td\t# One line for each layer\n";
-  text += formatted("%G\t\t\t\t\t# n for medium above\n", run.n_above);
+  text += printf_text("%G\t\t\t\t\t# n for medium above\n", run.n_above);
   for (std::size_t i = 0; i < run.layers.size(); ++i) {
     const McmlRun::Layer& layer = run.layers[i];
-    text += formatted("%G\t%G\t%G\t%G\t%G\t# layer %zu\n", layer.n, layer.mua, layer.mus, layer.g,
-                      layer.d, i + 1);
+    text += printf_text("%G\t%G\t%G\t%G\t%G\t# layer %zu\n", layer.n, layer.mua, layer.mus, layer.g,
+                        layer.d, i + 1);
   }
-  return text + formatted("%G\t\t\t\t\t# n for medium below\n\n", run.n_below);
+  return text + printf_text("%G\t\t\t\t\t# n for medium below\n\n", run.n_below);
 }
 
 /// Absorbed fraction per depth [1/cm], summed over the rings.
@@ -83,20 +76,20 @@ std::string format_mcml(const McmlRun& run, const MonteCarloResult& result, doub
   text +=
       "# Data categories include: \n# InParm, RAT, \n# A_l, A_z, Rd_r, Rd_a, Tt_r, Tt_a, \n"
       "# A_rz, Rd_ra, Tt_ra \n####\n\n";
-  text += formatted("# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.\n\n",
-                    seconds, seconds / 3600.0);
+  text += printf_text("# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.\n\n",
+                      seconds, seconds / 3600.0);
   text += input_section(run);
 
   double absorbed = 0.0;
   for (const Estimate& layer : result.absorptance) absorbed += layer.value;
   text += "RAT #Reflectance, absorption, transmission. \n";
-  text += formatted("%-14G \t#Specular reflectance [-]\n", result.specular_reflectance.value);
-  text += formatted("%-14G \t#Diffuse reflectance [-]\n", result.diffuse_reflectance.value);
-  text += formatted("%-14G \t#Absorbed fraction [-]\n", absorbed);
-  text += formatted("%-14G \t#Transmittance [-]\n\n", result.transmittance.value);
+  text += printf_text("%-14G \t#Specular reflectance [-]\n", result.specular_reflectance.value);
+  text += printf_text("%-14G \t#Diffuse reflectance [-]\n", result.diffuse_reflectance.value);
+  text += printf_text("%-14G \t#Absorbed fraction [-]\n", absorbed);
+  text += printf_text("%-14G \t#Transmittance [-]\n\n", result.transmittance.value);
 
   text += "A_l #Absorption as a function of layer. [-]\n";
-  for (const Estimate& layer : result.absorptance) text += formatted("%12.4G\n", layer.value);
+  for (const Estimate& layer : result.absorptance) text += printf_text("%12.4G\n", layer.value);
   text += "\n";
   text += column("A_z #A[0], [1],..A[nz-1]. [1/cm]", absorbed_per_depth(run, result));
   text += column("Rd_r #Rd[0], [1],..Rd[nr-1]. [1/cm2]", scaled(result.radial.reflection, 100.0));

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling.h"
@@ -133,7 +134,7 @@ std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
 void check(std::span<const LayerStack> stacks, double theta, int moments) {
   if (!(theta >= 0.0 && theta < 0.5 * pi))
     throw InvalidInput("incidence: must lie in [0, 90) degrees, but is " +
-                       std::to_string(theta * 180.0 / pi));
+                       number_text(theta * 180.0 / pi));
   if (moments < 1 || moments > 32)
     throw InvalidInput("moments: must lie in [1, 32], but are " + std::to_string(moments));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
@@ -157,7 +158,8 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
   profile.reflectance_moments.resize(size * count * bands);
   profile.transmittance_moments.resize(size * count * bands);
   profile.estimated_error.resize(size * bands);
-  for (const auto& totals : adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
+  for (const auto& totals :
+       adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(totals.totals.transmittance);
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
 #include "lamina/core/vec.h"
@@ -30,7 +31,7 @@ void check_map(const std::vector<double>& map, const std::string& name, std::siz
   for (const double value : map)
     if (!(value >= 0.0 && value <= largest && std::isfinite(value)))
       throw InvalidInput(name + " must lie in [0, " + (largest < infinity ? "1]" : "inf)") +
-                         ", but is " + std::to_string(value));
+                         ", but is " + number_text(value));
 }
 
 void check(const Patch& patch, const PatchPhotonOptions& options) {

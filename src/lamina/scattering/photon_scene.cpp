@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
 #include "lamina/optics/fresnel.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 void require(bool holds, const std::string& rule, double given) {
   if (holds) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message << rule << ", but is " << given;
   throw InvalidInput(message.str());
 }

@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
-#include <sstream>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/photon_scene.h"
 
@@ -40,7 +40,7 @@ void check_memory(const photon::TallyPlan& plan) {
       static_cast<double>(plan.layout.cells) * (2.0 * sizeof(WideSum) + 16.0 * threads) +
       static_cast<double>(plan.layout.volume_cells) * (2.0 * sizeof(WideSum) + 8.0 * threads);
   if (bytes <= largest) return;
-  std::ostringstream message;
+  PlainTextStream message;
   message.precision(3);
   message << "tallies: the grids must fit in 4 GiB, but need " << bytes / (1024.0 * 1024.0 * 1024.0)
           << " GiB; take fewer bins";
@@ -74,7 +74,7 @@ bool is_precise(const PhotonCounts& counts, double relative_error) {
 
 /// All that decides the numbers, so that shards of different runs are not mixed.
 std::string name_run(const LayerStack& stack, const MonteCarloOptions& options) {
-  std::ostringstream name;
+  PlainTextStream name;
   name.precision(17);
   name << "photons " << options.photons << ", seed " << options.seed << ", incidence "
        << (options.incidence.is_diffuse ? -1.0 : options.incidence.theta) << ", beam "

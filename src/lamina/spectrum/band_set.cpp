@@ -1,16 +1,15 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/spectrum/band_set.h"
 
-#include <sstream>
-
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 
 namespace lamina {
 
 BandSet::BandSet(std::vector<double> wavelengths) : wavelengths_(std::move(wavelengths)) {
   const auto require = [](bool holds, const std::string& rule, double given) {
     if (holds) return;
-    std::ostringstream message;
+    PlainTextStream message;
     message << "bands: " << rule << ", but one is " << given;
     throw InvalidInput(message.str());
   };
@@ -25,7 +24,7 @@ BandSet::BandSet(std::vector<double> wavelengths) : wavelengths_(std::move(wavel
 
 std::string band_name(const BandSet& bands, std::size_t band) {
   if (bands.is_rgb()) return std::string(1, "RGB"[band]);
-  std::ostringstream name;
+  PlainTextStream name;
   name << bands.wavelengths()[band];
   return name.str();
 }
