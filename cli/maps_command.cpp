@@ -96,6 +96,7 @@ void warn_of_patches(const Features& features, const KindOf& kind_of,
 
 void run_maps(const MapsOptions& options) {
   const bool has_seed = options.seed.is_given();
+  const Progress progress = make_progress("features", Keeps::nothing);
   std::vector<SkinMap> maps;
   nlohmann::ordered_json json = make_result("maps");
   json["warnings"] = nlohmann::ordered_json::array();
@@ -116,14 +117,14 @@ void run_maps(const MapsOptions& options) {
             match.exposure, 100.0 * match.error);
         json["exposure"] = match.exposure;
       }
-    maps = make_surface_maps(*on_mesh);
+    maps = make_surface_maps(*on_mesh, progress);
     user = "material";
     user_json = material_json(*on_mesh, maps);
   } else {
     SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
     if (has_seed) recipe.seed = options.common.seed;
     warn_of_patches(recipe.features, std::identity{}, json);
-    maps = make_skin_maps(recipe);
+    maps = make_skin_maps(recipe, progress);
     user = "patch";
     user_json = patch_json(recipe, maps);
   }

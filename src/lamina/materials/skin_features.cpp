@@ -239,13 +239,15 @@ double share_left(const PressedDisc& disc, double distance, double raggedness) {
   return 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
 }
 
-std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe) {
+std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe, const Progress& progress) {
   const Grid grid{recipe.width, recipe.height, recipe.mm_per_texel};
   Canvas canvas{grid, std::vector<SkinParameters>(grid.size(), recipe.base.skin)};
   std::uint64_t seed = recipe.seed * 1'000'003u;
+  double done = 0.0;
   for (const SkinFeature& feature : recipe.features) {
     std::visit([&](const auto& each) { apply(each, seed, canvas); }, feature);
     seed += 10'007;
+    report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
   }
   return varying_maps(canvas);
 }

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/map_example.h"
 #include "lamina/materials/skin_maps.h"
@@ -121,6 +122,8 @@ void mix_in(double& amount, double& composition, double added, double compositio
 
 /// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;
 /// a feature does not depend on those after it.
-[[nodiscard]] std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe);
+/// @throws Interrupted if progress asks to stop.
+[[nodiscard]] std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe,
+                                                  const Progress& progress = {});
 
 }  // namespace lamina

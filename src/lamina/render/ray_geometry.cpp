@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <new>
+#include <stdexcept>
+#include <string>
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -176,13 +178,28 @@ struct RayGeometry::Traversal {
   }
 };
 
+namespace {
+
+/// @param device  the one that the work was for, or null: it could not be made
+/// @throws std::bad_alloc, or std::runtime_error if it is not memory that Embree lacks
+void require_success(bool is_made, RTCDevice device) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (!is_made || error != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree cannot build the scene: its error " +
+                             std::to_string(static_cast<int>(error)));
+}
+
+}  // namespace
+
 RayGeometry::RayGeometry(const std::vector<Mesh>& meshes)
     : traversal_(std::make_unique<Traversal>()) {
   Traversal& traversal = *traversal_;
   traversal.meshes = &meshes;
   traversal.device = rtcNewDevice(nullptr);
-  if (!traversal.device) throw Error("Embree cannot be started");
+  require_success(traversal.device != nullptr, traversal.device);
   traversal.scene = rtcNewScene(traversal.device);
+  require_success(traversal.scene != nullptr, traversal.device);
   rtcSetSceneFlags(traversal.scene, filter_flag);
   rtcSetSceneBuildQuality(traversal.scene, RTC_BUILD_QUALITY_MEDIUM);
   constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -214,7 +231,7 @@ RayGeometry::RayGeometry(const std::vector<Mesh>& meshes)
       }
   }
   rtcCommitScene(traversal.scene);
-  if (rtcGetDeviceError(traversal.device) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  require_success(true, traversal.device);
   if (low.x <= high.x) {
     box_low_ = low;
     box_high_ = high;

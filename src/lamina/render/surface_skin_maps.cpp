@@ -182,7 +182,7 @@ void apply(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t,
         table.at(static_cast<float>(exposure) * color_at(color.image, texel.uv)).skin;
     const auto weight = static_cast<double>(where.weight(texel.position));
     SkinParameters& skin = canvas.skin[i];
-    for (double SkinParameters::* value :
+    for (double SkinParameters::*value :
          {&SkinParameters::melanin, &SkinParameters::hemoglobin_epidermis,
           &SkinParameters::hemoglobin_dermis, &SkinParameters::saturation_epidermis,
           &SkinParameters::saturation_dermis})
@@ -240,13 +240,15 @@ ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& col
   return match_exposure(SkinOfColor(recipe.base.skin), colors);
 }
 
-std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe) {
+std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Progress& progress) {
   SurfaceCanvas canvas{recipe, texels_of(recipe), {}};
   canvas.skin.assign(canvas.texels.size(), recipe.base.skin);
   std::uint64_t seed = recipe.seed * 1'000'003u + 1;
+  double done = 0.0;
   for (const SurfaceFeature& feature : recipe.features) {
     std::visit([&](const auto& kind) { apply(kind, feature.where, seed, canvas); }, feature.kind);
     seed += 10'007;
+    report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
   }
   std::vector<char> is_known(static_cast<std::size_t>(recipe.width) *
                              static_cast<std::size_t>(recipe.height));

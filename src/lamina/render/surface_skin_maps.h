@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/skin_features.h"
 #include "lamina/render/scene.h"
@@ -92,7 +93,9 @@ struct SurfaceMapRecipe {
     const std::filesystem::path& file);
 
 /// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
-[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe);
+/// @throws Interrupted if progress asks to stop.
+[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe,
+                                                     const Progress& progress = {});
 
 /// Melanin, and blood and its oxygen, for a color: by adding-doubling of uniform skin in eight
 /// bands.
