@@ -157,6 +157,27 @@ TEST(PhotonTallies, MeanPathIsTheLogarithmicDerivativeByAbsorption) {
   const MonteCarloResult low = reflectance(0.19), middle = reflectance(0.2),
                          high = reflectance(0.21);
   const auto slope = [](const Estimate& a, const Estimate& b) {
+// A sharp forward peak, looked at straight into it: light scattered once by a thin slab has the
+// phase function itself, (1 + g) / (4 pi (1 - g)^2); twice, that of g^2.
+TEST(PhotonTallies, NextEventsKeepTheForwardPeak) {
+  const double tau = 0.01;
+  for (const double g : {0.995, 0.999})
+    for (const double theta : {0.0, 0.5}) {
+      const auto peak = [](double G) { return (1.0 + G) / (4.0 * pi * (1.0 - G) * (1.0 - G)); };
+      const double path = tau / std::cos(theta);
+      const double expected =
+          std::exp(-path) / std::cos(theta) * (path * peak(g) + 0.5 * path * path * peak(g * g));
+      const MonteCarloResult result =
+          trace_photons(one_layer({.sigma_s = 1.0, .g = g}, tau),
+                        {.photons = 2'000'000,
+                         .seed = 23,
+                         .incidence = {.theta = theta},
+                         .tallies = {.directions = {{.theta = theta, .is_below = true}}}});
+      EXPECT_NEAR(result.directions[0].value, expected, 0.02 * expected) << g << ' ' << theta;
+      EXPECT_LT(result.directions[0].standard_error, 0.008 * expected);
+    }
+}
+
     return std::log(a.value / b.value) / 0.02;
   };
   const auto error = [](const Estimate& a) { return 1.5 * a.standard_error / (0.02 * a.value); };

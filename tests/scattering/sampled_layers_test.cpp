@@ -75,6 +75,64 @@ const std::vector<Prepared>& prepared_cases() {
   return all;
 }
 
+/// Henyey and Greenstein's density in double precision, from the directions themselves.
+double phase_between(double g, const Vec3& from, const Vec3& to) {
+  const Vec3 apart = to - from;
+  const double d = (1.0 - g) * (1.0 - g) + g * dot(apart, apart);
+  return (1.0 - g * g) / (4.0 * pi * d * std::sqrt(d));
+}
+
+// Through a thin slab of matched index, near and at the peak of the phase function: the first order
+// and the density of what is drawn, in single precision against double.
+TEST(SampledLayers, KeepsTheForwardPeak) {
+  for (const double g : {0.9, 0.995, 0.999}) {
+    const double tau = 0.01;
+    const std::vector<LayerStack> bands = {LayerStack({layer(1.0, tau, g, 1.0)})};
+    const FirstOrderStack<BandValues<4>> stack = make_first_order<4>(bands);
+    const Vec3 wo = direction(std::cos(0.7), 0.4);
+    const SampledLayers<4> layers(stack, nullptr, wo);
+    double phase_chance = 0.0;
+    for (const double off : {0.0, 1e-4, 1e-3, 0.01, 0.1}) {
+      const Vec3 wi = -direction(std::cos(0.7 + off), 0.4 + 2.0 * off);
+      const auto value = layers.evaluate(wi);
+      const double mu_i = -wi.z, mu_o = wo.z, phase = phase_between(g, -wi, wo);
+      const double a = tau / mu_i, b = tau / mu_o;
+      const double attenuation =
+          std::abs(a - b) < 1e-9 ? std::exp(-a) : (std::exp(-a) - std::exp(-b)) / (b - a);
+      EXPECT_NEAR(static_cast<double>(value.bsdf[0]) / (phase * tau * attenuation / (mu_i * mu_o)),
+                  1.0, 1e-3)
+          << g << ' ' << off;
+      // The density is phase_chance times the phase function, and the cosine for either side.
+      const double share = (static_cast<double>(value.pdf) - 0.5 * mu_i / pi) / (phase - 0.5 * mu_i / pi);
+      if (off == 0.0) phase_chance = share;
+      if (off <= 0.01) {
+        EXPECT_NEAR(share / phase_chance, 1.0, 1e-3) << g << ' ' << off;
+      }
+    }
+    EXPECT_NEAR(phase_chance, 0.5 * g, 0.05);
+  }
+}
+
+// What is drawn by the phase function has its quantiles: half of the light turns by less than the
+// angle at which the distribution of Henyey and Greenstein is 1/2, and so on.
+TEST(SampledLayers, DrawsTheForwardPeak) {
+  for (const double g : {0.995, 0.999}) {
+    const std::vector<LayerStack> bands = {LayerStack({layer(1.0, 0.01, g, 1.0)})};
+    const FirstOrderStack<BandValues<4>> stack = make_first_order<4>(bands);
+    const Vec3 wo = direction(std::cos(0.7), 0.4);
+    const SampledLayers<4> layers(stack, nullptr, wo);
+    for (const double part : {0.02, 0.1, 0.5, 0.9, 0.98}) {
+      // u below phase_chance draws by the phase function; u1 is the part of the light that turns by
+      // less. q = (1 - g^2) / (1 + g - 2 g u1), 1 - cos = (q^2 - (1 - g)^2) / (2 g).
+      const auto drawn = layers.sample(0.01f, static_cast<float>(part), 0.3f);
+      const double q = (1.0 - g * g) / (1.0 + g - 2.0 * g * part);
+      const double expected = (q - (1.0 - g)) * (q + (1.0 - g)) / (2.0 * g);
+      const Vec3 apart = wo + drawn.wi;
+      EXPECT_NEAR(0.5 * dot(apart, apart) / expected, 1.0, 2e-3) << g << ' ' << part;
+    }
+  }
+}
+
 // Chi-square over cells of direction; what is not drawn is one more cell. Significance 1e-3 each.
 TEST(SampledLayers, DirectionsComeWithTheirDensity) {
   constexpr int cosines = 16, azimuths = 8, draws = 40'000;

@@ -60,9 +60,11 @@ typename LayeredPoint<N>::Value LayeredPoint<N>::factors(const Vec3f& wi) const 
   if (layers_.factors.depth) product *= one - a.pass * b.pass;
   if (layers_.factors.phase) {
     const auto across = static_cast<float>(in.toward.x * out.toward.x + in.toward.y * out.toward.y);
-    const Bands turned = (-across * in.ior[0] * out.ior[0]) * layer.inverse_ior2 - a.mu * b.mu;
-    product *= 4.0f * std::numbers::pi_v<float> *
-               first_order::layer_phase(layers_.stack, layer, max(turned, Bands::filled(-1.0f)));
+    const Bands one_minus_cos =
+        one + (across * in.ior[0] * out.ior[0]) * layer.inverse_ior2 + a.mu * b.mu;
+    product *=
+        4.0f * std::numbers::pi_v<float> *
+        first_order::layer_phase(layers_.stack, layer, min(one_minus_cos, Bands::filled(2.0f)));
   }
   return {.bsdf = product, .pdf = wi.z * std::numbers::inv_pi_v<float>};
 }

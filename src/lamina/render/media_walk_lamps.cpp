@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/media_walk.h"
 
 namespace lamina {
@@ -51,7 +52,7 @@ BandValues<N> MediaWalk<N>::search(const WalkPath<N>& path, const Place& place,
         const Vec3f& direction = lamp.entry.to_surface;
         const Bands turned =
             exp_minus(media_->optical_thickness({origin, direction}, place, lamp.entry.length)) *
-            medium.layers.phase(place.depth.layer, dot(direction, path.ray.direction));
+            medium.layers.phase(place.depth.layer, one_minus_cos(direction, path.ray.direction));
         found += weight_of_search(path.last, turned * path.last.carried, lamp.pdf,
                                   medium.layers.bands()) *
                  turned * lamp.unweakened;
@@ -78,7 +79,8 @@ BandValues<N> MediaWalk<N>::light_outside(const WalkPath<N>& path, const Place& 
         const Bands leaves =
             exp_minus(
                 media_->optical_thickness({before.origin, entry.to_surface}, last, entry.length)) *
-            medium.layers.phase(last.depth.layer, dot(entry.to_surface, before.direction)) *
+            medium.layers.phase(last.depth.layer,
+                                one_minus_cos(entry.to_surface, before.direction)) *
             path.last.carried;
         return weight_of_search(path.last, leaves, pdf, medium.layers.bands());
       },

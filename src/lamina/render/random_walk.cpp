@@ -7,6 +7,7 @@
 #include <numbers>
 #include <variant>
 
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/layered_diffusion.h"
@@ -74,17 +75,16 @@ bool RandomWalk<N>::prepare(const LightGatherer<N>& light, const Progress& progr
 }
 
 template <int N>
-BandValues<N> RandomWalk<N>::phase(float cos_turn) const {
+BandValues<N> RandomWalk<N>::phase(float one_minus_cos) const {
   if (is_isotropic_) return Bands::filled(0.25f / pi);
-  return first_order::layer_phase(stack_, stack_.layers[0],
-                                  Bands::filled(std::clamp(cos_turn, -1.0f, 1.0f)));
+  return first_order::layer_phase(stack_, stack_.layers[0], Bands::filled(one_minus_cos));
 }
 
 template <int N>
 void RandomWalk<N>::scatter(WalkPath<N>& path, WalkNumbers& numbers) const {
   if (!is_isotropic_)
     return turn_at_event(path, phases_, is_same_phase_, numbers,
-                         [&](float cos_turn) { return phase(cos_turn); });
+                         [&](float one_minus_cos) { return phase(one_minus_cos); });
   const Vec2f u = numbers.pair();
   const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
   const float phi = 2.0f * pi * u.y;
@@ -137,7 +137,8 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
   for (int event = 0; scatters && event < most_events; ++event) {
     // In detail at the first event only: most light comes from there.
     const Known known = what_is_known(path.ray.origin, event == 0, light);
-    const Bands into_path = phase(dot(known.direction(), path.ray.direction));
+    const Bands into_path =
+        phase(std::max(1.0f - dot(known.direction(), path.ray.direction), 0.0f));
     const Bands from_lamps = into_path * known.lamps;
     // Of a path that goes on in a direction w: scattered + (flow · w) change. Here, their mean.
     const Bands change = reduction_ * known.scattered;
@@ -166,7 +167,7 @@ BandValues<N> RandomWalk<N>::walk(const ExitPoint& exit, const Vec3f& inward,
       const Vec2f u{random.uniform_float(), random.uniform_float()};
       lamps_->search(path.ray.origin, u_light, u, light, [&](const FoundLamp<N>& lamp) {
         found += weight_of_search(path.last, lamp.entry, lamp.pdf) *
-                 phase(dot(lamp.entry.to_surface, path.ray.direction)) *
+                 phase(one_minus_cos(lamp.entry.to_surface, path.ray.direction)) *
                  exp_minus(lamp.entry.length * medium_.sigma_t) * lamp.unweakened;
       });
       radiance += (1.0f / searching) * path.carried * (found - from_lamps);
@@ -194,7 +195,7 @@ float RandomWalk<N>::weight_of_search(const typename WalkPath<N>::Event& event,
                                       const RefractedEntry& entry, float pdf) const {
   if (!std::isfinite(pdf)) return 1.0f;
   const Bands leaving = exp_minus(entry.length * medium_.sigma_t) *
-                        phase(dot(entry.to_surface, event.ray.direction)) * event.carried;
+                        phase(one_minus_cos(entry.to_surface, event.ray.direction)) * event.carried;
   float rival = 0.0f, carried = 0.0f;
   for (int b = 0; b < bands_; ++b) {
     rival += leaving[b];

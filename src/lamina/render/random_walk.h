@@ -62,7 +62,7 @@ class RandomWalk final : public SubsurfaceTransport<N> {
                                     const LightGatherer<N>& light) const;
   [[nodiscard]] Bands walk(const ExitPoint& exit, const Vec3f& inward,
                            const LightGatherer<N>& light, PixelSamples& samples) const;
-  [[nodiscard]] Bands phase(float cos_turn) const;
+  [[nodiscard]] Bands phase(float one_minus_cos) const;
   void scatter(WalkPath<N>& path, WalkNumbers& numbers) const;
   [[nodiscard]] float weight_of_search(const typename WalkPath<N>::Event& event,
                                        const RefractedEntry& entry, float pdf) const;

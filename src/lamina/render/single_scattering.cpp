@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/refracted_entry.h"
 #include "lamina/scattering/first_order-inl.h"
 
@@ -129,9 +130,9 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
   const float entering = 1.0f - reflectance(boundary_at(scene_, entry->point), entry->cos_outside);
   const Bands way_in =
       exp_minus((1.0f / entry->cos_inside) * optical_depth(entry->length * entry->cos_inside));
-  const float cos_turn = std::clamp(-dot(entry->to_surface, event.to_exit), -1.0f, 1.0f);
   const Bands phase =
-      first_order::layer_phase(layers_, layers_.layers[event.layer], Bands::filled(cos_turn));
+      first_order::layer_phase(layers_, layers_.layers[event.layer],
+                               Bands::filled(one_minus_cos(-entry->to_surface, event.to_exit)));
   const Bands clear =
       light.clear_fraction({leave_surface(entry->point, entry->to_light), entry->to_light},
                            0.9999f * entry->light_distance);
@@ -142,9 +143,10 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
 template <int N>
 BandValues<N> SingleScattering<N>::light_from_sky(const Event& event, const LightGatherer<N>& light,
                                                   Vec2f u, PixelSamples& samples) const {
-  const auto cos_turn =
-      static_cast<float>(sample_cos_theta(phases_[event.layer], static_cast<double>(u.x), 0.5));
-  const float sin_turn = std::sqrt(std::max(1.0f - cos_turn * cos_turn, 0.0f));
+  const double cosine = sample_cos_theta(phases_[event.layer], static_cast<double>(u.x), 0.5);
+  const auto cos_turn = static_cast<float>(cosine),
+             one_minus_cos = static_cast<float>(1.0 - cosine);
+  const float sin_turn = std::sqrt(one_minus_cos * (1.0f + cos_turn));
   const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
   // Against the light's way, from the event to the surface.
   const Vec3f to_surface =
@@ -161,9 +163,8 @@ BandValues<N> SingleScattering<N>::light_from_sky(const Event& event, const Ligh
       normalize(ior_ * to_surface + (cos_outside - ior_ * cos_inside) * surface.smooth_normal);
   if (!(dot(outside, surface.geometric_normal) > 0.0f)) return {};
   const Bands phase =
-      first_order::layer_phase(layers_, layers_.layers[event.layer], Bands::filled(cos_turn));
-  const auto density =
-      static_cast<float>(evaluate(phases_[event.layer], static_cast<double>(cos_turn)));
+      first_order::layer_phase(layers_, layers_.layers[event.layer], Bands::filled(one_minus_cos));
+  const auto density = static_cast<float>(evaluate(phases_[event.layer], cosine));
   const Bands way_in = exp_minus((1.0f / cos_inside) * optical_depth(hit.distance * cos_inside));
   const float entering = 1.0f - reflectance(boundary_at(scene_, surface), cos_outside);
   return (entering / density) * phase * way_in *

@@ -141,15 +141,14 @@ float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const 
 }
 
 template <int N>
-BandValues<N> WalkLayers<N>::phase(std::size_t layer, float cos_turn) const {
-  return first_order::layer_phase(stack_, stack_.layers[layer],
-                                  Bands::filled(std::clamp(cos_turn, -1.0f, 1.0f)));
+BandValues<N> WalkLayers<N>::phase(std::size_t layer, float one_minus_cos) const {
+  return first_order::layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
 }
 
 template <int N>
 void WalkLayers<N>::scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const {
   turn_at_event(path, layers_[layer].phases, layers_[layer].is_same_phase, numbers,
-                [&](float cos_turn) { return phase(layer, cos_turn); });
+                [&](float one_minus_cos) { return phase(layer, one_minus_cos); });
 }
 
 template class WalkLayers<4>;

@@ -47,7 +47,7 @@ class WalkLayers {
   /// The least extinction that a band has in any layer [1/mm].
   [[nodiscard]] float least_extinction(int band) const { return least_extinction_[band]; }
 
-  [[nodiscard]] Bands phase(std::size_t layer, float cos_turn) const;
+  [[nodiscard]] Bands phase(std::size_t layer, float one_minus_cos) const;
   /// Turns a path. All bands count by the density of the mixture.
   void scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const;
 

@@ -90,11 +90,12 @@ template <class V>
          reciprocal(all<V>(2.0) * of_s * of_p + all<V>(1e-36));
 }
 
-/// Densities of a layer's scattering over the sphere [1/sr] at some cosines.
+/// Densities of a layer's scattering over the sphere [1/sr], where it turns light by angles of
+/// these 1 - cos.
 template <class V, std::size_t Count>
 [[nodiscard]] std::array<V, Count> layer_phases(const FirstOrderStack<V>& stack,
                                                 const FirstOrderLayer<V>& layer,
-                                                const std::array<V, Count>& cosines) {
+                                                const std::array<V, Count>& one_minus_cos) {
   constexpr double inverse_4pi = 0.25 * std::numbers::inv_pi;
   const V one = all<V>(1.0);
   std::array<V, Count> sums{};
@@ -102,14 +103,15 @@ template <class V, std::size_t Count>
     const PhaseLobe<V>& lobe = stack.lobes[l];
     if (lobe.is_rayleigh) {
       const V weight = all<V>(0.75 * inverse_4pi) * lobe.weight;
-      for (std::size_t i = 0; i < Count; ++i) sums[i] += weight * (one + cosines[i] * cosines[i]);
+      for (std::size_t i = 0; i < Count; ++i) {
+        const V cosine = one - one_minus_cos[i];
+        sums[i] += weight * (one + cosine * cosine);
+      }
       continue;
     }
-    const V weight = all<V>(inverse_4pi) * lobe.weight * (one - lobe.g * lobe.g);
-    for (std::size_t i = 0; i < Count; ++i) {
-      // (1 - g)^2 + 2 g (1 - cos), which keeps its digits at a forward peak.
-      const V r =
-          reciprocal_root((one - lobe.g) * (one - lobe.g) + (lobe.g + lobe.g) * (one - cosines[i]));
+    const V off = one - lobe.g, weight = all<V>(inverse_4pi) * lobe.weight * off * (one + lobe.g);
+    for (std::size_t i = 0; i < Count; ++i) {  // as henyey_greenstein.h
+      const V r = reciprocal_root(off * off + (lobe.g + lobe.g) * one_minus_cos[i]);
       sums[i] += weight * (r * r * r);
     }
   }
@@ -117,8 +119,8 @@ template <class V, std::size_t Count>
 }
 template <class V>
 [[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
-                            const V& cos_theta) {
-  return layer_phases<V, 1>(stack, layer, {cos_theta})[0];
+                            const V& one_minus_cos) {
+  return layer_phases<V, 1>(stack, layer, {one_minus_cos})[0];
 }
 
 /// What the event has to do with the two beams: factors of the phase function for light that turns

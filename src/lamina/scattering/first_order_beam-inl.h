@@ -171,9 +171,14 @@ V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
                    const StackBeam<V>& out) {
   using namespace first_order;
   const bool are_above = in.toward.z >= 0.0 && out.toward.z >= 0.0;
-  // Horizontal parts of both directions, multiplied, for an index of 1.
+  const V one = all<V>(1.0);
+  // Horizontal parts of both directions, for an index of 1: multiplied, and how far light that goes
+  // on is turned aside, squared.
   const V sines =
       in.ior * out.ior * all<V>(-in.toward.x * out.toward.x - in.toward.y * out.toward.y);
+  const V aside_x = in.ior * all<V>(in.toward.x) + out.ior * all<V>(out.toward.x);
+  const V aside_y = in.ior * all<V>(in.toward.y) + out.ior * all<V>(out.toward.y);
+  const V aside2 = aside_x * aside_x + aside_y * aside_y;
   const FirstOrderLayer<V>* const layers = stack.layers.data();
   const LayerBeam<V>*const of_in = in.layers.data(), *const of_out = out.layers.data();
   V sum = all<V>(0.0);
@@ -182,10 +187,12 @@ V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
     const Turns<V> turn = turns(layer, of_in[k], of_out[k], are_above);
     const V across = sines * layer.inverse_ior2;
     const V cosines = of_in[k].mu * of_out[k].mu;
-    const V back = max(across - cosines, all<V>(-1.0));
+    const V back = min(one - across + cosines, all<V>(2.0));
     if (turn.has_on) {
-      const auto [p_back, p_on] =
-          layer_phases<V, 2>(stack, layer, {back, min(across + cosines, all<V>(1.0))});
+      // From the difference of both directions, as they may be almost the same.
+      const V along = of_in[k].mu - of_out[k].mu;
+      const V on = all<V>(0.5) * (aside2 * layer.inverse_ior2 + along * along);
+      const auto [p_back, p_on] = layer_phases<V, 2>(stack, layer, {back, on});
       sum += turn.back * p_back + turn.on * p_on;
     } else {
       sum += turn.back * layer_phase(stack, layer, back);

@@ -95,7 +95,7 @@ typename LayeredWalk<N>::Exit LayeredWalk<N>::walk(Random& random, const AtEvent
       if (!(random.uniform_float() < survival)) return {};
       worth.throughput *= 1.0f / survival;
       const double c = draw_cosine(stack_, layer, band, random);
-      const Bands phase = layer_phase(stack_, layer, Bands::filled(static_cast<float>(c)));
+      const Bands phase = layer_phase(stack_, layer, Bands::filled(static_cast<float>(1.0 - c)));
       worth.throughput *= (1.0f / phase[band]) * phase;
       worth.density *= (1.0f / phase[band]) * phase;
       w = turned(w, c, 2.0 * pi * random.uniform());
@@ -171,7 +171,7 @@ BandValues<N> LayeredWalk<N>::evaluate(const StackBeam<Bands>& in, Random& rando
         const double across = ratio * (w.x * in.toward.x + w.y * in.toward.y);
         const auto phase = [&](double c) {
           return layer_phase(stack_, layer,
-                             Bands::filled(static_cast<float>(std::clamp(c, -1.0, 1.0))));
+                             Bands::filled(static_cast<float>(std::clamp(1.0 - c, 0.0, 2.0))));
         };
         const auto z = static_cast<float>(depth);
         const Bands rest = layer.thickness - Bands::filled(z);

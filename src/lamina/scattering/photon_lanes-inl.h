@@ -22,6 +22,7 @@
 
 #include "lamina/core/random.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/optics/multiple_scattering.h"
 #include "lamina/scattering/photon_scene.h"
 
@@ -266,23 +267,21 @@ class Walker {
   }
 
   /// Phase function of a layer [1/sr].
-  [[nodiscard]] float phase(std::size_t layer, float cos_theta) const {
-    constexpr float norm = 0.25f * std::numbers::inv_pi_v<float>;
-    if (scene_.lobes == 0) return norm * henyey_greenstein(scene_.g[layer], cos_theta);
+  [[nodiscard]] float phase(std::size_t layer, float one_minus_cos) const {
+    if (scene_.lobes == 0) return henyey_greenstein(scene_.g[layer], one_minus_cos);
     float sum = 0.0f, begin = 0.0f;
     for (std::size_t k = 0; k < static_cast<std::size_t>(scene_.lobes) && begin < 1.0f; ++k) {
       const std::size_t lobe = layer * static_cast<std::size_t>(scene_.lobes) + k;
       const float end = std::min(scene_.lobe_end[lobe], 1.0f), g = scene_.lobe_g[lobe];
       sum += (end - begin) *
-             (g > 1.5f ? 0.75f * (1.0f + cos_theta * cos_theta) : henyey_greenstein(g, cos_theta));
+             (g > 1.5f ? rayleigh(1.0f - one_minus_cos) : henyey_greenstein(g, one_minus_cos));
       begin = end;
     }
-    return norm * sum;
+    return sum;
   }
 
-  static float henyey_greenstein(float g, float cos_theta) {
-    const float d = 1.0f + g * g - 2.0f * g * cos_theta;
-    return (1.0f - g * g) / (d * std::sqrt(d));
+  static float rayleigh(float cos_theta) {
+    return 0.1875f * std::numbers::inv_pi_v<float> * (1.0f + cos_theta * cos_theta);
   }
 
   /// Next-event estimation: what an event sends to the exit directions. (ux, uy, uz) is the
@@ -292,14 +291,16 @@ class Walker {
     const auto layer = static_cast<std::size_t>(p.layer[i]);
     for (std::size_t k = 0; k < scene_.views.size(); ++k) {
       const ExitView& view = scene_.views[k];
-      const float across = ux * view.ux[layer] + uy * view.uy[layer];
-      const float along = uz * view.mu[layer];
+      const auto towards = [&](float view_uz) {
+        const float dx = view.ux[layer] - ux, dy = view.uy[layer] - uy, dz = view_uz - uz;
+        return phase(layer, 0.5f * (dx * dx + dy * dy + dz * dz));
+      };
       float seen = 0.0f;
       if (view.from_top[layer] > 0.0f)
-        seen += phase(layer, across - along) * view.from_top[layer] *
-                std::exp(-view.decay[layer] * p.z[i]);
+        seen +=
+            towards(-view.mu[layer]) * view.from_top[layer] * std::exp(-view.decay[layer] * p.z[i]);
       if (view.from_bottom[layer] > 0.0f)
-        seen += phase(layer, across + along) * view.from_bottom[layer] *
+        seen += towards(view.mu[layer]) * view.from_bottom[layer] *
                 std::exp(-view.decay[layer] * (p.thickness[i] - p.z[i]));
       seen_[(group * max_lanes + i) * scene_.views.size() + k] += p.w[i] * seen;
     }

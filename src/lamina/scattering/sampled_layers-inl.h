@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/scattering/first_order_beam-inl.h"
 #include "lamina/scattering/sampled_layers.h"
 
@@ -19,16 +20,11 @@ template <int N>
   return sum(values) / static_cast<float>(N);
 }
 
-[[nodiscard]] inline float henyey_greenstein(float g, float cos_theta) {
-  const float k = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - cos_theta);
-  return 0.25f / pi * (1.0f - g * g) / (k * std::sqrt(k));
-}
-
 /// Chance that scattering turns by an angle of more than acos(c).
 [[nodiscard]] inline float chance_beyond(float g, float c) {
   if (std::abs(g) < 1e-3f) return 0.5f * (1.0f + c);
   return (1.0f - g * g) / (2.0f * g) *
-         (1.0f / std::sqrt(1.0f + g * g - 2.0f * g * c) - 1.0f / (1.0f + g));
+         (1.0f / std::sqrt((1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - c)) - 1.0f / (1.0f + g));
 }
 
 /// Mean g of a layer's particles, over bands.
@@ -136,18 +132,20 @@ template <int N>
   const bool is_same = (in.toward.z >= 0.0) == (wo.z >= 0.0);
   float pdf = (is_same ? seen.same_chance : seen.other_chance) * mu * (1.0f / pi);
   if (!(seen.phase_chance > 0.0f)) return pdf;
-  const auto across = static_cast<float>(in.toward.x * wo.x + in.toward.y * wo.y);
+  const auto x = static_cast<float>(in.toward.x), y = static_cast<float>(in.toward.y);
+  const auto wo_x = static_cast<float>(wo.x), wo_y = static_cast<float>(wo.y);
   const float sin2 = 1.0f - mu * mu;
   for (std::size_t k = 0; k < seen.lobes.size(); ++k) {
     const LobeSeen& lobe = seen.lobes[k];
     const float from = in.ior[0] * lobe.inverse_ior, mu_in = in.layers[k].mu[0];
     if (from * from * sin2 >= 1.0f) continue;  // such light does not get into the layer
-    const float along = lobe.mu * mu_in;
-    const float turned =
-        std::clamp(-from * lobe.ratio * across + (is_same ? -along : along), -1.0f, 1.0f);
+    // Light that comes from wi goes against it: the sum of both directions is how far it turns.
+    const float dx = lobe.ratio * wo_x + from * x, dy = lobe.ratio * wo_y + from * y;
+    const float dz = is_same ? lobe.mu + mu_in : lobe.mu - mu_in;
+    const float one_minus_cos = 0.5f * (dx * dx + dy * dy + dz * dz);
     // Per solid angle outside: refraction conserves n^2 mu dw.
-    pdf += seen.phase_chance * lobe.chance * henyey_greenstein(lobe.g, turned) * mu * from * from *
-           in.layers[k].inverse_mu[0];
+    pdf += seen.phase_chance * lobe.chance * henyey_greenstein(lobe.g, one_minus_cos) * mu * from *
+           from * in.layers[k].inverse_mu[0];
   }
   return pdf;
 }
@@ -177,17 +175,14 @@ template <int N>
   const double side = out.z >= 0.0 ? 1.0 : -1.0;
   const auto ratio = static_cast<double>(lobe.ratio);
   const Vec3 wo{ratio * out.x, ratio * out.y, side * static_cast<double>(lobe.mu)};
-  float c = 1.0f - 2.0f * u1;
-  if (std::abs(lobe.g) > 1e-3f) {
-    const float s = (1.0f - lobe.g * lobe.g) / (1.0f - lobe.g + 2.0f * lobe.g * u1);
-    c = std::clamp((1.0f + lobe.g * lobe.g - s * s) / (2.0f * lobe.g), -1.0f, 1.0f);
-  }
-  // Light that goes on by the angle of cosine c comes from there: wi points against it.
-  const float sine = std::sqrt(std::max(0.0f, 1.0f - c * c)), phi = 2.0f * pi * u2;
+  const float one_minus_cos = sample_henyey_greenstein(lobe.g, u1);
+  // Light that goes on by this angle comes from there: wi points against it.
+  const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2.0f - one_minus_cos)));
+  const float phi = 2.0f * pi * u2;
   const Frame frame = make_frame(normalize(wo));
-  const Vec3 wi =
-      -frame.to_world({static_cast<double>(sine * std::cos(phi)),
-                       static_cast<double>(sine * std::sin(phi)), static_cast<double>(c)});
+  const Vec3 wi = -frame.to_world({static_cast<double>(sine * std::cos(phi)),
+                                   static_cast<double>(sine * std::sin(phi)),
+                                   1.0 - static_cast<double>(one_minus_cos)});
   const bool is_above = wi.z > 0.0;
   if (!is_above && !seen.stack->is_transmissive()) return {};
   const float ior = is_above ? seen.stack->ior_above[0] : seen.stack->ior_below[0];
