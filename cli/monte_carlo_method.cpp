@@ -52,7 +52,7 @@ MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands, const Inc
   MonteCarloTotals result;
   for (const LayerStack& stack : bands) {
     const MonteCarloResult band = trace_photons(stack, options);
-    const auto read = [&](double Estimate::* part) {
+    const auto read = [&](double Estimate::*part) {
       SlabTotals totals{.specular_reflectance = band.specular_reflectance.*part,
                         .diffuse_reflectance = band.diffuse_reflectance.*part,
                         .transmittance = band.transmittance.*part};
@@ -76,9 +76,8 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
   MonteCarloOptions options = monte_carlo_options(effort, common);
   options.seconds /= static_cast<double>(bands.size());
   options.progress = make_progress("photons");
-  // Bins around the radii, and one more at either end for what lies nearer and farther.
-  const double ratio = std::pow(last / first, 1.0 / (size - 1));
-  options.tallies.log_r = {size + 2, first * std::pow(ratio, -1.5), last * std::pow(ratio, 1.5)};
+  const double ratio = std::pow(last / first, 1.0 / (size - 1));  // bins around the radii
+  options.tallies.log_r = {size, first * std::pow(ratio, -0.5), last * std::pow(ratio, 0.5)};
 
   MonteCarloProfile result;
   const auto n = static_cast<std::size_t>(size);
@@ -91,11 +90,11 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
   }
   for (std::size_t band = 0; band < bands.size(); ++band) {
     const MonteCarloResult traced = trace_photons(bands[band], options);
-    const auto fill = [&](Profile& profile, double Estimate::* part) {
+    const auto fill = [&](Profile& profile, double Estimate::*part) {
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t at = i * bands.size() + band;
-        profile.reflectance_profile[at] = traced.log_radial.reflection[i + 1].*part;
-        profile.transmittance_profile[at] = traced.log_radial.transmission[i + 1].*part;
+        profile.reflectance_profile[at] = traced.log_radial.reflection[i].*part;
+        profile.transmittance_profile[at] = traced.log_radial.transmission[i].*part;
       }
       // As of the other profiles, without what the lit surface mirrors.
       profile.total_reflectance.push_back(traced.diffuse_reflectance.*part);

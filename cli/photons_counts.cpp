@@ -24,7 +24,7 @@ std::string hexadecimal(const std::vector<WideSum>& sums) {
 
 std::vector<WideSum> sums(const JsonInput& input, std::size_t expected) {
   const std::string text = input.string();
-  if (text.size() != expected * digits)
+  if (text.size() % digits != 0 || text.size() / digits != expected)
     input.fail(fmt::format("must hold {} sums of {} hexadecimal digits, but has {} digits",
                            expected, digits, text.size()));
   std::vector<WideSum> values(expected);

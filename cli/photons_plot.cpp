@@ -20,7 +20,7 @@ BandSet band_set(const std::vector<std::string>& bands) {
 }
 
 void add_curves(const PhotonRun& run, const std::vector<double>& x,
-                TwoSided MonteCarloResult::* member, Panel& panel) {
+                TwoSided MonteCarloResult::*member, Panel& panel) {
   const BandSet bands = band_set(run.bands);
   for (std::size_t band = 0; band < run.counts.size(); ++band) {
     const MonteCarloResult result = summarize(run.counts[band]);
@@ -32,7 +32,7 @@ void add_curves(const PhotonRun& run, const std::vector<double>& x,
       Curve curve = {.name = name.empty() ? what : name + " " + what, .x = x, .y = {}};
       for (const Estimate& e : estimates) {
         curve.y.push_back(e.value);
-        curve.low.push_back(e.value - e.standard_error);
+        curve.low.push_back(std::max(0.0, e.value - e.standard_error));
         curve.high.push_back(e.value + e.standard_error);
       }
       // The last ring holds all that lies beyond: no density.

@@ -60,7 +60,7 @@ void add_grid(ordered_json& to, const std::string& name, const Results& results,
 
 /// Reflected and transmitted light as two tallies.
 void add_sides(ordered_json& to, const std::string& name, const Results& results,
-               TwoSided MonteCarloResult::* member, const std::vector<std::size_t>& sizes) {
+               TwoSided MonteCarloResult::*member, const std::vector<std::size_t>& sizes) {
   add(
       to, name + "_reflected", results,
       [member](const MonteCarloResult& r, std::size_t i) -> const Estimate& {
@@ -100,6 +100,7 @@ void add_tallies(ordered_json& to, const PhotonTallies& t, const Results& result
                       std::pow(t.log_r.high / t.log_r.low, static_cast<double>(i) / t.log_r.count));
     to["log_r_edges_mm"] = edges;
     add_sides(to, "log_radial", results, &MonteCarloResult::log_radial, {size(t.log_r.count)});
+    add_sides(to, "log_radial_outside", results, &MonteCarloResult::log_radial_outside, {2});
   }
   if (t.r.count > 0 && t.depth.count > 0) {
     add_grid(to, "absorption", results, &MonteCarloResult::absorption,
@@ -221,7 +222,7 @@ std::string photon_text(const PhotonRun& run) {
     }
     text += "\n";
   };
-  const auto total = [&](const std::string& name, Estimate MonteCarloResult::* member) {
+  const auto total = [&](const std::string& name, Estimate MonteCarloResult::*member) {
     row(name,
         [member](const MonteCarloResult& r, std::size_t) -> const Estimate& { return r.*member; });
   };

@@ -45,6 +45,8 @@ refuses "must be different files, but both are" $skin --tally r --plot same --js
 refuses "must be different files, but both are 0.json" merge 0.json 1.json --json 0.json
 refuses 'did you mean "angle"' $skin --tally angel
 refuses "must fit in 4 GiB, but need" $skin --tally rz --r-bins 100000 --z-bins 100000
+refuses "tallies: " $skin --tally bsdf,orders,path --bsdf-cosines 900000013 --bsdf-azimuths 854015917 \
+  --path-bins 28292772
 refuses "incidence: must be normal" $skin --incidence 90
 refuses "d_zero.mci:9: run 1, layer 1: d must be" photons "$source/tests/reference/mcml_bad/d_zero.mci"
 refuses "is given twice" merge 0.json 0.json

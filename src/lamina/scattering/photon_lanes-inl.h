@@ -368,7 +368,7 @@ class Walker {
     if (layout.log_r_size > 0) {
       const float k = (std::log(std::max(r, 1e-30f)) - plan_.log_low) * plan_.inverse_dlog;
       add(layout.log_r + side * layout.log_r_size +
-              static_cast<std::size_t>(bin(std::max(k, 0.0f), 1.0f, t.log_r.count)),
+              static_cast<std::size_t>(bin(std::max(k + 1.0f, 0.0f), 1.0f, t.log_r.count + 2)),
           w);
     }
     tally_bsdf(p, i, side);
@@ -377,8 +377,9 @@ class Walker {
               static_cast<std::size_t>(order * std::max(t.angles, 1) + angle),
           w);
     if (plan_.needs_path) {
-      add(side == 0 ? PhotonLayout::path_up : PhotonLayout::path_down,
-          w * p.path[i] * plan_.path_unit);
+      const float path = w * p.path[i] * plan_.path_unit;
+      add(side == 0 ? PhotonLayout::path_up : PhotonLayout::path_down, path);
+      add(side == 0 ? PhotonLayout::weighted_path_up : PhotonLayout::weighted_path_down, w * path);
       if (layout.path_size > 0)
         add(layout.path + side * layout.path_size +
                 static_cast<std::size_t>(bin(p.path[i], plan_.inverse_dl, t.path_length.count)),

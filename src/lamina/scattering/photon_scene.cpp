@@ -141,7 +141,7 @@ Scene make_scene(const LayerStack& stack, const MonteCarloOptions& options) {
       scene.is_rough.push_back(is_rough ? 1 : 0);
       scene.has_rough = scene.has_rough || is_rough;
     }
-  if (longest > 0.0) scene.length_unit = longest;
+  if (longest > 0.0) scene.length_unit = std::min({longest, depth, 1e30});
   scene.ground = static_cast<float>(stack.ground().reflectance);
   add_phase_functions(stack, scene);
   add_light(stack, options, scene);
@@ -155,11 +155,15 @@ Scene make_scene(const LayerStack& stack, const MonteCarloOptions& options) {
 }
 
 void check_tallies(const PhotonTallies& t) {
-  const auto check_bins = [](const UniformBins& bins, const std::string& name) {
+  // Areas, volumes and what is divided by them stay finite.
+  constexpr double shortest = 1e-9, longest = 1e9;
+  const auto check_length = [](double length, const std::string& name) {
+    require(length >= shortest && length <= longest,
+            "tallies: " + name + " must lie in [1e-9, 1e9] mm", length);
+  };
+  const auto check_bins = [&](const UniformBins& bins, const std::string& name) {
     require(bins.count >= 0, "tallies: " + name + ": the number of bins must be >= 0", bins.count);
-    if (bins.count > 0)
-      require(std::isfinite(bins.width) && bins.width > 0.0,
-              "tallies: " + name + ": the width of a bin must be > 0 [mm]", bins.width);
+    if (bins.count > 0) check_length(bins.width, name + ": the width of a bin");
   };
   check_bins(t.r, "r");
   check_bins(t.depth, "depth");
@@ -169,24 +173,25 @@ void check_tallies(const PhotonTallies& t) {
   require(t.bsdf_azimuths >= 0, "tallies: bsdf_azimuths must be >= 0", t.bsdf_azimuths);
   require(t.log_r.count >= 0, "tallies: log_r: the number of bins must be >= 0", t.log_r.count);
   if (t.log_r.count > 0) {
-    require(std::isfinite(t.log_r.low) && t.log_r.low > 0.0,
-            "tallies: log_r: the lowest radius must be > 0 [mm]", t.log_r.low);
-    require(std::isfinite(t.log_r.high) && t.log_r.high > t.log_r.low,
+    check_length(t.log_r.low, "log_r: the lowest radius");
+    check_length(t.log_r.high, "log_r: the highest radius");
+    require(t.log_r.high > t.log_r.low,
             "tallies: log_r: the highest radius must be above the lowest [mm]", t.log_r.high);
   }
   if (t.depth.count > 0 && t.r.count == 0)
     throw InvalidInput("tallies: depth needs r, but r has 0 bins");
   if (t.fluence && t.depth.count == 0)
     throw InvalidInput("tallies: fluence needs depth, but depth has 0 bins");
-  if (!t.detectors.empty())
-    require(std::isfinite(t.detector_width) && t.detector_width > 0.0,
-            "tallies: detector_width must be > 0 [mm]", t.detector_width);
+  if (!t.detectors.empty()) check_length(t.detector_width, "detector_width");
   for (const double r : t.detectors)
-    require(std::isfinite(r) && r >= 0.0, "tallies: the distance of a detector must be >= 0 [mm]",
+    require(r >= 0.0 && r <= longest, "tallies: the distance of a detector must lie in [0, 1e9] mm",
             r);
-  for (const ExitDirection& direction : t.directions)
+  for (const ExitDirection& direction : t.directions) {
     require(direction.theta >= 0.0 && direction.theta < 0.5 * std::numbers::pi,
             "tallies: the angle of an exit direction must lie in [0, pi/2)", direction.theta);
+    require(std::isfinite(direction.phi),
+            "tallies: the azimuth of an exit direction must be finite", direction.phi);
+  }
 }
 
 TallyPlan make_tally_plan(const PhotonTallies& tallies, std::size_t layers, double length_unit) {

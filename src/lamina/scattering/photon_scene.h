@@ -45,7 +45,7 @@ struct Scene {
   std::vector<ExitView> views;  ///< [direction] for next-event estimation
 
   std::uint64_t seed = 0;    ///< hashed
-  double length_unit = 1.0;  ///< longest finite mean free path [mm]
+  double length_unit = 1.0;  ///< longest finite mean free path, or the thickness if less [mm]
   std::uint32_t max_events = 0;
   float roulette_weight = 0.1f;
 };
@@ -77,7 +77,7 @@ struct TallyPlan {
   float log_low = 0.0f, inverse_dlog = 0.0f;
   bool needs_path = false;
   bool has_rare_exits = false;  ///< tallies of exits besides r and angle
-  float path_unit = 1.0f;       ///< paths are counted in 65536 of the longest mean free path [1/mm]
+  float path_unit = 1.0f;       ///< paths are counted in 65536 units of length [1/mm]
   float fluence_unit = 1.0f;    ///< fixed point of the fluence, which keeps its sums small [1/mm]
 };
 
@@ -86,7 +86,7 @@ inline constexpr int direction_scale = 6;
 inline constexpr int path_scale = 16;
 inline constexpr int fluence_scale = 30;
 
-/// @param length_unit  longest finite mean free path [mm].
+/// @param length_unit  of the sums of paths and fluence [mm]: that of the Scene.
 [[nodiscard]] TallyPlan make_tally_plan(const PhotonTallies& tallies, std::size_t layers,
                                         double length_unit);
 

@@ -11,42 +11,55 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+/// What squares below the resolution of the fixed point can have lost, of n samples of this sum.
+double lost_squares(double n, double sum) {
+  const double half = std::ldexp(0.5, -photon::cell_scale);
+  return std::min(n * half, std::abs(sum) * std::sqrt(half));
+}
+
 /// Reads cells as means over photons.
 class Reader {
  public:
   explicit Reader(const PhotonCounts& counts)
-      : counts_(counts), n_(static_cast<double>(std::max<std::uint64_t>(counts.photons, 1))) {}
+      : counts_(counts), n_(static_cast<double>(counts.photons)) {}
 
-  /// Mean over photons of the sum of some cells, each photon being counted in one of them at most.
-  [[nodiscard]] Estimate mean(std::size_t first, std::size_t count = 1, std::size_t stride = 1,
-                              double scale = 1.0) const {
-    double sum = 0.0, squares = 0.0;
+  /// Sums over photons of what they left in some cells together, of which each met one at most.
+  struct Sums {
+    double first = 0.0, second = 0.0;
+  };
+  [[nodiscard]] Sums sums(std::size_t first, std::size_t count = 1, std::size_t stride = 1) const {
+    Sums sums;
     for (std::size_t i = 0; i < count; ++i) {
-      sum += to_double(counts_.first[first + i * stride], photon::cell_scale);
-      squares += to_double(counts_.second[first + i * stride], photon::cell_scale);
+      sums.first += to_double(counts_.first[first + i * stride], photon::cell_scale);
+      sums.second += to_double(counts_.second[first + i * stride], photon::cell_scale);
     }
-    const double value = sum / n_;
-    return {scale * value, scale * error(value, squares / n_, n_)};
+    sums.second += lost_squares(n_, sums.first);
+    return sums;
   }
 
-  /// Mean over photons of a volume cell, whose error is known from the batches.
-  [[nodiscard]] Estimate volume_mean(std::size_t cell, double scale) const {
+  /// Their mean. @param largest  what a photon leaves there at most.
+  [[nodiscard]] Estimate mean(std::size_t first, std::size_t count = 1, std::size_t stride = 1,
+                              double scale = 1.0, double largest = 1.0) const {
+    const Sums of = sums(first, count, stride);
+    const Estimate mean = sample_mean(n_, of.first, of.second, largest);
+    return {scale * mean.value, scale * mean.standard_error};
+  }
+
+  /// Mean over photons of a volume cell, whose error is known from the batches, which hold several
+  /// parts of a photon. A single batch tells nothing: as if each photon had left all or nothing.
+  /// @param largest  what a photon leaves there at most.
+  [[nodiscard]] Estimate volume_mean(std::size_t cell, double scale, double largest) const {
     const double sum = to_double(counts_.volume_first[cell], photon::volume_scale);
     const double squares = to_double(counts_.volume_second[cell], photon::volume_square_scale);
-    const auto b = static_cast<double>(std::max<std::uint64_t>(counts_.batches, 1));
+    const auto b = static_cast<double>(counts_.batches);
     // Batches have equal sizes but for the last, which weighs as if it had.
-    const double error_of_sum = b * error(sum / b, squares / b, b);
-    return {scale * sum / n_, scale * error_of_sum / n_};
+    const double variance =
+        b > 1.0 ? std::max(0.0, squares - sum * sum / b) * b / (b - 1.0) : std::abs(sum) * largest;
+    const double per_photon = scale / std::max(n_, 1.0);
+    return {per_photon * sum, per_photon * std::sqrt(variance + largest * largest)};
   }
-
-  [[nodiscard]] double photons() const { return n_; }
 
  private:
-  /// Standard error of the mean of n samples of this mean and mean square.
-  static double error(double mean, double mean_square, double n) {
-    return n > 1.0 ? std::sqrt(std::max(0.0, mean_square - mean * mean) / (n - 1.0)) : 0.0;
-  }
-
   const PhotonCounts& counts_;
   double n_;
 };
@@ -136,25 +149,30 @@ void read_bsdf(const PhotonCounts& counts, const Reader& reader, const PhotonLay
   }
 }
 
-/// Mean of w L over the light of one side, per weight: a ratio, whose error takes both as
-/// independent, which overstates it a little.
-Estimate mean_path(const Reader& reader, std::size_t path, std::size_t light, double unit) {
-  const Estimate sum = reader.mean(path), weight = reader.mean(light);
-  if (!(weight.value > 0.0)) return {};
-  const double value = unit * sum.value / weight.value;
-  const double relative = std::hypot(sum.standard_error / std::max(sum.value, 1e-300),
-                                     weight.standard_error / weight.value);
-  return {value, value * relative};
+/// Mean path of the light of one side, each photon by its weight: a ratio R of two means, of w L
+/// and of w, whose errors are correlated. To first order its variance is that of w L - R w, as if
+/// one more photon had been off by R.
+Estimate mean_path(const Reader& reader, std::size_t path, std::size_t light,
+                   std::size_t weighted_path, double unit) {
+  const Reader::Sums paths = reader.sums(path), weights = reader.sums(light);
+  if (!(weights.first > 0.0)) return {};
+  const double ratio = paths.first / weights.first;
+  const double scatter = paths.second - 2.0 * ratio * reader.sums(weighted_path).first +
+                         ratio * ratio * weights.second;
+  const double one_more = ratio * weights.second / weights.first;
+  return {unit * ratio,
+          unit * std::sqrt(std::max(0.0, scatter) + one_more * one_more) / weights.first};
 }
 
 void read_lengths(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
                   MonteCarloResult& result) {
   const PhotonTallies& t = counts.tallies;
   const double unit = std::ldexp(counts.length_unit, photon::path_scale);
-  result.mean_path_reflected =
-      mean_path(reader, PhotonLayout::path_up, PhotonLayout::reflected, unit);
+  result.mean_path_reflected = mean_path(reader, PhotonLayout::path_up, PhotonLayout::reflected,
+                                         PhotonLayout::weighted_path_up, unit);
   result.mean_path_transmitted =
-      mean_path(reader, PhotonLayout::path_down, PhotonLayout::transmitted, unit);
+      mean_path(reader, PhotonLayout::path_down, PhotonLayout::transmitted,
+                PhotonLayout::weighted_path_down, unit);
   for (std::size_t side = 0; side < 2; ++side) {
     auto& out = side == 0 ? result.path_length.reflection : result.path_length.transmission;
     for (std::size_t i = 0; i < layout.path_size; ++i)
@@ -167,38 +185,44 @@ void read_radii(const PhotonCounts& counts, const Reader& reader, const PhotonLa
                 MonteCarloResult& result) {
   const PhotonTallies& t = counts.tallies;
   const double step = std::log(t.log_r.high / t.log_r.low) / std::max(t.log_r.count, 1);
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (std::size_t side = 0; side < 2 && layout.log_r_size > 0; ++side) {
     auto& out = side == 0 ? result.log_radial.reflection : result.log_radial.transmission;
-    for (std::size_t i = 0; i < layout.log_r_size; ++i) {
+    auto& outside =
+        side == 0 ? result.log_radial_outside.reflection : result.log_radial_outside.transmission;
+    const std::size_t nearer = layout.log_r + side * layout.log_r_size;
+    for (std::size_t i = 0; i + 2 < layout.log_r_size; ++i) {
       const double low = t.log_r.low * std::exp(step * static_cast<double>(i));
-      const double high = low * std::exp(step);
-      out.push_back(reader.mean(layout.log_r + side * layout.log_r_size + i, 1, 1,
-                                1.0 / (pi * (high * high - low * low))));
+      out.push_back(
+          reader.mean(nearer + 1 + i, 1, 1, 1.0 / (pi * low * low * std::expm1(2.0 * step))));
     }
+    outside = {reader.mean(nearer), reader.mean(nearer + layout.log_r_size - 1)};
   }
   for (std::size_t i = 0; i < t.detectors.size(); ++i) {
-    const double low = std::max(0.0, t.detectors[i] - 0.5 * t.detector_width);
-    const double high = t.detectors[i] + 0.5 * t.detector_width;
-    result.detectors.push_back(
-        reader.mean(layout.detector + i, 1, 1, 1.0 / (pi * (high * high - low * low))));
+    const double r = t.detectors[i], half = 0.5 * t.detector_width;
+    const double area = r < half ? pi * (r + half) * (r + half) : 4.0 * pi * r * half;
+    result.detectors.push_back(reader.mean(layout.detector + i, 1, 1, 1.0 / area));
   }
   for (std::size_t i = 0; i < t.directions.size(); ++i)
-    result.directions.push_back(
-        reader.mean(layout.direction + i, 1, 1, std::ldexp(1.0, photon::direction_scale)));
+    result.directions.push_back(reader.mean(layout.direction + i, 1, 1,
+                                            std::ldexp(1.0, photon::direction_scale),
+                                            std::ldexp(1.0, -photon::direction_scale)));  // 1/sr
 }
 
 void read_volume(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
                  MonteCarloResult& result) {
   const PhotonTallies& t = counts.tallies;
-  const double fluence_unit =
-      std::ldexp(counts.length_unit, photon::volume_scale - photon::fluence_scale);
+  // The fluence is counted in units of length, in fewer digits.
+  const double fluence_digits = std::ldexp(1.0, photon::fluence_scale - photon::volume_scale);
   for (std::size_t cell = 0; cell < layout.volume_cells; ++cell) {
     const bool is_fluence = cell >= layout.rz_size;
     const auto ring =
         static_cast<int>((cell % layout.rz_size) / static_cast<std::size_t>(t.depth.count));
     const double volume = ring_area(t.r, ring) * t.depth.width;
     auto& out = is_fluence ? result.fluence : result.absorption;
-    out.push_back(reader.volume_mean(cell, (is_fluence ? fluence_unit : 1.0) / volume));
+    out.push_back(
+        is_fluence
+            ? reader.volume_mean(cell, counts.length_unit / fluence_digits / volume, fluence_digits)
+            : reader.volume_mean(cell, 1.0 / volume, 1.0));
   }
 }
 
@@ -211,8 +235,8 @@ MonteCarloResult summarize(const PhotonCounts& counts) {
   result.photons = counts.photons;
   result.events = counts.events;
   result.was_stopped = counts.was_stopped;
-  result.specular_reflectance = reader.mean(PhotonLayout::specular);
-  result.specular_reflectance.value += counts.specular;
+  result.specular_reflectance = counts.has_random_specular ? reader.mean(PhotonLayout::specular)
+                                                           : Estimate{counts.specular, 0.0};
   result.diffuse_reflectance = reader.mean(PhotonLayout::reflected);
   result.transmittance = reader.mean(PhotonLayout::transmitted);
   result.unscattered_reflectance = reader.mean(PhotonLayout::unscattered_up);

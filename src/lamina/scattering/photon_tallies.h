@@ -17,13 +17,15 @@ namespace lamina {
 struct UniformBins {
   int count = 0;
   double width = 0.0;  ///< > 0 if count > 0
+  friend bool operator==(const UniformBins&, const UniformBins&) = default;
 };
 
-/// Equal steps of the logarithm; what lies outside counts in the first or last bin.
+/// Equal steps of the logarithm. What lies nearer or farther is counted beside the bins.
 struct LogBins {
   int count = 0;
   double low = 0.0;   ///< > 0
   double high = 0.0;  ///< > low
+  friend bool operator==(const LogBins&, const LogBins&) = default;
 };
 
 /// A direction in which next-event estimation looks: the radiance that leaves there.
@@ -31,6 +33,7 @@ struct ExitDirection {
   double theta = 0.0;     ///< from the normal of the side that the light leaves on [rad], [0, pi/2)
   double phi = 0.0;       ///< from the plane of incidence, 0 is forward [rad]
   bool is_below = false;  ///< transmitted light
+  friend bool operator==(const ExitDirection&, const ExitDirection&) = default;
 };
 
 /// What is counted besides the totals. Each costs time and memory only if asked for.
@@ -48,6 +51,7 @@ struct PhotonTallies {
   std::vector<double> detectors;          ///< [mm] distances r of ring detectors for R(r)
   double detector_width = 0.0;            ///< [mm] of each ring, > 0 if there are detectors
   std::vector<ExitDirection> directions;  ///< next-event estimation; smooth boundaries only
+  friend bool operator==(const PhotonTallies&, const PhotonTallies&) = default;
 };
 
 /// Orders of scattering that are told apart: 0 (unscattered), 1 to 10, and the rest.
@@ -78,10 +82,13 @@ struct PhotonLayout {
   static constexpr std::size_t unfinished = 5;
   static constexpr std::size_t path_up = 6;  ///< weight times path length of reflected light
   static constexpr std::size_t path_down = 7;
-  static constexpr std::size_t first_layer = 8;  ///< absorptance of the layers follows
+  static constexpr std::size_t weighted_path_up = 8;  ///< the same times the weight once more, for
+                                                      ///< the error of the mean path
+  static constexpr std::size_t weighted_path_down = 9;
+  static constexpr std::size_t first_layer = 10;  ///< absorptance of the layers follows
   // First cell of each grid. Grids for transmission follow those for reflection at once.
   std::size_t ra = 0, ra_size = 0;        ///< [side][r][angle]
-  std::size_t log_r = 0, log_r_size = 0;  ///< [side][bin]
+  std::size_t log_r = 0, log_r_size = 0;  ///< [side][nearer, bins, farther]
   std::size_t bsdf = 0, bsdf_size = 0;    ///< [side][order][cosine][azimuth]
   std::size_t order = 0, order_size = 0;  ///< [side][order][angle]
   std::size_t path = 0, path_size = 0;    ///< [side][bin]
@@ -92,15 +99,21 @@ struct PhotonLayout {
   std::size_t volume_cells = 0;
 };
 
+/// @throws InvalidInput naming the grid whose cells cannot be counted, or if the sums of all cells
+/// do not fit in 4 GiB.
 [[nodiscard]] PhotonLayout make_photon_layout(const PhotonTallies& tallies, std::size_t layers);
+
+/// @throws InvalidInput if the sums of a run and of the batches in flight do not fit in 4 GiB.
+void check_memory(const PhotonLayout& layout, std::size_t batches);
 
 /// Raw sums of a run or of a shard of it; add them up with `merge`, read them with `summarize`.
 struct PhotonCounts {
   PhotonTallies tallies;
   std::size_t layers = 0;
-  double specular = 0.0;     ///< first reflection where it is the same for all photons
-  double length_unit = 1.0;  ///< longest finite mean free path [mm]
-  std::string run;           ///< names stack and options: only counts of one run can be merged
+  double specular = 0.0;             ///< first reflection where it is the same for all photons
+  bool has_random_specular = false;  ///< it is drawn photon by photon
+  double length_unit = 1.0;          ///< of the sums of paths and fluence, in (0, 1e30] [mm]
+  std::string run;  ///< names stack and options: only counts of one run can be merged
   std::uint64_t photons = 0;
   std::uint64_t batches = 0;
   std::uint64_t events = 0;            ///< scatterings and boundaries met
@@ -108,6 +121,11 @@ struct PhotonCounts {
   std::vector<WideSum> volume_first, volume_second;  ///< [volume cell] of each batch's part
   bool was_stopped = false;  ///< by Ctrl-C or the clock before all photons were spent
 };
+
+/// Whether counts that come from a file can be those of a run: their tallies are in range, there is
+/// a sum for each cell, and `specular` and `length_unit` are in range.
+/// @throws InvalidInput naming what is not as it must be.
+void check_counts(const PhotonCounts& counts);
 
 /// The counts of two shards of one run together; exact.
 /// @throws InvalidInput if they are not of one run.
@@ -118,8 +136,8 @@ struct TwoSided {
   std::vector<Estimate> reflection, transmission;
 };
 
-/// Fractions of the light that arrives, densities of it, each with its standard error. Grids are
-/// empty unless asked for.
+/// Fractions of the light that arrives, densities of it, each with its standard error, for which
+/// what was never seen counts as in sample_mean. Grids are empty unless asked for.
 struct MonteCarloResult {
   std::uint64_t photons = 0;
   std::uint64_t events = 0;
@@ -132,16 +150,17 @@ struct MonteCarloResult {
   std::vector<Estimate> absorptance;   ///< [layer]
   Estimate unfinished;                 ///< of photons that met max_events
 
-  TwoSided radial;            ///< [r] [1/mm²]
-  TwoSided angular;           ///< [angle] [1/sr]
-  TwoSided radial_angular;    ///< [r][angle] [1/(mm² sr)]
-  TwoSided log_radial;        ///< [bin] [1/mm²]
-  TwoSided bsdf;              ///< [cosine][azimuth] [1/sr]; unscattered light is left out, what
-                              ///< rough boundaries scatter is not, at first contact too
-  TwoSided bsdf_by_order;     ///< [order][cosine][azimuth] [1/sr]
-  TwoSided by_order;          ///< [order] fraction of the light
-  TwoSided angular_by_order;  ///< [order][angle] [1/sr]
-  Estimate mean_path_reflected, mean_path_transmitted;  ///< [mm]
+  TwoSided radial;              ///< [r] [1/mm²]
+  TwoSided angular;             ///< [angle] [1/sr]
+  TwoSided radial_angular;      ///< [r][angle] [1/(mm² sr)]
+  TwoSided log_radial;          ///< [bin] [1/mm²]
+  TwoSided log_radial_outside;  ///< [nearer, farther] fractions of the light beside the bins
+  TwoSided bsdf;                ///< [cosine][azimuth] [1/sr]; unscattered light is left out, what
+                                ///< rough boundaries scatter is not, at first contact too
+  TwoSided bsdf_by_order;       ///< [order][cosine][azimuth] [1/sr]
+  TwoSided by_order;            ///< [order] fraction of the light
+  TwoSided angular_by_order;    ///< [order][angle] [1/sr]
+  Estimate mean_path_reflected, mean_path_transmitted;  ///< [mm]; 0 ± 0 where no light left
   TwoSided path_length;                                 ///< [bin] [1/mm] density over path length
   std::vector<Estimate> detectors;                      ///< [detector] [1/mm²]
   std::vector<Estimate> directions;                     ///< [direction] BRDF or BTDF [1/sr]

@@ -32,21 +32,6 @@ std::uint64_t batch_size(std::uint64_t photons) {
   return std::clamp<std::uint64_t>(photons / 64, 256, 1u << 16);
 }
 
-/// Memory that the sums take: of the whole run and of the batches in flight.
-void check_memory(const photon::TallyPlan& plan) {
-  constexpr double largest = 4.0 * 1024.0 * 1024.0 * 1024.0;
-  const auto threads = static_cast<double>(thread_count());
-  const double bytes =
-      static_cast<double>(plan.layout.cells) * (2.0 * sizeof(WideSum) + 16.0 * threads) +
-      static_cast<double>(plan.layout.volume_cells) * (2.0 * sizeof(WideSum) + 8.0 * threads);
-  if (bytes <= largest) return;
-  PlainTextStream message;
-  message.precision(3);
-  message << "tallies: the grids must fit in 4 GiB, but need " << bytes / (1024.0 * 1024.0 * 1024.0)
-          << " GiB; take fewer bins";
-  throw InvalidInput(message.str());
-}
-
 void add_batch(const BatchSums& sums, std::uint64_t photons, PhotonCounts& counts) {
   for (std::size_t i = 0; i < sums.cells.size(); ++i) {
     add(counts.first[i], wide(sums.cells[i].first));
@@ -67,7 +52,7 @@ void add_batch(const BatchSums& sums, std::uint64_t photons, PhotonCounts& count
 bool is_precise(const PhotonCounts& counts, double relative_error) {
   const MonteCarloResult result = summarize(counts);
   const auto is_good = [&](const Estimate& e) {
-    return e.value < 1e-4 || e.standard_error <= relative_error * e.value;
+    return e.value + 2.0 * e.standard_error < 1e-4 || e.standard_error <= relative_error * e.value;
   };
   return is_good(result.diffuse_reflectance) && is_good(result.transmittance);
 }
@@ -97,6 +82,7 @@ PhotonCounts make_counts(const LayerStack& stack, const MonteCarloOptions& optio
   counts.tallies = options.tallies;
   counts.layers = stack.layers().size();
   counts.specular = scene.specular;
+  counts.has_random_specular = scene.enters_at_random && scene.eta[0] != 1.0f;
   counts.length_unit = scene.length_unit;
   counts.run = name_run(stack, options);
   counts.first.resize(plan.layout.cells);
@@ -113,7 +99,7 @@ PhotonCounts count_photons(const LayerStack& stack, const MonteCarloOptions& opt
   const Scene scene = photon::make_scene(stack, options);
   const TallyPlan plan =
       photon::make_tally_plan(options.tallies, stack.layers().size(), scene.length_unit);
-  check_memory(plan);
+  check_memory(plan.layout, static_cast<std::size_t>(thread_count()));
   PhotonCounts counts = make_counts(stack, options, scene, plan);
 
   const std::uint64_t size = batch_size(options.photons);

@@ -38,8 +38,9 @@ struct MonteCarloOptions {
   PhotonTallies tallies;
 
   /// If > 0, stops as soon as the standard errors of diffuse reflectance and of transmittance are
-  /// below this fraction of their values (a value below 1e-4 is not waited for), and `photons` is
-  /// the most that are spent. Looked at when the number of photons has doubled.
+  /// below this fraction of their values (what is below 1e-4 by two standard errors is not waited
+  /// for), and `photons` is the most that are spent. Looked at when the number of photons has
+  /// doubled.
   double relative_error = 0.0;
 
   /// If > 0, stops after this wall-clock time. What is then finished depends on the machine.
