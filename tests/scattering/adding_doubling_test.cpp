@@ -40,7 +40,7 @@ Layer layer(double sigma_a, double sigma_s, double g, double ior, double thickne
           .thickness = thickness};
 }
 
-constexpr AddingDoublingOptions fine{.accuracy = 1e-8};
+const AddingDoublingOptions fine{.accuracy = 1e-8};
 
 // [VanDeHulst1980] Table 35, more digits by two other programs.
 TEST(AddingDoubling, MatchedSlabAgreesWithVanDeHulst) {
