@@ -84,7 +84,7 @@ TEST(MirroredParts, PartsAreDrawnAsTheirLightsAre) {
     float pdf = 0.0f;  // of that direction, of all skies
     lights.for_lights_seen({{0, 0, 0}, light.direction}, 0.0f, light.distance, false,
                            [&](const LightSeen& seen) {
-                             if (!seen.is_lamp) pdf += seen.pdf;
+                             if (!std::isfinite(seen.distance)) pdf += seen.pdf;
                            });
     EXPECT_NEAR(light.pdf, pdf, 1e-2f * pdf) << "part " << i;
   }

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "lamina/core/error.h"
@@ -151,17 +153,28 @@ class NoLight final : public LightGatherer<4> {
   BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override { return {}; }
 };
 
+/// A square of 0.4 rad in a dark sky, 0.4 rad from +z.
+Image make_compact_sky() {
+  Image map = make_image(64, 32, {"R", "G", "B"});
+  for (int y = 12; y < 16; ++y)
+    for (int x = 2; x < 6; ++x)
+      for (int c = 0; c < 3; ++c) map.at(x, y)[c] = 6.0f;
+  return map;
+}
+
 // What is known beforehand saves work and must not count: none of it, all of it, and twice as much
-// light as there is give the same mean, for isotropic and forward scattering.
+// light as there is give the same mean, for isotropic and forward scattering, under a lamp and
+// under a bright place in the sky.
 TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
-  for (const double g : {0.0, 0.6}) {
-    const Scene scene =
-        scene_of(make_sphere(3.0f), homogeneous({0.1, 0.3, 0.8}, {1, 1.2, 1.5}, g, 1.3),
-                 RectangleLight{.center = {6, 0, 9},
-                                .edge_u = {0, 4, 0},
-                                .edge_v = {3.33, 0, -2.22},
-                                .radiance = {5, 5, 5}},
-                 1);
+  const Light lamp = RectangleLight{.center = {6, 0, 9},
+                                    .edge_u = {0, 4, 0},
+                                    .edge_v = {3.33, 0, -2.22},
+                                    .radiance = {5, 5, 5}};
+  const Light sky = EnvironmentLight{.image = 0};
+  for (const auto& [g, light] : {std::pair{0.0, lamp}, {0.6, lamp}, {0.6, sky}}) {
+    Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.3, 0.8}, {1, 1.2, 1.5}, g, 1.3),
+                           light, 1);
+    scene.images = {make_compact_sky()};
     const RenderScene prepared(scene);
     const auto conversion =
         make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
@@ -194,7 +207,7 @@ TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
     for (const std::size_t kind : {1u, 2u})
       for (std::size_t b = 0; b < 3; ++b)
         EXPECT_NEAR(mean[kind][b], mean[0][b], 3.5 * std::hypot(error[0][b], error[kind][b]))
-            << "g " << g << " kind " << kind << " band " << b;
+            << "g " << g << " light " << light.index() << " kind " << kind << " band " << b;
   }
 }
 

@@ -44,6 +44,8 @@ class Environment {
   /// Mean over the sphere of the radiance, and of the part of it that directions are drawn from.
   [[nodiscard]] Vec3f mean_radiance() const { return mean_; }
   [[nodiscard]] float mean_drawn() const;
+  /// In any direction, mean of the channels.
+  [[nodiscard]] float greatest_brightness() const { return greatest_brightness_; }
 
  private:
   struct Texel {
@@ -64,6 +66,7 @@ class Environment {
   std::vector<float> row_scale_;    ///< (cos theta_0 - cos theta_1) / (theta_1 - theta_0)
   double total_ = 0.0;              ///< integral of the weight over the sphere
   Vec3f mean_;
+  float greatest_brightness_ = 0.0f;
 };
 
 }  // namespace lamina

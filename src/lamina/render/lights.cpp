@@ -54,6 +54,10 @@ SphericalRectangle see_rectangle(const Vec3f& corner, const Vec3f& axis_u, const
 /// Below this solid angle the sum of four angles has no digits left and area sampling is as good.
 constexpr float smallest_solid_angle = 3e-3f;
 
+/// Of a sky to paths that leave translucent objects, over the typical radiance. By the least work
+/// for the same noise under a studio, with some room for skies that are almost even.
+constexpr float most_left = 1.5f;
+
 }  // namespace
 
 Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
@@ -141,11 +145,31 @@ LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) 
   for (const Sky& sky : skies_) {
     u_light -= sky.probability;
     if (!(u_light < 0.0f) || !sky.environment.can_be_drawn()) continue;
-    const auto [direction, seen] = sky.environment.draw(u);
-    return {direction, std::numeric_limits<float>::infinity(), seen.radiance,
-            seen.pdf * sky.probability, false};
+    return sample_sky(sky, u);
   }
   return {};
+}
+
+LightSample Lights::sample_sky(const Sky& sky, Vec2f u) const {
+  const auto [direction, seen] = sky.environment.draw(u);
+  return {direction,     std::numeric_limits<float>::infinity(),
+          seen.radiance, seen.pdf * sky.probability,
+          false,         sought_share(seen.radiance)};
+}
+
+/// What is above the typical radiance and some: so paths meet nothing much brighter by chance, and
+/// an even sky, which they find well, takes no search. Typical is at least the mean of the sky, so
+/// what is sought can be drawn.
+float Lights::sought_share(const Vec3f& radiance) const {
+  const float even = most_left * typical_irradiance_ / pi, whole = brightness(radiance);
+  return whole > even ? 1.0f - even / whole : 0.0f;
+}
+
+bool Lights::has_sought() const {
+  return !panels_.empty() || !spots_.empty() || std::ranges::any_of(skies_, [&](const Sky& sky) {
+    const float most = sky.environment.greatest_brightness();
+    return sought_share({most, most, most}) > 0.0f;
+  });
 }
 
 LightSample Lights::sample_spot(const Spot& spot, const Vec3f& position) const {
@@ -220,7 +244,7 @@ std::optional<LightSeen> Lights::look_at_panel(const Panel& panel, const Ray& ra
   if (s < 0.0f || s > 1.0f || t < 0.0f || t > 1.0f) return std::nullopt;
   return LightSeen{panel.radiance,
                    pdf_panel(panel, ray.origin, ray.direction, distance) * panel.probability,
-                   distance, true};
+                   distance};
 }
 
 }  // namespace lamina

@@ -21,6 +21,7 @@ struct LightSample {
   Vec3f radiance;         ///< of a point or directional light its irradiance on a facing surface
   float pdf = 0.0f;       ///< [1/sr], or a probability if is_delta; 0: nothing to be had
   bool is_delta = false;  ///< from one direction only, which no other sampling finds
+  float sought = 1.0f;    ///< as LightSeen has it
 };
 
 /// Some of the numbers by which sample_light chooses: [low, low + size) draws from these lights
@@ -35,7 +36,9 @@ struct LightSeen {
   Vec3f radiance;
   float pdf = 0.0f;       ///< with which sample_light draws that direction [1/sr]
   float distance = 0.0f;  ///< [mm]; infinite for the sky
-  bool is_lamp = false;   ///< not the sky
+  /// Share that is sought from inside translucent objects; the rest is left to paths that leave
+  /// them. 1 for a lamp; of the sky what shines brighter than most of the scene's light.
+  float sought = 1.0f;
 };
 
 /// Parts of lights as seen from a point.
@@ -92,9 +95,12 @@ class Lights {
       if (is_camera_ray && !sky.is_visible) continue;
       const auto [radiance, pdf] = sky.environment.look(ray.direction);
       on_light(LightSeen{radiance, pdf * sky.probability, std::numeric_limits<float>::infinity(),
-                         false});
+                         sought_share(radiance)});
     }
   }
+
+  /// Whether there is light to be sought from inside, by LightSeen::sought.
+  [[nodiscard]] bool has_sought() const;
 
   /// About how bright the scene is: irradiance of all lights on a facing surface, unshadowed.
   [[nodiscard]] float typical_irradiance() const { return typical_irradiance_; }
@@ -118,6 +124,8 @@ class Lights {
     bool is_visible;
     float probability = 0.0f;
   };
+  /// Of a sky.
+  [[nodiscard]] float sought_share(const Vec3f& radiance) const;
   [[nodiscard]] std::optional<LightSeen> look_at_panel(const Panel& panel, const Ray& ray,
                                                        float from, float limit) const;
   [[nodiscard]] static LightSample sample_panel(const Panel& panel, const Vec3f& position, Vec2f u);
@@ -132,6 +140,7 @@ class Lights {
     float probability;
   };
   [[nodiscard]] LightSample sample_spot(const Spot& spot, const Vec3f& position) const;
+  [[nodiscard]] LightSample sample_sky(const Sky& sky, Vec2f u) const;
   void make_shares();
   void make_parts();
   /// Halves a rectangle of a sky's random numbers so many times, across its longer side in the sky.

@@ -134,9 +134,7 @@ LightSample Lights::sample_part(std::size_t part, const Vec3f& position, Vec2f u
     sample.pdf *= panels_[light].probability;
     return sample;
   }
-  const auto [direction, seen] = skies_[light].environment.draw(v);
-  return {direction, std::numeric_limits<float>::infinity(), seen.radiance,
-          seen.pdf * skies_[light].probability, false};
+  return sample_sky(skies_[light], v);
 }
 
 }  // namespace lamina

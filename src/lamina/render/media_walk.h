@@ -19,9 +19,9 @@ namespace lamina {
 /// The truth for curved objects that RandomWalk does not take: paths through layers by depth,
 /// through rough boundaries, and from body to body.
 ///
-/// Lamps are sought as RandomWalk does where the boundary is smooth, through bodies of the same
-/// index. Where it is rough, from where a path meets it. Nothing is known about the light
-/// beforehand: paths are followed to their end.
+/// Lamps and what is bright in the sky are sought as RandomWalk does where the boundary is smooth,
+/// through bodies of the same index. Where it is rough, from where a path meets it. Nothing is
+/// known about the light beforehand: paths are followed to their end.
 template <int N>
 class MediaWalk final : public SubsurfaceTransport<N> {
  public:

@@ -51,7 +51,7 @@ struct Path {
   float candidates = light_candidates;  ///< that lights had where it turned last
   bool is_camera_ray = false;           ///< straight from the camera
   bool is_from_eye = false;             ///< from the camera, maybe through glass
-  bool sees_lamps = true;               ///< at the end of its first ray
+  bool is_from_inside = false;          ///< straight from where lights are sought otherwise
   bool is_scattered = false;            ///< spread out by a surface on the way
 };
 

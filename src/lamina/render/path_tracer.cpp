@@ -106,12 +106,15 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const Hit hit = world_.scene.geometry.first_hit(ray, t_near);
     world_.scene.lights.for_lights_seen(
         ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
-          if (seen.is_lamp && !path.sees_lamps) return;
-          const float weight = weight_of_surface_sample(world_.options.direct_light, path.pdf,
+          const float left = path.is_from_inside ? 1.0f - seen.sought : 1.0f;
+          if (!(left > 0.0f)) return;
+          const float weight = left *
+                               weight_of_surface_sample(world_.options.direct_light, path.pdf,
                                                         seen.pdf, path.candidates) /
                                (path.index * path.index);
           const Bands arriving = weight * throughput * world_.conversion.from_rgb(seen.radiance);
-          radiance += path.pdf == 0.0f ? without_caustics(arriving, path) : arriving;
+          const bool is_caustic = path.pdf == 0.0f && !path.is_from_inside;
+          radiance += is_caustic ? without_caustics(arriving, path) : arriving;
         });
     if (!hit.is_hit()) break;
     const float footprint = path.footprint + path.spread * hit.distance;
@@ -140,6 +143,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
         ray.direction = normalize(reflect(-ray.direction, point.smooth_normal));
         ray.origin = leave_surface(point, ray.direction);
         path.pdf = 0.0f;
+        path.is_from_inside = false;
         t_near = 0.0f;
       } else {
         t_near = behind(hit, point);
@@ -200,7 +204,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       before_turn = radiance;
     }
     path.is_camera_ray = path.is_from_eye = false;
-    path.sees_lamps = true;
+    path.is_from_inside = false;
     path.index = 1.0f;  // from here on glass bends and concentrates nothing
     path.is_scattered = path.is_scattered || path.pdf > 0.0f;
     ++path.bounce;

@@ -54,9 +54,9 @@ class PathTracer final : public LightGatherer<N> {
   [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
                                           PixelSamples& samples) const;
   [[nodiscard]] Bands arriving_radiance(const Ray& ray, int bounce, PixelSamples& samples) const {
-    return follow(ray,
-                  {.bounce = bounce + 1, .spread = 0.3f, .sees_lamps = false, .is_scattered = true},
-                  samples, nullptr);
+    return follow(
+        ray, {.bounce = bounce + 1, .spread = 0.3f, .is_from_inside = true, .is_scattered = true},
+        samples, nullptr);
   }
   /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
   [[nodiscard]] bool passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,

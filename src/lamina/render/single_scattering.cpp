@@ -120,8 +120,7 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
                                                     const LightGatherer<N>& light, float u_light,
                                                     Vec2f u) const {
   const LightSample lamp = scene_.lights.sample_light(event.inside, u_light, u);
-  const bool is_sky = !lamp.is_delta && !std::isfinite(lamp.distance);
-  if (!(lamp.pdf > 0.0f) || is_sky) return {};
+  if (!(lamp.pdf > 0.0f && lamp.sought > 0.0f)) return {};
   const auto entry =
       is_refracted_
           ? find_refracted_entry(scene_, event.inside, material_, ior_, lamp, lamp.direction)
@@ -136,8 +135,8 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
   const Bands clear =
       light.clear_fraction({leave_surface(entry->point, entry->to_light), entry->to_light},
                            0.9999f * entry->light_distance);
-  return (entering * entry->focus / (ior_ * ior_ * lamp.pdf)) * phase * way_in * clear *
-         conversion_.from_rgb(lamp.radiance);
+  return (lamp.sought * entering * entry->focus / (ior_ * ior_ * lamp.pdf)) * phase * way_in *
+         clear * conversion_.from_rgb(lamp.radiance);
 }
 
 template <int N>

@@ -23,7 +23,7 @@ class LightGatherer {
   [[nodiscard]] virtual BandValues<N> clear_fraction(const Ray& ray, float distance) const = 0;
 
   /// Radiance that comes along a ray from outside, from other surfaces and the sky, by one random
-  /// estimate. Lamps that the ray meets itself are left out.
+  /// estimate. Of lights that the ray meets itself, what is sought (LightSeen::sought) is left out.
   [[nodiscard]] virtual BandValues<N> arriving_radiance(const Ray& ray,
                                                         PixelSamples& samples) const = 0;
 };

@@ -32,11 +32,10 @@ WalkLamps<N>::WalkLamps(const WalkSpace<N>& space, const Bands& sigma_t,
     : space_(space),
       sigma_t_(sigma_t),
       reduced_sigma_t_(reduced_sigma_t),
+      are_there_(space.scene().lights.has_sought()),
       lattice_(space.lattice(free_path, most_nodes)),
       nodes_(lattice_.count()) {
   is_reduced_ = largest(abs(sigma_t - reduced_sigma_t)) > 1e-6f * largest(sigma_t);
-  for (const Light& lamp : space.scene().scene->lights)
-    are_there_ = are_there_ || !std::holds_alternative<EnvironmentLight>(lamp);
 }
 
 /// The mean of searches from places inside, each carried to their middle along its beam.
@@ -111,17 +110,20 @@ LampLight<N> WalkLamps<N>::known(const Vec3f& p, const LightGatherer<N>& light) 
 
 template <int N>
 std::optional<typename WalkLamps<N>::SameWay> WalkLamps<N>::find_same_way(
-    const WalkPath<N>& path, const SurfacePoint& exit, const Vec3f& lamp_position,
+    const WalkPath<N>& path, const SurfacePoint& exit, const Ray& outside, const LightSeen& lamp,
     const FindBoundary* find_boundary) const {
   if (!path.has_scattered) return std::nullopt;
-  const Vec3f offset = lamp_position - path.ray.origin;
-  const float distance = length(offset);
-  LightSample sample{.direction = offset / distance, .distance = distance, .pdf = 0.0f};
-  space_.scene().lights.for_lights_seen({path.ray.origin, sample.direction}, 0.0f,
-                                        1.001f * distance, false, [&](const LightSeen& seen) {
-                                          if (seen.distance > 0.999f * distance)
-                                            sample.pdf = seen.pdf;
-                                        });
+  LightSample sample{.direction = outside.direction, .distance = lamp.distance, .pdf = lamp.pdf};
+  if (std::isfinite(lamp.distance)) {  // which the last event sees in another direction
+    const Vec3f offset = outside.origin + lamp.distance * outside.direction - path.ray.origin;
+    const float distance = length(offset);
+    sample = {.direction = offset / distance, .distance = distance, .pdf = 0.0f};
+    space_.scene().lights.for_lights_seen({path.ray.origin, sample.direction}, 0.0f,
+                                          1.001f * distance, false, [&](const LightSeen& seen) {
+                                            if (seen.distance > 0.999f * distance)
+                                              sample.pdf = seen.pdf;
+                                          });
+  }
   std::optional<SameWay> found;
   for_ways_in(path.ray.origin, sample, find_boundary, [&](const RefractedEntry& entry) {
     if (length(entry.point.position - exit.position) <

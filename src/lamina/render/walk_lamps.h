@@ -34,7 +34,8 @@ struct FoundLamp {
   float pdf = 0.0f;          ///< over directions inside [1/sr]; infinite if from one only
 };
 
-/// Lamps as seen from inside, through the refracting boundary.
+/// Lamps, and what is bright in the sky (LightSeen::sought), as seen from inside, through the
+/// refracting boundary.
 ///
 /// A lamp is sought on the way that Snell's law takes. What searches from around the nodes of a
 /// lattice found, each node when it is first asked for, is known from then on. Safe to use from any
@@ -91,13 +92,13 @@ class WalkLamps {
     float pdf;
   };
   [[nodiscard]] std::optional<SameWay> find_same_way(const WalkPath<N>& path,
-                                                     const SurfacePoint& exit,
-                                                     const Vec3f& lamp_position,
+                                                     const SurfacePoint& exit, const Ray& outside,
+                                                     const LightSeen& lamp,
                                                      const FindBoundary* find_boundary) const;
 
   const WalkSpace<N>& space_;
   Bands sigma_t_, reduced_sigma_t_;
-  bool are_there_ = false;
+  bool are_there_;
   bool is_reduced_ = false;  ///< the extinction differs from the reduced one
   NodeLattice lattice_;
   mutable LazyValues<Node> nodes_;
@@ -129,8 +130,7 @@ void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
                           const LightGatherer<N>& light, const OnLight& on_light,
                           const FindBoundary* find_boundary) const {
   const LightSample lamp = space_.scene().lights.sample_light(inside, u_light, u);
-  const bool is_sky = !lamp.is_delta && !std::isfinite(lamp.distance);
-  if (!(lamp.pdf > 0.0f) || is_sky) return;
+  if (!(lamp.pdf > 0.0f && lamp.sought > 0.0f)) return;
   for_ways_in(inside, lamp, find_boundary, [&](const RefractedEntry& entry) {
     const float ior = space_.ior();
     const float entering =
@@ -142,8 +142,8 @@ void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
     const float widening = entry.focus / (ior * ior);  // of solid angles
     on_light(FoundLamp<N>{
         .entry = entry,
-        .unweakened =
-            (entering * widening / lamp.pdf) * clear * space_.conversion().from_rgb(lamp.radiance),
+        .unweakened = (lamp.sought * entering * widening / lamp.pdf) * clear *
+                      space_.conversion().from_rgb(lamp.radiance),
         .pdf = lamp.is_delta ? std::numeric_limits<float>::infinity() : lamp.pdf / widening});
   });
 }
@@ -157,13 +157,12 @@ BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const Wa
   const Ray ray{leave_surface(leaving.point, leaving.outside), leaving.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
   space_.scene().lights.for_lights_seen(
-      ray, 0.0f, std::numeric_limits<float>::max(), false, [&](const LightSeen& seen) {
-        if (!seen.is_lamp) return;
-        const auto found = find_same_way(path, leaving.point,
-                                         ray.origin + seen.distance * ray.direction, find_boundary);
+      ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
+        if (!(seen.sought > 0.0f)) return;
+        const auto found = find_same_way(path, leaving.point, ray, seen, find_boundary);
         const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)
-          radiance += weight * space_.conversion().from_rgb(seen.radiance) *
+          radiance += weight * seen.sought * space_.conversion().from_rgb(seen.radiance) *
                       light.clear_fraction(ray, 0.9999f * seen.distance);
       });
   return radiance;
