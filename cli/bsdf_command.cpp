@@ -4,7 +4,6 @@
 #include "bsdf_options.h"
 #include "commands.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 
 namespace lamina::cli {
 
@@ -22,7 +21,7 @@ void add_bsdf_command(CLI::App& app) {
   command.add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
       .show_default();
   command.add_output_file("--plot", options->plot,
-                          "draw the lobes in the plane of incidence as SVG");
+                          "draw the lobes in the plane of incidence as SVG", ".svg");
   const std::string layered = "Layered materials";
   command.add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
       .group(layered)
@@ -83,7 +82,6 @@ void add_bsdf_command(CLI::App& app) {
       "  lamina bsdf --model rough_transmission --smoothness 1 --method height_field --json -\n"
       "  lamina bsdf --model rough_transmission --smoothness 1 --compare --plot b.svg");
   command.callback([options, command] {
-    set_thread_count(options->common.threads);
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
     const bool is_material = options->model.empty();

@@ -42,7 +42,7 @@ std::vector<double> in_radians(std::vector<double> degrees) {
 
 /// [theta][phi][band] of one member of the bands' results.
 ordered_json by_angles(const std::vector<StackBsdf>& bands, const Angles& angles,
-                       const std::vector<double> StackBsdf::* values) {
+                       const std::vector<double> StackBsdf::*values) {
   ordered_json rows = ordered_json::array();
   for (std::size_t i = 0; i < angles.theta.size(); ++i) {
     ordered_json& row = rows.emplace_back(ordered_json::array());

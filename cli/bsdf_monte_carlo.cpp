@@ -71,9 +71,8 @@ BandResult trace(const LayerStack& stack, const MonteCarloOptions& options, cons
 }
 
 /// [plane][theta][phi][band]; without planes [theta][phi][band].
-ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::* member,
-                      SideOf side, double Estimate::* part, std::size_t planes,
-                      const Cells& cells) {
+ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::*member,
+                      SideOf side, double Estimate::*part, std::size_t planes, const Cells& cells) {
   ordered_json all = ordered_json::array();
   for (std::size_t plane = 0; plane < planes; ++plane) {
     ordered_json rows = ordered_json::array();
@@ -90,9 +89,9 @@ ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult:
   return member == &BandResult::bsdf ? all[0] : all;
 }
 
-ordered_json totals_json(const std::vector<BandResult>& bands, double Estimate::* part) {
+ordered_json totals_json(const std::vector<BandResult>& bands, double Estimate::*part) {
   ordered_json json;
-  const auto add = [&](const char* name, Estimate MonteCarloResult::* member) {
+  const auto add = [&](const char* name, Estimate MonteCarloResult::*member) {
     for (const BandResult& band : bands) json[name].push_back(band.totals.*member.*part);
   };
   add("specular_reflectance", &MonteCarloResult::specular_reflectance);
@@ -113,7 +112,7 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
   for (std::size_t i = 0; i < cells.rows; ++i) json["theta_o_deg"].push_back(cells.theta_deg(i));
   for (std::size_t j = 0; j < cells.columns; ++j) json["phi_o_deg"].push_back(cells.phi_deg(j));
   for (const BandResult& band : bands) json["photons"].push_back(band.totals.photons);
-  const auto add = [&](ordered_json& to, double Estimate::* part) {
+  const auto add = [&](ordered_json& to, double Estimate::*part) {
     to.update(totals_json(bands, part));
     for (const SideOf side : {brdf, btdf}) {
       const std::string name = side == brdf ? "brdf" : "btdf";

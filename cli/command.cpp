@@ -4,12 +4,73 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "console.h"
 
 namespace lamina::cli {
+namespace {
+
+/// The number itself where a T is one, holds one or may hold one.
+template <typename T>
+struct NumberIn {
+  using Type = T;
+};
+template <typename T>
+struct NumberIn<std::optional<T>> : NumberIn<T> {};
+template <typename T>
+struct NumberIn<std::vector<T>> : NumberIn<T> {};
+
+/// Makes plain digits of a whole number, which may be given as 1e6. Returns what is wrong with it.
+template <typename Whole>
+std::string check_whole(std::string& given) {
+  const char *const begin = given.data(), *const end = begin + given.size();
+  Whole value = 0;
+  if (const auto read = std::from_chars(begin, end, value);
+      read.ec == std::errc() && read.ptr == end) {
+    given = fmt::format("{}", value);  // without zeros before it: the parser takes 010 for 8
+    return {};
+  }
+  double number = 0.0;
+  const auto read = std::from_chars(begin, end, number);
+  using Limits = std::numeric_limits<Whole>;
+  constexpr double exact = 0x1p53;  // doubles up to here are whole numbers of their own
+  const bool fits = std::abs(number) <= exact && number >= static_cast<double>(Limits::min()) &&
+                    number <= static_cast<double>(Limits::max());
+  if (read.ec != std::errc() || read.ptr != end || !fits || number != std::floor(number))
+    return fmt::format("must be a whole number in [{}, {}], but is {}", Limits::min(),
+                       Limits::max(), given);
+  given = fmt::format("{}", static_cast<Whole>(number));
+  return {};
+}
+
+std::string check_finite(const std::string& given) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
+  const bool is_read = error == std::errc() && end == given.data() + given.size();
+  return is_read && std::isfinite(value) ? ""
+                                         : fmt::format("must be a finite number, but is {}", given);
+}
+
+/// Refuses what is no number, or too large to be one, before anything reads it.
+template <typename T>
+CLI::Option* with_checked_numbers(CLI::Option* option) {
+  using Number = typename NumberIn<T>::Type;
+  if constexpr (std::is_floating_point_v<Number>)
+    option->check(check_finite, "");
+  else if constexpr (std::is_integral_v<Number> && !std::is_same_v<Number, bool>)
+    option->transform(
+        CLI::Validator([](std::string& given) { return check_whole<Number>(given); }, ""));
+  return option;
+}
+
+}  // namespace
+
 Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
 
 Option Option::group(const std::string& title) const { return Option(option_->group(title)); }
@@ -33,6 +94,8 @@ Option Option::range(double low, double high) const {
   return Option(option_->check(check, interval));
 }
 
+Option Option::length() const { return range(1e-9, 1e9); }
+
 Option Option::one_of(const std::vector<std::string>& names) const {
   return Option(option_->check(CLI::IsMember(names)));
 }
@@ -44,19 +107,21 @@ Command::Command(CLI::App& app, const std::string& name, const std::string& text
 
 template <typename T>
 Option Command::add_option(const std::string& name, T& value, const std::string& text) const {
-  return Option(app_->add_option(name, value, text));
+  return Option(with_checked_numbers<T>(app_->add_option(name, value, text)));
 }
 
 template <typename T>
 Option Command::add_flag(const std::string& name, T& value, const std::string& text) const {
-  return Option(app_->add_flag(name, value, text));
+  return Option(with_checked_numbers<T>(app_->add_flag(name, value, text)));
 }
 
-Option Command::add_output_file(const std::string& name, std::string& file,
-                                const std::string& text) const {
+Option Command::add_output_file(const std::string& name, std::string& file, const std::string& text,
+                                const std::string& ending) const {
   constexpr const char* file_type = "FILE";  // marks the files to be written
-  const auto check = [app = app_](const std::string& given) {
+  const auto check = [app = app_, ending](const std::string& given) {
     if (given != "-") require_writable(given);
+    if (!ending.empty() && !is_device(given) && lower_case_ending(given) != ending)
+      return fmt::format("must end in {}, but is {}", ending, given);
     std::vector<NamedFile> files;
     for (const CLI::Option* option : app->get_options())
       if (option->get_type_name() == file_type)
@@ -73,6 +138,10 @@ Option Command::option(const std::string& name) const { return Option(app_->get_
 bool Command::is_given(const std::string& name) const { return option(name).is_given(); }
 
 void Command::footer(const std::string& text) const { app_->footer(text); }
+
+void Command::when_parsed(const std::function<void()>& act) const {
+  app_->parse_complete_callback(act);
+}
 
 void Command::callback(const std::function<void()>& work) const { app_->callback(work); }
 

@@ -25,6 +25,7 @@ class Option {
   Option delimiter(char c) const;                              ///< between the values of a list
   Option expected(int count) const;                            ///< how many values there are
   Option range(double low, double high) const;                 ///< both ends are allowed
+  Option length() const;                                       ///< the range of lengths in mm
   Option one_of(const std::vector<std::string>& names) const;  ///< the values that are allowed
   [[nodiscard]] bool is_given() const;
 
@@ -38,20 +39,23 @@ class Command {
  public:
   Command(CLI::App& app, const std::string& name, const std::string& text);
 
-  /// `value` must outlive the parse. A T is a std::string, bool (flags only), a number, a
-  /// std::optional or std::vector of one; the list is at the end of command.cpp.
+  /// `value` must outlive the parse. Numbers must be finite, whole ones may be given as 1e6. A T is
+  /// a std::string, bool (flags only), a number, a std::optional or std::vector of one; the list is
+  /// at the end of command.cpp.
   template <typename T>
   Option add_option(const std::string& name, T& value, const std::string& text) const;
   template <typename T>
   Option add_flag(const std::string& name, T& value, const std::string& text) const;
 
-  /// A file to be written, which is refused before the work if it cannot be. "-" passes: --json
-  /// takes it for standard output.
-  Option add_output_file(const std::string& name, std::string& file, const std::string& text) const;
+  /// A file to be written, which is refused before the work if it cannot be, or if it has another
+  /// `ending` than it must have. "-" passes: --json takes it for standard output.
+  Option add_output_file(const std::string& name, std::string& file, const std::string& text,
+                         const std::string& ending = "") const;
 
   [[nodiscard]] Option option(const std::string& name) const;  ///< one of those added
   [[nodiscard]] bool is_given(const std::string& name) const;
   void footer(const std::string& text) const;
+  void when_parsed(const std::function<void()>& act) const;  ///< before the callback
   void callback(const std::function<void()>& work) const;
 
  private:

@@ -16,8 +16,12 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/parallel.h"
 
 namespace lamina::cli {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 /// @param place  of the value in the result, such as ".rows[2].diffusion"
@@ -45,11 +49,25 @@ void add_common_options(const Command& command, CommonOptions& options) {
   command.add_option("--threads", options.threads, "threads to use; 0 for all")
       .type_name("N")
       .range(0, 4096);
+  command.when_parsed([&options] { set_thread_count(options.threads); });
   command.add_option("--seed", options.seed, "seed of everything random").type_name("N");
 }
 
+bool is_device(const std::string& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+std::string lower_case_ending(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending)
+    if ('A' <= c && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return ending;
+}
+
 void require_writable(const std::string& file) {
-  namespace fs = std::filesystem;
+  if (file.empty()) return;
   std::error_code error;
   const auto fail = [&](const std::string& reason) {
     throw WriteError(file + ": cannot be written: " + reason);
@@ -58,17 +76,15 @@ void require_writable(const std::string& file) {
   const fs::path parent = fs::path(file).parent_path();
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
   if (!fs::is_directory(folder, error)) fail("there is no folder " + folder.string());
-  const bool is_device = fs::exists(file, error) && !fs::is_regular_file(file, error);
-  if (access(is_device ? file.c_str() : folder.c_str(), W_OK) != 0) fail("no permission");
+  if (access(is_device(file) ? file.c_str() : folder.c_str(), W_OK) != 0) fail("no permission");
 }
 
 void require_different(const std::vector<NamedFile>& files) {
-  namespace fs = std::filesystem;
   std::map<fs::path, std::string> option_of;
   for (const auto& [option, file] : files) {
     std::error_code error;
     if (file.empty() || file == "-") continue;
-    if (fs::exists(file, error) && !fs::is_regular_file(file, error)) continue;  // /dev/null
+    if (is_device(file)) continue;  // such as /dev/null
     const auto [place, is_new] =
         option_of.try_emplace(fs::weakly_canonical(fs::absolute(file), error), option);
     if (!is_new)

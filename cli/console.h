@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -22,7 +23,14 @@ struct CommonOptions {
 /// Adds --json, --threads and --seed; `options` must outlive the parse.
 void add_common_options(const Command& command, CommonOptions& options);
 
-/// Before the work: whether a file can be written, as far as can be told. @throws WriteError
+/// Whether this is a device or pipe, such as /dev/null.
+[[nodiscard]] bool is_device(const std::string& file);
+
+/// ".png" of "X.PNG"; "" without one.
+[[nodiscard]] std::string lower_case_ending(const std::filesystem::path& file);
+
+/// Before the work: whether a file can be written, as far as can be told; "" is none.
+/// @throws WriteError
 void require_writable(const std::string& file);
 
 /// A file that an option names; "" and "-" are none.

@@ -65,9 +65,9 @@ class Bar {
     shown_ = true;
     constexpr int width = 32;
     const int filled = static_cast<int>(finished * width);
-    const std::string time = finished > 0.0
-                                 ? fmt::format("{:.0f} s left", elapsed * (1.0 - finished) / finished)
-                                 : fmt::format("{:.0f} s so far", elapsed);
+    const std::string time =
+        finished > 0.0 ? fmt::format("{:.0f} s left", elapsed * (1.0 - finished) / finished)
+                       : fmt::format("{:.0f} s so far", elapsed);
     fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {}\033[K", label_, "", filled, "",
                width - filled, 100.0 * finished, time);
     return true;
@@ -93,12 +93,12 @@ bool was_interrupted() { return interrupted; }
 
 void watch_for_signals() {
   is_terminal = isatty(STDERR_FILENO);
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = on_signal;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&action.sa_mask, number);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  struct sigaction hangup{};
+  struct sigaction hangup {};
   sigaction(SIGHUP, nullptr, &hangup);
   if (hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // else as nohup wants
   signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is then one that cannot be written

@@ -95,6 +95,9 @@ void warn_of_patches(const Features& features, const KindOf& kind_of,
 }
 
 void run_maps(const MapsOptions& options) {
+  for (const char* ending : {".exr", ".png", ".json"})
+    if (lower_case_ending(options.output) == ending)
+      throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
   const bool has_seed = options.seed.is_given();
   const Progress progress = make_progress("features", Keeps::nothing);
   std::vector<SkinMap> maps;

@@ -51,8 +51,7 @@ std::string printable(std::string_view text, std::string_view also) {
 void say(std::string_view message) {
   constexpr std::size_t longest = 2000, end = 500;  // its end says what is wrong, as a rule
   std::string line(message);
-  if (line.size() > longest)
-    line.replace(longest - end, line.size() - longest, " ... ");
+  if (line.size() > longest) line.replace(longest - end, line.size() - longest, " ... ");
   fmt::print(stderr, "lamina: {}\n", printable(line, ""));
 }
 

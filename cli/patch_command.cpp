@@ -13,16 +13,14 @@
 #include "console.h"
 #include "lamina/core/disk_cache.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/plot.h"
 #include "lamina/image/tone.h"
 #include "lamina/render/skin_patch.h"
+#include "picture_files.h"
 
 namespace lamina::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct PatchOptions {
   CommonOptions common;
@@ -78,15 +76,10 @@ std::array<double, 3> mean_color(const Image& image) {
 
 void run_patch(const PatchOptions& options) {
   const SkinPatch patch = load_skin_patch(options.patch);
-  for (const std::string& warning : patch.warnings)
-    say("warning: " + warning);
-  const fs::path name =
-      options.output.empty() ? fs::path(options.patch).stem() : fs::path(options.output);
-  if (const fs::path folder = name.has_parent_path() ? name.parent_path() : ".";
-      !fs::is_directory(folder))
-    throw FileError(folder.string() + ": there is no such folder to write to");
-  require_different({{"--output", name.string() + ".exr"},
-                     {"--output", name.string() + ".png"},
+  for (const std::string& warning : patch.warnings) say("warning: " + warning);
+  const PictureFiles files = picture_files(options.output, options.patch);
+  require_different({{"--output", files.exr},
+                     {"--output", files.png},
                      {"--json", options.common.json},
                      {"--fit-plot", options.fit_plot},
                      {"the patch", options.patch}});
@@ -97,15 +90,16 @@ void run_patch(const PatchOptions& options) {
                         make_progress("light through skin", Keeps::nothing));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  save_exr(result.image, name.string() + ".exr", ExrPrecision::single_float);
+  if (!files.exr.empty()) save_exr(result.image, files.exr, ExrPrecision::single_float);
   if (!options.fit_plot.empty()) save_fit_plot(options.fit_plot, patch, result.tables);
-  save_png(view_image(result.image, View::standard, options.exposure), name.string() + ".png");
+  if (!files.png.empty())
+    save_png(view_image(result.image, View::standard, options.exposure), files.png);
 
   const double texel_bands =
       static_cast<double>(patch.width) * patch.height * static_cast<double>(patch.bands.size());
-  std::string text =
-      fmt::format("{0}.exr, {0}.png\n{1:>8}  {2:>16}  {3:>9}  {4:>5}  {5:>9}\n", name.string(),
-                  "band", "mean reflectance", "fit error", "terms", "last term");
+  std::string text = fmt::format("{}{}{}\n{:>8}  {:>16}  {:>9}  {:>5}  {:>9}\n", files.exr,
+                                 files.exr.empty() || files.png.empty() ? "" : ", ", files.png,
+                                 "band", "mean reflectance", "fit error", "terms", "last term");
   nlohmann::ordered_json json = make_result("patch");
   json["name"] = patch.name;
   json["width"] = patch.width;
@@ -142,14 +136,17 @@ void add_patch_command(CLI::App& app) {
                         "A flat piece of skin whose pigments are maps, under a pattern of light.");
   command.add_option("patch", options->patch, "patch file").type_name("PATCH").required();
   command
-      .add_option("-o,--output", options->output,
-                  "where to write NAME.exr, a channel per band and R, G, B, and NAME.png")
+      .add_option(
+          "-o,--output", options->output,
+          "NAME.exr: a channel per band and R, G, B; NAME.png: as it looks; without an ending, "
+          "or with a frame number for one, both; in a folder, or without the option, both "
+          "named after the patch")
       .type_name("NAME");
   command.add_option("--exposure", options->exposure, "stops, for the PNG only")
       .type_name("EV")
       .range(-50.0, 50.0);
-  command.add_option("--fit-plot", options->fit_plot, "plot of the error of the tables")
-      .type_name("FILE.svg");
+  command.add_output_file("--fit-plot", options->fit_plot,
+                          "plot of the error of the tables, as SVG", ".svg");
   command.add_flag("--no-cache", options->uses_no_cache,
                    "make the tables anew and do not keep them");
   add_common_options(command, options->common);
@@ -158,10 +155,7 @@ void add_patch_command(CLI::App& app) {
       "Example: a patch with freckles and a vein, from maps made on the spot\n"
       "  lamina maps examples/skin/freckles.json -o freckles && lamina patch "
       "freckles/patch.json");
-  command.callback([options] {
-    set_thread_count(options->common.threads);
-    run_patch(*options);
-  });
+  command.callback([options] { run_patch(*options); });
 }
 
 }  // namespace lamina::cli

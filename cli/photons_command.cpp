@@ -15,7 +15,6 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/core/nearest_name.h"
-#include "lamina/core/parallel.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/mcml_input.h"
 #include "lamina/scattering/mcml_output.h"
@@ -236,7 +235,6 @@ std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
 }
 
 void run_photons(const PhotonsOptions& options) {
-  set_thread_count(options.common.threads);
   std::vector<PhotonRun> runs;
   if (is_mcml(options))
     runs = trace_mcml(options);
@@ -273,6 +271,7 @@ void add_photons_command(CLI::App& app) {
       .one_of({"pencil", "gaussian", "flat"})
       .show_default();
   command.add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
+      .length()
       .group(light);
   const std::string tallies = "Tallies";
   command
@@ -288,7 +287,7 @@ void add_photons_command(CLI::App& app) {
         .show_default();
   };
   const auto width = [&](const char* name, double& value, const char* text) {
-    command.add_option(name, value, text).type_name("MM").group(tallies).show_default();
+    command.add_option(name, value, text).type_name("MM").length().group(tallies).show_default();
   };
   bins("--r-bins", options->r_bins, "rings of r");
   width("--dr", options->dr, "width of a ring");
@@ -298,6 +297,7 @@ void add_photons_command(CLI::App& app) {
   bins("--log-bins", options->log_bins, "bins of log_r");
   command.add_option("--log-range", options->log_r, "lowest and highest radius of log_r [mm]")
       .expected(2)
+      .length()
       .group(tallies)
       .show_default();
   bins("--bsdf-cosines", options->cosines, "rows of bsdf");
@@ -306,6 +306,7 @@ void add_photons_command(CLI::App& app) {
   width("--dl", options->dl, "width of a bin of path length");
   command.add_option("--detector", options->detectors, "distances of ring detectors [mm]")
       .delimiter(',')
+      .range(0.0, 1e9)
       .group(tallies);
   width("--detector-width", options->detector_width, "width of their rings");
   command
@@ -317,7 +318,7 @@ void add_photons_command(CLI::App& app) {
       .type_name("DIR")
       .group(output)
       .show_default();
-  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG")
+  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG", ".svg")
       .group(output);
   command
       .add_flag("--counts", options->with_counts,

@@ -12,7 +12,6 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
@@ -424,13 +423,13 @@ void add_profile_command(CLI::App& app) {
       .type_name("N")
       .range(1, 40);
   command.add_output_file("--plot", options->plot,
-                          "write R(r) and T(r) with that approximation as SVG to FILE");
+                          "write R(r) and T(r) with that approximation as SVG to FILE", ".svg");
   command.add_option("--radii", options->grid.size, "number of radii, in a geometric series")
       .type_name("N")
       .range(2, 100000)
       .show_default();
-  command.add_option("--r-min", options->grid.first, "first radius [mm]").show_default();
-  command.add_option("--r-max", options->grid.last, "last radius [mm]").show_default();
+  command.add_option("--r-min", options->grid.first, "first radius [mm]").length().show_default();
+  command.add_option("--r-max", options->grid.last, "last radius [mm]").length().show_default();
   add_effort_options(command, options->effort);
   add_common_options(command, options->common);
   command.footer(
@@ -444,7 +443,6 @@ void add_profile_command(CLI::App& app) {
       "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
   command.callback([options, command] {
-    set_thread_count(options->common.threads);
     refuse_unused(command, options->method,
                   {{"--accuracy", {"exact"}},
                    {"--no-cache", {"exact"}},

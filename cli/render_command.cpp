@@ -1,6 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -13,12 +12,12 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/image/denoise.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
+#include "picture_files.h"
 #include "render_comparison.h"
 
 namespace lamina::cli {
@@ -36,42 +35,10 @@ struct RenderCommandOptions {
   Option seed, exposure_given;
 };
 
-struct OutputFiles {
-  fs::path exr, png;  ///< empty: not wanted
-};
-
-/// By the ending of the name: one file, or both if it has none of the two.
-OutputFiles output_files(const RenderCommandOptions& options) {
-  const fs::path name =
-      options.output.empty() ? fs::path(options.scene).stem() : fs::path(options.output);
-  if (!name.has_filename())
-    throw InvalidInput("--output " + name.string() + ": a file name is required");
-  if (name.extension() == ".exr") return {name, {}};
-  if (name.extension() == ".png") return {{}, name};
-  if (!options.output.empty() && name.has_extension())
-    throw InvalidInput("--output " + name.string() +
-                       ": the name must end in .exr or .png, or in neither for both");
-  return {name.string() + ".exr", name.string() + ".png"};
-}
-
 /// Keeps an unfinished picture beside where the picture will be.
-fs::path checkpoint_file(const OutputFiles& files) {
-  fs::path file = files.exr.empty() ? files.png : files.exr;
+fs::path checkpoint_file(const PictureFiles& files) {
+  fs::path file(files.exr.empty() ? files.png : files.exr);
   return file.replace_extension(".unfinished");
-}
-
-/// Found out before the work, not after it.
-void require_writable(const fs::path& file) {
-  if (file.empty()) return;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder))
-    throw FileError(folder.string() + ": there is no such folder to write to");
-  if (access(folder.c_str(), W_OK) != 0)
-    throw FileError(folder.string() + ": the folder is not writable");
-  if (fs::is_directory(file))
-    throw FileError(file.string() + ": is a folder, but a file is to be written");
-  if (fs::exists(file) && access(file.c_str(), W_OK) != 0)
-    throw FileError(file.string() + ": the file is not writable");
 }
 
 using Method = RenderSettings::Method;
@@ -127,7 +94,7 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.height > 0) scene.film.height = options.height;
 }
 
-void run_comparison(const RenderCommandOptions& options, const OutputFiles& files, Scene scene) {
+void run_comparison(const RenderCommandOptions& options, const PictureFiles& files, Scene scene) {
   if (files.exr.empty() || files.png.empty())
     throw InvalidInput("--output " + options.output +
                        ": with --compare the name must have no ending, there are many files");
@@ -147,18 +114,14 @@ void run_comparison(const RenderCommandOptions& options, const OutputFiles& file
 }
 
 void run_render(const RenderCommandOptions& options) {
-  if (options.common.threads > 0) set_thread_count(options.common.threads);
-  const OutputFiles files = output_files(options);
-  require_different({{"--output", files.exr.string()},
-                     {"--output", files.png.string()},
+  const PictureFiles files = picture_files(options.output, options.scene);
+  require_different({{"--output", files.exr},
+                     {"--output", files.png},
                      {"--json", options.common.json},
                      {"--cache", options.cache},
                      {"the scene", options.scene}});
-  require_writable(files.exr);
-  require_writable(files.png);
   Scene scene = load_scene(options.scene);
-  for (const std::string& warning : scene.warnings)
-    say("warning: " + warning);
+  for (const std::string& warning : scene.warnings) say("warning: " + warning);
   apply(options, scene);
   if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
       scene.render.method != Method::texture_space)
@@ -191,12 +154,12 @@ void run_render(const RenderCommandOptions& options) {
   std::string written;
   if (!files.exr.empty()) {
     save_exr(result.image, files.exr);
-    written += files.exr.string();
+    written += files.exr;
   }
   if (!files.png.empty()) {
     const double exposure = static_cast<double>(scene.film.exposure);
     save_png(view_image(result.image, scene.film.view, exposure), files.png);
-    written += (written.empty() ? "" : ", ") + files.png.string();
+    written += (written.empty() ? "" : ", ") + files.png;
   }
 
   const RenderStatistics& s = result.statistics;
@@ -244,8 +207,9 @@ void add_render_command(CLI::App& app) {
   command.add_option("scene", options->scene, "scene file").type_name("SCENE").required();
   command
       .add_option("-o,--output", options->output,
-                  "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without either ending, "
-                  "or without the option, both")
+                  "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without an ending, or "
+                  "with a frame number for one, both; in a folder, or without the option, both "
+                  "named after the scene")
       .type_name("IMAGE");
   command.add_option("--samples", options->samples, "samples per pixel")
       .type_name("N")

@@ -13,7 +13,6 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/adding_doubling.h"
 #include "lamina/scattering/layered_diffusion.h"
@@ -226,7 +225,6 @@ void add_slab_command(CLI::App& app) {
       "Example: where the light goes in skin, lit from all sides\n"
       "  lamina slab donner_jensen_skin --incidence diffuse");
   command.callback([options, command] {
-    set_thread_count(options->common.threads);
     const bool is_comparison = options->compared_photons > 0;
     if (is_comparison && command.is_given("--method"))
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");

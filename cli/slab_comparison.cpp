@@ -76,7 +76,8 @@ SlabTotals diffusion_or_nan(const LayerStack& stack, const Incidence& incidence)
 void run_slab_comparison(const Material& material, const std::vector<LayerStack>& stacks,
                          const Incidence& incidence, std::int64_t photons,
                          const CommonOptions& options) {
-  const auto exact = adding_doubling(stacks, incidence, 
+  const auto exact = adding_doubling(
+      stacks, incidence,
       {.accuracy = 1e-6, .progress = make_progress("adding-doubling", Keeps::nothing)});
   std::vector<Row> rows;
   for (std::size_t band = 0; band < stacks.size(); ++band) {

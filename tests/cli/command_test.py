@@ -79,6 +79,31 @@ class WrongUse(unittest.TestCase):
         self.check(["photons", "jade", "--plot", "x.svg"], "--tally r or angle")
         self.check(["photons", "jade", "--output", "."], ".mci")
 
+    def test_refuses_numbers_that_are_none(self):
+        tally = ["photons", "jade", "--photons", "100", "--tally", "r,log_r"]
+        for option, value in (("--dr", "1e-320"), ("--dr", "nan"), ("--dr", "inf"), ("--dr", "-1"), ("--dr", "0x1p3"),
+                              ("--detector", "1e308"), ("--detector-width", "1e-300"), ("--log-range", "0"),
+                              ("--seed", "-1"), ("--seed", "1.5"), ("--seed", "1e30"), ("--seed", "18446744073709551616"),
+                              ("--r-bins", "1e-3"), ("--r-bins", "1e10"), ("--beam-radius", "nan"),
+                              ("--photons", "nan"), ("--threads", "-1")):
+            extra = ["1"] if option == "--log-range" else []
+            self.check([*tally, option, value, *extra], option, "must be", value)
+        self.check([*tally, "--direction", "10", "nan"], "--direction", "finite", "nan")
+        self.check(["profile", "jade", "--r-min", "1e-320"], "--r-min", "must be in")
+        self.check(["bsdf", "jade", "--theta-i", "nan"], "--theta-i", "nan")
+        self.check(["render", "x.json", "--samples", "1.5"], "--samples", "whole number")
+        self.check(["render", "x.json", "--exposure", "nan"], "--exposure")
+
+    def test_refuses_endings_that_are_not_those_of_what_is_written(self):
+        scene = os.path.join(SCENES, "sphere_skin.json")
+        self.check(["slab", "jade", "--plot", "x.png"], "--plot")  # no such option
+        for command in (["profile", "jade"], ["bsdf", "jade"], ["photons", "jade", "--tally", "r"]):
+            self.check([*command, "--plot", "x.png"], "--plot", ".svg", "x.png")
+        self.check(["render", scene, "-o", "x.jpg"], "--output", ".exr or .png", "x.jpg")
+        self.check(["patch", "x.json", "-o", "x.svg"])
+        self.check(["maps", "x.json", "-o", "x.png"], "--output", "folder")
+        self.check(["render", "-"], "--output")
+
     def test_names_file_line_and_field(self):
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
             file.write('{ "lamina": "material", "version": 1,\n "length_unit": "mm", "bands": "rgb",\n'
@@ -133,6 +158,18 @@ class FailedWork(unittest.TestCase):
         self.assertEqual(result.returncode, 1)
         with open("kept.json") as file:
             self.assertEqual(json.load(file)["command"], "slab")
+
+    def test_missing_memory_is_exit_code_1(self):
+        """At every size of the address space the scene is rendered, or refused as work that failed."""
+        codes = set()
+        for mebibytes in range(60, 1000, 40):
+            limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20, mebibytes << 20))
+            result = subprocess.run([LAMINA, "render", os.path.join(SCENES, "sphere_skin.json"), "--samples", "1",
+                                     "--width", "8", "--height", "8", "--threads", "1", "-o", "memory.png"],
+                                    preexec_fn=limit, capture_output=True, text=True)
+            codes.add(result.returncode)
+            self.assertIn(result.returncode, (0, 1, 127), (mebibytes, result.stderr))  # 127: not even loaded
+        self.assertLessEqual({0, 1}, codes)
 
     def test_a_file_that_may_not_grow_so_large_keeps_the_last_good_one(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -216,6 +253,56 @@ class Stopping(unittest.TestCase):
                 self.assertIn("once more ends at once", said)
                 with open(file) as result:
                     self.assertEqual(json.load(result)["command"], "bsdf")
+
+
+class Input(unittest.TestCase):
+    def test_may_come_from_standard_input(self):
+        material = run("materials", "jade").stdout
+        piped = subprocess.run([LAMINA, "slab", "-", "--json", "-"], input=material, capture_output=True, text=True)
+        self.assertEqual(piped.returncode, 0, piped.stderr)
+        self.assertEqual(json.loads(piped.stdout)["diffuse_reflectance"],
+                         json_of("slab", "jade")["diffuse_reflectance"])
+        wrong = subprocess.run([LAMINA, "slab", "-"], input='{ "lamina":\n 1 }', capture_output=True, text=True)
+        self.assertEqual(wrong.returncode, 2)
+        self.assertIn("-:", wrong.stderr)
+
+    def test_whole_numbers_may_have_exponents(self):
+        few = json_of("photons", "jade", "--photons", "100", "--tally", "r", "--r-bins", "2e1", "--seed", "010")
+        self.assertEqual(few, json_of("photons", "jade", "--photons", "1e2", "--tally", "r", "--r-bins", "20",
+                                      "--seed", "1e1"))
+
+
+class Output(unittest.TestCase):
+    def test_names_of_pictures(self):
+        scene = os.path.join(SCENES, "sphere_skin.json")
+        small = ["--samples", "1", "--width", "8", "--height", "8"]
+        for name, files in (("beauty.0001", ["beauty.0001.exr", "beauty.0001.png"]), ("a.PNG", ["a.PNG"]),
+                            ("b.exr", ["b.exr"]), (".", ["sphere_skin.exr", "sphere_skin.png"])):
+            with tempfile.TemporaryDirectory() as folder:
+                output = os.path.join(folder, name)
+                result = run("render", scene, *small, "-o", output)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(sorted(os.listdir(folder)), files)
+
+    @unittest.skipUnless(os.path.isdir("/proc/self/task"), "counts threads as Linux shows them")
+    def test_threads_are_those_asked_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "square.obj"), "w") as file:
+                file.write("v 0 0 0\nv 5 0 0\nv 5 5 0\nv 0 5 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n")
+            recipe = os.path.join(folder, "maps.json")
+            with open(recipe, "w") as file:
+                json.dump({"lamina": "maps", "version": 1, "width": 512, "height": 512, "skin": {},
+                           "surface": {"file": "square.obj", "mm_per_unit": 10},
+                           "features": [{"freckles": {"density": 9}}]}, file)
+            process = subprocess.Popen([LAMINA, "maps", recipe, "-o", folder, "--threads", "1"], stdout=subprocess.DEVNULL)
+            most = 1
+            while process.poll() is None:
+                try:
+                    most = max(most, len(os.listdir(f"/proc/{process.pid}/task")))
+                except FileNotFoundError:
+                    pass
+            self.assertEqual(process.returncode, 0)
+            self.assertEqual(most, 1)
 
 
 class Messages(unittest.TestCase):

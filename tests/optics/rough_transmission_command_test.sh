@@ -26,7 +26,8 @@ expect 2 '--theta-i must lie in [0, 90) degrees, but is 90' --theta-i 90
 expect 2 '--method of rough_transmission must be' --method adding
 expect 2 'smoothness must lie in [0.01, 10000]' --smoothness 0
 expect 2 'eta must differ from 1' --eta 1
-expect 2 'eta must be > 0 and finite' --eta nan
+expect 2 'eta must be > 0 and finite' --eta -1
+expect 2 'eta: must be a finite number' --eta nan
 expect 2 '--photons: is read by --method monte_carlo, height_field only' --photons 100
 expect 2 '--photons: must be a whole number' --method monte_carlo --photons 0
 expect 1 'cannot be written' --plot no/such/folder/lobes.svg

@@ -47,13 +47,13 @@ cmp -s one.exr seed.exr && fail "the seed does nothing"
 
 # What cannot be written is refused before the work: such a scene would take hours.
 endless=(--samples 1000000 --width 4000)
-expect 2 'no such folder' "$scene" "${endless[@]}" -o no/such/folder/x.png
+expect 1 'there is no folder' "$scene" "${endless[@]}" -o no/such/folder/x.png
 expect 2 '.exr or .png' "$scene" "${endless[@]}" -o picture.jpg
-mkdir taken.png
-expect 2 'is a folder' "$scene" "${endless[@]}" -o taken.png
+mkdir -p named_so/sphere_skin.exr
+expect 1 'is a folder' "$scene" "${endless[@]}" -o named_so
 if [ "$(id -u)" != 0 ]; then
   mkdir locked; chmod a-w locked
-  expect 2 'not writable' "$scene" "${endless[@]}" -o locked/x.png
+  expect 1 'no permission' "$scene" "${endless[@]}" -o locked/x.png
 fi
 expect 2 'must be different files' "$scene" "${endless[@]}" -o same.png --json same.png
 expect 2 'there is no such file' no_scene.json
@@ -79,7 +79,7 @@ expect 2 'goes with --cache' "$scene" "${small[@]}" --cache-only
 echo holiday >mine.ply
 expect 2 'another file' "$scene" --method hierarchy "${small[@]}" --cache mine.ply
 [ "$(cat mine.ply)" = holiday ] || fail "a file that is no cache was overwritten"
-expect 2 'no such folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
+expect 1 'there is no folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
 expect 2 'profile' "$scene" --profile guessed
 
 # Ctrl-C keeps the picture as far as it got.

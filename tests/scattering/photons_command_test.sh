@@ -41,7 +41,7 @@ refuses "photons: must be a whole number" $skin --photons 0
 grep -q "1 of 3 shards are missing: 1/3" warning || { echo "merge must say which shards are missing"; exit 1; }
 refuses "shard: must be I/N" $skin --shard 3/3
 refuses "shard: needs --json FILE" $skin --shard 0/3
-refuses "must be different files, but both are" $skin --tally r --plot same --json ./same
+refuses "must be different files, but both are" $skin --tally r --plot same.svg --json ./same.svg
 refuses "must be different files, but both are 0.json" merge 0.json 1.json --json 0.json
 refuses 'did you mean "angle"' $skin --tally angel
 refuses "must fit in 4 GiB, but need" $skin --tally rz --r-bins 100000 --z-bins 100000

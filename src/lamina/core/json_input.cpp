@@ -264,7 +264,8 @@ JsonDocument parse_json(std::string_view text, std::string name) {
 }
 
 JsonDocument load_json(const std::filesystem::path& file) {
-  return parse_json(read_file_bytes(file, json_max_bytes), file.string());
+  const std::filesystem::path from = file == "-" ? "/dev/stdin" : file;
+  return parse_json(read_file_bytes(from, json_max_bytes), file.string());
 }
 
 }  // namespace lamina

@@ -197,7 +197,7 @@ inline constexpr std::size_t json_max_values = 2'000'000;
 ///         number beyond the range of double, or exceeds a limit above.
 [[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name);
 
-/// Reads a JSON file (or a pipe).
+/// Reads a JSON file (or a pipe), or standard input if it is "-".
 /// @throws FileError if it cannot be read; InvalidInput as parse_json.
 [[nodiscard]] JsonDocument load_json(const std::filesystem::path& file);
 

@@ -1,0 +1,46 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "picture_files.h"
+
+#include <filesystem>
+
+#include "console.h"
+#include "lamina/core/error.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path named_after(const std::string& source) {
+  if (source == "-")
+    throw InvalidInput("--output: must name the picture of what standard input describes");
+  return fs::path(source).stem();
+}
+
+/// The files, whether or not they can be written.
+PictureFiles files_of(const std::string& output, const std::string& source) {
+  std::error_code ignored;
+  if (output.empty() || fs::is_directory(output, ignored)) {
+    const std::string name = (fs::path(output) / named_after(source)).string();
+    return {name + ".exr", name + ".png"};
+  }
+  const std::string ending = lower_case_ending(output);
+  if (ending == ".exr") return {output, ""};
+  if (ending == ".png") return {"", output};
+  const bool is_number = ending.size() > 1 && '0' <= ending[1] && ending[1] <= '9';
+  if (!ending.empty() && !is_number)
+    throw InvalidInput("--output: must end in .exr or .png, or in neither for both, but is " +
+                       output);
+  return {output + ".exr", output + ".png"};
+}
+
+}  // namespace
+
+PictureFiles picture_files(const std::string& output, const std::string& source) {
+  const PictureFiles files = files_of(output, source);
+  require_writable(files.exr);
+  require_writable(files.png);
+  return files;
+}
+
+}  // namespace lamina::cli

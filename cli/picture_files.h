@@ -1,0 +1,22 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace lamina::cli {
+
+/// Where a picture goes; "": not wanted.
+struct PictureFiles {
+  std::string exr, png;
+};
+
+/// What --output asks for. NAME.exr or NAME.png is that file. Without an ending, or with one that
+/// starts with a digit, as of the frame in beauty.0001, it is NAME.exr and NAME.png. In a folder,
+/// or without the option, they are named after the file that the picture is made from.
+///
+/// @param output  of the option, or ""
+/// @param source  the scene or patch, "-" for standard input
+/// @throws InvalidInput for any other ending; WriteError if a file cannot be written
+[[nodiscard]] PictureFiles picture_files(const std::string& output, const std::string& source);
+
+}  // namespace lamina::cli
