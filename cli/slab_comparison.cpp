@@ -96,13 +96,14 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
   json["photons"] = photons;
   json["rows"] = ordered_json::array();
   for (const Row& row : rows)
-    json["rows"].push_back({{"name", row.name},
-                            {"band", band_name(material.bands, row.band)},
-                            {"adding_doubling", row.exact},
-                            {"monte_carlo", row.photons.value},
-                            {"standard_error", row.photons.standard_error},
-                            {"difference_in_standard_errors", row.in_standard_errors()},
-                            {"diffusion", row.diffusion}});
+    json["rows"].push_back(
+        {{"name", row.name},
+         {"band", band_name(material.bands, row.band)},
+         {"adding_doubling", row.exact},
+         {"monte_carlo", row.photons.value},
+         {"standard_error", row.photons.standard_error},
+         {"difference_in_standard_errors", row.in_standard_errors()},
+         {"diffusion", std::isnan(row.diffusion) ? ordered_json() : ordered_json(row.diffusion)}});
   write_json(json, options);
   print(options, to_text(material, rows));
 }

@@ -341,6 +341,14 @@ class Json(unittest.TestCase):
             self.assertEqual(len(result[key]), 3)
         self.assertEqual([len(layer) for layer in result["absorptance"]], [3, 3, 3])
 
+    def test_has_null_only_where_there_is_no_value_to_have(self):
+        clear = {"lamina": "material", "version": 1, "length_unit": "mm", "bands": "rgb", "ior_below": 1,
+                 "layers": [{"sigma_a": 1, "sigma_s": 0, "g": 0, "ior": 1.3, "thickness": 1}]}
+        result = subprocess.run([LAMINA, "slab", "-", "--compare=100", "--json", "-"], input=json.dumps(clear),
+                                capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual({row["diffusion"] for row in json.loads(result.stdout)["rows"]}, {None})
+
     def test_light_is_neither_lost_nor_made(self):
         for method in ("diffusion",):
             result = json_of("slab", "parchment", "--method", method)
