@@ -173,6 +173,7 @@ TEST(RoughSurfaceScattering, RefusesWhatIsNoSurface) {
   EXPECT_THROW((void)analytic_scattering({1.0, 1.4}, 1.6), InvalidInput);
   EXPECT_THROW((void)simulate_scattering({1.0, 1.4}, 0.5, {.rays = 0}), InvalidInput);
   EXPECT_THROW((void)trace_height_fields({1.0, 1.4}, 0.5, {.realizations = 1}), InvalidInput);
+  EXPECT_THROW((void)trace_height_fields({1.0, 1.4}, 1.57, {.rays = 1}), InvalidInput);
 }
 
 }  // namespace

@@ -170,6 +170,10 @@ RoughSurfaceScattering trace_height_fields(const GaussianSurface& surface, doubl
     throw InvalidInput("rays must be >= 1, but is " + std::to_string(options.rays));
   if (options.realizations < 2)
     throw InvalidInput("realizations must be >= 2, but is " + std::to_string(options.realizations));
+  // The way to the surface grows as the tangent: 20 CPU-s for 1e6 rays at 89 degrees, no end at 90.
+  if (theta_i > widest_in_height_fields)
+    throw InvalidInput("theta_i of height fields must be at most 89 degrees, but is " +
+                       std::to_string(theta_i * 180.0 / pi) + "; the walk takes all below 90");
   const Vec3 wi = {std::sin(theta_i), 0.0, std::cos(theta_i)};
   const auto parts = static_cast<std::size_t>(options.realizations);
   return run_parts(

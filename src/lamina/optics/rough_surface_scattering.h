@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "lamina/core/estimate.h"
@@ -72,7 +73,10 @@ struct HeightFieldOptions {
   Progress progress;
 };
 
-/// The truth: rays traced through generated height fields of the surface's statistics.
+inline constexpr double widest_in_height_fields = 89.0 * std::numbers::pi / 180.0 + 1e-12;
+
+/// The truth: rays traced through generated height fields of the surface's statistics. theta_i is
+/// 89 degrees at most.
 [[nodiscard]] RoughSurfaceScattering trace_height_fields(const GaussianSurface& surface,
                                                          double theta_i,
                                                          const HeightFieldOptions& options);
