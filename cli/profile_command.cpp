@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -67,14 +69,20 @@ ExactProfileOptions exact_options(const ProfileOptions& options) {
 ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
   auto [result, was_cached] = cached_exact_profile(options.no_cache ? std::nullopt : user_cache(),
                                                    stacks, options.grid, exact_options(options));
+  refuse_doubtful(result.estimated_error,
+                  options.from == "below"          ? "lamina photons of the layers turned over"
+                  : options.incidence == "diffuse" ? "lamina photons --incidence diffuse"
+                                                   : "--method monte_carlo");
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band)
     if (result.estimated_error[band] > options.accuracy)
       remarks.push_back(fmt::format("band {}: accurate to {:.1f} % only", band,
                                     100.0 * result.estimated_error[band]));
-  ordered_json more = {{"accuracy", table_json(result.relative_error, stacks.size())},
-                       {"estimated_error", result.estimated_error},
-                       {"from_cache", was_cached}};
+  ordered_json more = {
+      {"accuracy", table_json(result.relative_error, stacks.size())},
+      {"transmittance_accuracy", table_json(result.transmittance_error, stacks.size())},
+      {"estimated_error", result.estimated_error},
+      {"from_cache", was_cached}};
   return {std::move(result.profile), std::move(remarks), std::move(more)};
 }
 
@@ -139,8 +147,11 @@ std::string table_text(const BandSet& bands, const Profile& profile, const std::
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t i = rows > 1 ? row * (n - 1) / (rows - 1) : 0;
     text += fmt::format("\n{:10.4g}", profile.r[i]);
-    for (std::size_t band = 0; band < bands.size(); ++band)
-      text += fmt::format(fmt::runtime(format), value(i, band));
+    for (std::size_t band = 0; band < bands.size(); ++band) {
+      const double number = value(i, band);
+      text += std::isfinite(number) ? fmt::format(fmt::runtime(format), number)
+                                    : fmt::format("  {:>10}", "-");
+    }
   }
   return text + "\n";
 }
@@ -195,11 +206,12 @@ Rival make_rival(const std::vector<LayerStack>& stacks, const ProfileOptions& op
           ", diffusion"};
 }
 
-/// Relative difference of the rival; where the shown profile is below 1e-8 of its peak neither
-/// matters, and 0 stands for it.
+/// Relative difference of the rival; not a number where the shown profile is 0 or lost in rounding.
 double difference(const Profile& layered, const Profile& dipole, std::size_t i, std::size_t band) {
+  constexpr double rounding = 1e-14;
   const double value = layered.reflectance_at(i, band);
-  if (!(value > 1e-8 * layered.reflectance_at(0, band))) return 0.0;
+  if (!(value > rounding * layered.reflectance_at(0, band)))
+    return std::numeric_limits<double>::quiet_NaN();
   return dipole.reflectance_at(i, band) / value - 1.0;
 }
 
@@ -220,13 +232,18 @@ std::string comparison_text(const Material& material, const Profile& layered, co
 
 ordered_json comparison_json(const Profile& layered, const Rival& rival) {
   const Profile& dipole = rival.profile;
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < layered.r.size(); ++i)
-    for (std::size_t band = 0; band < layered.bands; ++band)
-      differences.push_back(difference(layered, dipole, i, band));
+  auto differences = ordered_json::array();
+  for (std::size_t i = 0; i < layered.r.size(); ++i) {
+    auto row = ordered_json::array();
+    for (std::size_t band = 0; band < layered.bands; ++band) {
+      const double value = difference(layered, dipole, i, band);
+      row.push_back(std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr));
+    }
+    differences.push_back(std::move(row));
+  }
   ordered_json json = {{"method", rival.method}};
   json.update(profile_json(dipole));
-  json["relative_difference"] = table_json(differences, layered.bands);
+  json["relative_difference"] = std::move(differences);
   return json;
 }
 
@@ -449,6 +466,11 @@ void add_profile_command(CLI::App& app) {
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
                    {"--time", {"monte_carlo"}}});
+    if (options->domain == "frequency" && command.is_given("--accuracy"))
+      throw InvalidInput(
+          "--accuracy: is read by --domain radius only; frequencies come with the error of 10 "
+          "nodes "
+          "and 6 modes");
     if (options->domain == "frequency" && (options->compare || !options->plot.empty()))
       throw InvalidInput("--domain frequency: has neither --compare nor --plot, but one is given");
     run_profile(*options);

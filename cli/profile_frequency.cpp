@@ -36,6 +36,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   for (const char* side : {"R", "T"})
     for (std::size_t band = 0; band < stacks.size(); ++band)
       text += fmt::format("  {:>10}", fmt::format("{} {}", side, band_name(material.bands, band)));
+  text += fmt::format("  {:>9}", "error");
   const std::size_t rows = std::min<std::size_t>(k.size(), 24);
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t i = row * (k.size() - 1) / (rows - 1);
@@ -43,11 +44,18 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
     for (const auto* values : {&response.reflectance, &response.transmittance})
       for (std::size_t band = 0; band < stacks.size(); ++band)
         text += fmt::format("  {:10.3e}", (*values)[i * stacks.size() + band]);
+    double error = 0.0;  // the largest of the row
+    for (const auto* errors : {&response.reflectance_error, &response.transmittance_error})
+      for (std::size_t band = 0; band < stacks.size(); ++band)
+        error = std::max(error, (*errors)[i * stacks.size() + band]);
+    text += fmt::format("  {:9.1e}", error);
   }
   nlohmann::ordered_json json = result_with(head);
   json["k_per_mm"] = k;
   json["reflectance"] = table_json(response.reflectance, stacks.size());
   json["transmittance"] = table_json(response.transmittance, stacks.size());
+  json["reflectance_error"] = table_json(response.reflectance_error, stacks.size());
+  json["transmittance_error"] = table_json(response.transmittance_error, stacks.size());
   write_json(json, common);
   print(common, text + "\n");
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "lamina/core/error.h"
 #include "lamina/scattering/oblique_profile.h"
 #include "material_bands.h"
 
@@ -26,12 +27,24 @@ ordered_json moments_json(std::span<const double> table, std::size_t moments, st
 
 }  // namespace
 
+void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out) {
+  for (std::size_t band = 0; band < errors.size(); ++band)
+    if (!(errors[band] <= 1.0))
+      throw InvalidInput(fmt::format(
+          "band {}: the exact profile is wrong by {} of its value somewhere from .01 to 6 mm, by "
+          "its own estimate, and must be by less than 100 %; {} takes such layers",
+          band, errors[band] < 100.0 ? fmt::format("{:.0f} %", 100.0 * errors[band]) : "many times",
+          way_out));
+}
+
 void run_profile_oblique(const Material& material, const std::vector<LayerStack>& stacks,
                          double degrees, const RadialGrid& grid, int moments,
                          const ordered_json& head, const CommonOptions& common) {
   const ObliqueProfile profile =
       oblique_profile(stacks, degrees * std::numbers::pi / 180.0, grid, moments,
                       make_progress("radiative transfer", Keeps::nothing));
+  refuse_doubtful(profile.largest_error,
+                  fmt::format("lamina photons --incidence {} --tally log_r", degrees));
   const std::size_t bands = profile.bands, size = profile.r.size();
   std::string text = "R(r, phi) = sum of R_m(r) cos(m phi), phi from where the beam goes on\n";
   text += fmt::format("{:>10}", "r [mm]");
@@ -63,6 +76,8 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
   json["total_reflectance"] = profile.total_reflectance;
   json["total_transmittance"] = profile.total_transmittance;
   json["accuracy"] = table_json(profile.estimated_error, bands);
+  json["transmittance_accuracy"] = table_json(profile.transmittance_error, bands);
+  json["estimated_error"] = profile.largest_error;
   write_json(json, common);
   print(common, text + "\n");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "console.h"
@@ -9,6 +10,13 @@
 #include "lamina/scattering/hankel.h"
 
 namespace lamina::cli {
+
+/// No numbers are printed that may be wrong by more than all of their value.
+///
+/// @param errors   [band], estimated, relative.
+/// @param way_out  the command that takes such a stack.
+/// @throws InvalidInput naming the band, its error and the way out.
+void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out);
 
 /// `lamina profile --incidence DEG`: the profile over the plane by its moments in azimuth.
 /// @param stacks  [band], lit from above

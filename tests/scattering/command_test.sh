@@ -31,7 +31,12 @@ profile = json.load(open(sys.argv[1]))
 assert profile["per"] == "entered_flux" and profile["method"] == "multipole"
 assert len(profile["r_mm"]) == len(profile["reflectance_profile"]) == len(profile["transmittance_profile"]) == 40
 assert len(profile["reflectance_profile"][0]) == len(profile["total_transmittance"]) == 3
-assert profile["comparison"]["method"] == "dipole"
+dipole = profile["comparison"]
+assert dipole["method"] == "dipole"
+for r, d in zip(profile["reflectance_profile"], zip(dipole["reflectance_profile"], dipole["relative_difference"])):
+    for b, difference in enumerate(d[1]):  # far out too, where the dipole is off by nearly all; null where nothing is left
+        if difference is not None: assert abs(difference - (d[0][b] / r[b] - 1)) < 1e-9 * (1 + abs(difference))
+        else: assert r[b] < 1e-14 * profile["reflectance_profile"][0][b]
 PY
 
 "$lamina" slab donner_jensen_skin --json "$folder/slab.json" > /dev/null || fail "slab by adding-doubling"
@@ -44,7 +49,7 @@ for b, expected in enumerate((.398083, .392509, .309059)):
     assert abs(slab["diffuse_reflectance"][b] - expected) < 1e-5
     assert abs(skin["total_reflectance"][b] - expected) < 1e-5
 assert skin["method"] == "exact" and skin["per"] == "arriving_flux"
-assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == 60
+assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == len(skin["transmittance_accuracy"]) == 60
 assert skin["comparison"]["method"] == "multipole"
 PY
 "$lamina" profile donner_jensen_skin --radii 60 --json "$folder/again.json" > /dev/null || fail "exact profile from the cache"
@@ -98,6 +103,15 @@ refused() {
   [ "$status" = 2 ] || fail "$* must exit with 2, not $status"
   [ "$(wc -l < "$folder/error")" = 1 ] || fail "$* must say so in one line"
 }
+refused profile leaf --domain frequency --accuracy .01
+cat > "$folder/glow.json" <<'JSON'
+{ "lamina": "material", "version": 1, "name": "thin, on white", "source": "a test", "length_unit": "mm", "bands": [600],
+  "layers": [ { "thickness": 0.1, "ior": 1.4, "sigma_a": 0.05, "sigma_s": 4.95, "g": 0.8 } ], "ior_below": 1,
+  "ground": { "reflectance": 1 } }
+JSON
+refused profile "$folder/glow.json" --accuracy .1
+grep -q "monte_carlo" "$folder/error" || fail "a doubtful profile names the way out"
+"$lamina" profile "$folder/glow.json" --method monte_carlo --photons 1e4 > /dev/null 2>&1 || fail "photons take thin slabs on white"
 refused slab
 refused slab no_such_material
 refused slab leaf --method diffusion --incidence 90

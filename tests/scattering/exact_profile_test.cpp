@@ -215,23 +215,25 @@ TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
   struct Case {
     LayerStack stack;
     double outermost;  // [mm]
+    double
+        estimate_of_error;  // of the error, at most: for some the tail of the spectrum adds to .005
   };
   const std::vector<Case> cases = {
-      {named("Giovanelli half-space"), 0.4},
-      {named("skin, green"), 0.6},
-      {named("van de Hulst slab"), 0.4},
-      {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.04)}), 0.3},     // optical thickness 0.2
-      {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.01)}), 0.2},     // 0.05
-      {LayerStack({layer(0.01, 100.0, 0.8, 1.5, 1.0)}), 1.0}};  // white paint
+      {named("Giovanelli half-space"), 0.4, 0.006},
+      {named("skin, green"), 0.6, 0.005},
+      {named("van de Hulst slab"), 0.4, 0.03},
+      {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.04)}), 0.3, 0.005},     // optical thickness 0.2
+      {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.01)}), 0.2, 0.005},     // 0.05
+      {LayerStack({layer(0.01, 100.0, 0.8, 1.5, 1.0)}), 1.0, 0.005}};  // white paint
   constexpr double ring = 0.02;
-  for (const auto& [stack, outermost] : cases) {
+  for (const auto& [stack, outermost, estimate_of_error] : cases) {
     const auto rings = static_cast<std::size_t>(std::lround(outermost / ring));
     MonteCarloOptions options{.photons = 400'000, .seed = 3};
     options.tallies.r = {.count = static_cast<int>(rings), .width = ring};
     const MonteCarloResult photons = trace_photons(stack, options);
     const ExactProfile exact = exact_profile(
         std::vector{stack}, {.first = 1e-4, .last = 20.0, .size = 160}, {.r_highest = outermost});
-    EXPECT_TRUE(exact.is_accurate);
+    EXPECT_LT(exact.estimated_error[0], estimate_of_error);
     const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
     for (const bool is_reflectance : {true, false}) {
       if (!is_reflectance && is_semi_infinite(stack)) continue;

@@ -17,6 +17,7 @@ namespace lamina {
 namespace {
 
 constexpr int nodes_of_responses = 10, modes_of_responses = 6;
+constexpr int fewer_nodes_of_responses = 7, fewer_modes_of_responses = 4;
 /// Optical thickness that a layer without scattering must have.
 constexpr double least_of_absorber = 3.0;
 constexpr int fewest_nodes = 6, fewest_modes = 4;  ///< of a profile
@@ -65,6 +66,9 @@ void refuse_clear_plates(std::span<const LayerStack> stacks) {
     }
 }
 
+/// 1 where an error is no smaller than its value.
+double relative(double error, double value) { return error < value ? error / value : 1.0; }
+
 }  // namespace
 
 std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
@@ -100,6 +104,7 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
   profile.reflectance_profile.resize(count * bands);
   profile.transmittance_profile.resize(count * bands);
   result.relative_error.assign(count * bands, 0.0);
+  result.transmittance_error.assign(count * bands, 0.0);
   result.estimated_error.assign(bands, 0.0);
   const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
   const std::vector<AddingDoublingTotals> totals =
@@ -120,10 +125,12 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
     result.nodes.push_back(band.nodes);
     result.modes.push_back(band.modes);
     for (std::size_t i = 0; i < count; ++i) {
-      const double value = band.profile.reflectance[i], error = band.error.reflectance[i];
-      profile.reflectance_profile[i * bands + b] = value;
+      profile.reflectance_profile[i * bands + b] = band.profile.reflectance[i];
       profile.transmittance_profile[i * bands + b] = band.profile.transmittance[i];
-      result.relative_error[i * bands + b] = error < value ? error / value : 1.0;
+      result.relative_error[i * bands + b] =
+          relative(band.error.reflectance[i], band.profile.reflectance[i]);
+      result.transmittance_error[i * bands + b] =
+          relative(band.error.transmittance[i], band.profile.transmittance[i]);
     }
   }
   result.is_accurate = std::ranges::all_of(result.estimated_error,
@@ -147,16 +154,25 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
   const std::size_t bands = stacks.size();
   SpatialFrequencyResponse result{.k = {k.begin(), k.end()},
                                   .reflectance = std::vector<double>(k.size() * bands),
-                                  .transmittance = std::vector<double>(k.size() * bands)};
+                                  .transmittance = std::vector<double>(k.size() * bands),
+                                  .reflectance_error = std::vector<double>(k.size() * bands),
+                                  .transmittance_error = std::vector<double>(k.size() * bands)};
   for (std::size_t b = 0; b < bands; ++b) {
     const auto solver =
         detail::make_frequency_solver(stacks[b], nodes_of_responses, modes_of_responses);
+    const auto coarse = detail::make_frequency_solver(stacks[b], fewer_nodes_of_responses,
+                                                      fewer_modes_of_responses);
     const auto respond = [&](std::size_t i) {
-      const auto all = options.illumination == Illumination::diffuse
-                           ? detail::diffuse_response(solver, k[i])
-                           : detail::response(solver, k[i]);
-      result.reflectance[i * bands + b] = all.reflectance;
-      result.transmittance[i * bands + b] = all.transmittance;
+      const auto by = [&](const detail::FrequencySolver& each) {
+        return options.illumination == Illumination::diffuse ? detail::diffuse_response(each, k[i])
+                                                             : detail::response(each, k[i]);
+      };
+      const auto all = by(solver), by_fewer = by(coarse);
+      const std::size_t at = i * bands + b;
+      result.reflectance[at] = all.reflectance;
+      result.transmittance[at] = all.transmittance;
+      result.reflectance_error[at] = std::abs(all.reflectance - by_fewer.reflectance);
+      result.transmittance_error[at] = std::abs(all.transmittance - by_fewer.transmittance);
     };
     const double part = 1.0 / static_cast<double>(bands), before = part * static_cast<double>(b);
     parallel_for(k.size(), respond, part_of(options.progress, before, before + part));

@@ -105,7 +105,7 @@ void put(Writer& writer, const LayerStack& stack) {
 std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
                    const ExactProfileOptions& options) {
   Writer writer;
-  writer.put_text("exact profile, format 1, solver " LAMINA_EXACT_PROFILE_FINGERPRINT);
+  writer.put_text("exact profile, format 2, solver " LAMINA_EXACT_PROFILE_FINGERPRINT);
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);
@@ -122,12 +122,13 @@ std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
 /// Calls `act` for every member of a result, for writing as for reading.
 template <class Result, class Act>
 void for_each_member(Result& result, const Act& act) {
-  auto& [profile, relative_error, estimated_error, nodes, modes, is_accurate] = result;
+  auto& [profile, relative_error, transmittance_error, estimated_error, nodes, modes, is_accurate] =
+      result;
   auto& [per, bands, r, reflectance, transmittance, total_reflectance, total_transmittance] =
       profile;
   act(per), act(bands), act(r), act(reflectance), act(transmittance);
   act(total_reflectance), act(total_transmittance);
-  act(relative_error), act(estimated_error), act(nodes), act(modes), act(is_accurate);
+  act(relative_error), act(transmittance_error), act(estimated_error), act(nodes), act(modes), act(is_accurate);
 }
 
 std::string packed(const ExactProfile& result) {

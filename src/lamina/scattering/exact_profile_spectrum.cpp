@@ -155,6 +155,15 @@ Spectrum resampled(const Spectrum& spectrum, int count) {
   return make_spectrum(grid, values);
 }
 
+Spectrum ended_at(const Spectrum& spectrum, double share) {
+  FrequencyGrid grid = spectrum.grid;
+  grid.highest *= share;
+  place_frequencies(grid, static_cast<int>(spectrum.series.size()));
+  std::vector<double> values;
+  for (const double k : grid.k) values.push_back(inner(spectrum, k));
+  return make_spectrum(grid, values);
+}
+
 double evaluate(const Spectrum& spectrum, double k) {
   const double highest = spectrum.grid.highest;
   if (k >= highest) return tail(spectrum, k);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -22,8 +23,11 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int nodes = 8, frequencies = 28;
+constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
 constexpr int coarse_modes = 5, fine_modes = 7;
+/// Where spectra are ended for a look at what their tails are worth. All of the change counts as
+/// error, twice what it does in exact_profile_band.cpp: there are fewer frequencies.
+constexpr double earlier_end = 0.7;
 constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in exact_profile.cpp
 constexpr std::size_t azimuths = 32;  ///< over half a circle, at least, for light scattered once
 constexpr double group = 3.0;         ///< ratio of radii that share frequencies
@@ -75,11 +79,16 @@ std::vector<double> transforms(const std::vector<MomentSpectrum>& spectra,
   return result;
 }
 
-/// What is not scattered once and straight, [side][i][m], m up to the modes.
-std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const GridDirection& beam,
-                                                 int modes, std::span<const double> r,
-                                                 const Progress& progress) {
-  const auto solver = detail::make_frequency_solver(stack, nodes, modes, std::array{beam});
+struct HigherOrders {
+  std::array<std::vector<double>, 2> moments;  ///< [side][i][m]
+  /// [side][i] what changes of moment 0 where the tail of the spectrum begins earlier.
+  std::array<std::vector<double>, 2> change_by_tail;
+};
+
+/// What is not scattered once and straight, m up to the modes.
+HigherOrders higher_orders(const LayerStack& stack, const GridDirection& beam, int node_count,
+                           int modes, std::span<const double> r, const Progress& progress) {
+  const auto solver = detail::make_frequency_solver(stack, node_count, modes, std::array{beam});
   const auto grid = detail::make_frequency_grid(solver.stack, frequencies);
   const auto count = static_cast<std::size_t>(modes) + 1;
   std::vector<std::vector<double>> values(2 * count, std::vector<double>(grid.k.size()));
@@ -93,15 +102,20 @@ std::array<std::vector<double>, 2> higher_orders(const LayerStack& stack, const 
     }
   };
   parallel_for(grid.k.size(), respond, progress);
-  std::array<std::vector<double>, 2> sides;
+  HigherOrders result;
+  for (auto& side : result.moments) side.resize(r.size() * count);
+  for (auto& side : result.change_by_tail) side.resize(r.size());
   for (std::size_t side = 0; side < (is_semi_infinite(stack) ? 1u : 2u); ++side) {
     std::vector<MomentSpectrum> spectra;
     for (std::size_t m = 0; m < count; ++m)
       spectra.push_back(moment_spectrum(grid, values[side * count + m], m % 2 == 1));
-    sides[side] = transforms(spectra, r, grid.scale);
+    result.moments[side] = transforms(spectra, r, grid.scale);
+    const auto earlier =
+        transforms({{detail::ended_at(spectra[0].even, earlier_end)}}, r, grid.scale);
+    for (std::size_t i = 0; i < r.size(); ++i)
+      result.change_by_tail[side][i] = std::abs(result.moments[side][i * count] - earlier[i]);
   }
-  if (sides[1].empty()) sides[1].resize(sides[0].size());
-  return sides;
+  return result;
 }
 
 /// Light scattered once and straight, [side][i][m].
@@ -131,6 +145,29 @@ std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
   return sides;
 }
 
+/// Relative errors of moment 0 from absolute ones. Changes ring: the largest nearby counts.
+void add_estimates(ObliqueProfile& profile, std::size_t side, std::size_t band,
+                   const std::vector<double>& left, const std::vector<double>& mean) {
+  constexpr double nearby = 1.2, least_ring = 1e-4, r_lowest = 0.01, r_highest = 6.0;
+  if (std::ranges::all_of(mean, [](double value) { return value == 0.0; })) return;  // no light
+  const std::vector<double>& r = profile.r;
+  std::vector<double>& error = side == 0 ? profile.estimated_error : profile.transmittance_error;
+  double fullest = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i) fullest = std::max(fullest, r[i] * r[i] * mean[i]);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    double most = 0.0;
+    for (std::size_t j = 0; j < r.size() && r[j] <= nearby * r[i]; ++j) {
+      if (r[j] * nearby < r[i]) continue;
+      const bool is_known = mean[j] > 0.0 && std::isfinite(left[j]);
+      most = std::max(most, is_known ? left[j] / mean[j] : std::numeric_limits<double>::infinity());
+    }
+    error[i * profile.bands + band] = std::min(1.0, most);
+    const bool counts = r_lowest <= r[i] && r[i] <= r_highest &&
+                        !(r[i] * r[i] * std::abs(mean[i]) <= least_ring * fullest);
+    if (counts) profile.largest_error[band] = std::max(profile.largest_error[band], most);
+  }
+}
+
 void check(std::span<const LayerStack> stacks, double theta, int moments) {
   if (!(theta >= 0.0 && theta < 0.5 * pi))
     throw InvalidInput("incidence: must lie in [0, 90) degrees, but is " +
@@ -158,6 +195,8 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
   profile.reflectance_moments.resize(size * count * bands);
   profile.transmittance_moments.resize(size * count * bands);
   profile.estimated_error.resize(size * bands);
+  profile.transmittance_error.resize(size * bands);
+  profile.largest_error.resize(bands);
   for (const auto& totals :
        adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
@@ -170,23 +209,32 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
                      (static_cast<double>(b) + end) / static_cast<double>(bands));
     };
     const auto once = single_moments(stacks[b], beam, profile.r, count, part(0.0, 0.2));
-    const auto coarse = higher_orders(stacks[b], beam, coarse_modes, profile.r, part(0.2, 0.4));
-    const auto fine = higher_orders(stacks[b], beam, fine_modes, profile.r, part(0.4, 1.0));
+    const auto by_fewer =
+        higher_orders(stacks[b], beam, fewer_nodes, coarse_modes, profile.r, part(0.2, 0.3));
+    const auto coarse =
+        higher_orders(stacks[b], beam, nodes, coarse_modes, profile.r, part(0.3, 0.5));
+    const auto fine = higher_orders(stacks[b], beam, nodes, fine_modes, profile.r, part(0.5, 1.0));
     constexpr std::size_t few = coarse_modes + 1, many = fine_modes + 1;
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t side = 0; side < 2; ++side)
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::vector<double>& values =
+          side == 0 ? profile.reflectance_moments : profile.transmittance_moments;
+      std::vector<double> left(size), mean(size);  // of moment 0
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto step = [&](std::size_t m) {
+          return fine.moments[side][i * many + m] - coarse.moments[side][i * few + m];
+        };
         for (std::size_t m = 0; m < count; ++m) {
           double value = once[side][i * count + m];
-          if (m < many) value += fine[side][i * many + m];
-          if (m < few)
-            value += step_to_come * (fine[side][i * many + m] - coarse[side][i * few + m]);
-          (side == 0 ? profile.reflectance_moments
-                     : profile.transmittance_moments)[(i * count + m) * bands + b] = value;
+          if (m < many) value += fine.moments[side][i * many + m];
+          if (m < few) value += step_to_come * step(m);
+          values[(i * count + m) * bands + b] = value;
         }
-      const double value = profile.reflectance_moments[i * count * bands + b];
-      const double step = std::abs(fine[0][i * many] - coarse[0][i * few]);
-      profile.estimated_error[i * bands + b] =
-          value > 0.0 ? std::min(1.0, error_per_step * step / value) : 1.0;
+        mean[i] = values[i * count * bands + b];
+        left[i] = error_per_step * std::abs(step(0)) +
+                  std::abs(coarse.moments[side][i * few] - by_fewer.moments[side][i * few]) +
+                  fine.change_by_tail[side][i];
+      }
+      add_estimates(profile, side, b, left, mean);
     }
   }
   return profile;

@@ -22,7 +22,11 @@ struct ObliqueProfile {
   std::vector<double> reflectance_moments;  ///< [i][m][band] [1/mm²], per arriving flux
   std::vector<double> transmittance_moments;
   std::vector<double> total_reflectance, total_transmittance;  ///< [band], as in Profile
-  std::vector<double> estimated_error;                         ///< [i][band], of R_0, relative
+  std::vector<double> estimated_error;      ///< [i][band], of R_0, relative, at most 1
+  std::vector<double> transmittance_error;  ///< [i][band], of T_0
+  /// [band], the largest of both from .01 to 6 mm where there is light; infinite where a value is
+  /// negative.
+  std::vector<double> largest_error;
 };
 
 /// By radiative transfer, as `exact_profile`, with eight azimuthal modes: light scattered once by
