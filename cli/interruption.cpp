@@ -8,7 +8,6 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <string_view>
@@ -47,7 +46,7 @@ class Bar {
  public:
   Bar(std::string label, Keeps keeps) : label_(std::move(label)), keeps_(keeps) {}
   ~Bar() {
-    if (shown_) fmt::print(stderr, "{}", erase_line);
+    if (shown_) write_error(erase_line);
   }
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
@@ -68,8 +67,8 @@ class Bar {
     const std::string time =
         finished > 0.0 ? fmt::format("{:.0f} s left", elapsed * (1.0 - finished) / finished)
                        : fmt::format("{:.0f} s so far", elapsed);
-    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {}\033[K", label_, "", filled, "",
-               width - filled, 100.0 * finished, time);
+    write_error(fmt::format("\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {}\033[K", label_, "", filled, "",
+                            width - filled, 100.0 * finished, time));
     return true;
   }
 

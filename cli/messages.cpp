@@ -52,7 +52,8 @@ void say(std::string_view message) {
   constexpr std::size_t longest = 2000, end = 500;  // its end says what is wrong, as a rule
   std::string line(message);
   if (line.size() > longest) line.replace(longest - end, line.size() - longest, " ... ");
-  fmt::print(stderr, "lamina: {}\n", printable(line, ""));
+  // Where this cannot be written there is nowhere else to say so.
+  std::fputs(fmt::format("lamina: {}\n", printable(line, "")).c_str(), stderr);
 }
 
 }  // namespace lamina::cli

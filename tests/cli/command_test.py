@@ -323,6 +323,13 @@ class Messages(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertNotIn("\x1b", result.stdout)
 
+    def test_that_cannot_be_written_change_nothing(self):
+        for code, args in ((2, ["nonsense"]), (0, ["slab", "jade", "--method", "diffusion"])):
+            with open("/dev/full", "w") as full:
+                self.assertEqual(subprocess.run([LAMINA, *args], stderr=full, stdout=subprocess.DEVNULL).returncode, code)
+            closed = subprocess.run([LAMINA, *args], stdout=subprocess.DEVNULL, preexec_fn=lambda: os.close(2))
+            self.assertEqual(closed.returncode, code)
+
     def test_suggest_the_name_that_was_meant(self):
         for args, meant in ((["rendr"], '"render"'), (["render", "x.json", "--smaples", "3"], '"--samples"'),
                             (["slab", "jade", "--acuracy=1e-3"], '"--accuracy"')):

@@ -131,6 +131,21 @@ TEST_F(WrittenFile, FollowsNoLinkThatWasPlantedForIt) {
   EXPECT_EQ(read_file_bytes(file), "new");
 }
 
+TEST_F(WrittenFile, FollowsLinksOfItsUserOnly) {
+  const std::filesystem::path mine = folder / "mine", link = folder / "link";
+  write(mine, "old");
+  std::filesystem::create_symlink("mine", link);
+  write(link, "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read_file_bytes(mine), "new");
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make links of somebody else";
+  ASSERT_EQ(lchown(link.c_str(), 12345, 12345), 0);
+  write(link, "newer");
+  EXPECT_FALSE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read_file_bytes(mine), "new");
+  EXPECT_EQ(read_file_bytes(link), "newer");
+}
+
 TEST_F(WrittenFile, SweepsAwayWhatKilledProcessesLeft) {
   std::ofstream(folder / ".lamina-0123456789abcdef.tmp") << "of a process that is gone";
   std::ofstream(folder / ".lamina-fedcba9876543210.tmp") << "of another one at work";

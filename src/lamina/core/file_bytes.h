@@ -21,8 +21,8 @@ enum class Lasting {
   process,     ///< enough for what can be made anew, such as a cache
 };
 
-/// Writes a file whole or not at all: beside its place first, then renamed. Links are followed, a
-/// file keeps its permissions. What processes that were killed have left in the making in the same
+/// Writes a file whole or not at all: beside its place first, then renamed. The user's links are
+/// followed, a file keeps its permissions. What processes that were killed have left in the making in the same
 /// folder is removed.
 /// @throws WriteError
 void write_file_bytes(const std::filesystem::path& file, std::span<const std::byte> bytes,

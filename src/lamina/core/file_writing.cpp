@@ -127,6 +127,14 @@ void sweep(const fs::path& folder) {
   }
 }
 
+/// Whether this is a link that the user or the system has made. Those of others, in a folder that
+/// all may write to, could lead to any of the user's files: they are replaced.
+bool is_to_be_followed(const fs::path& file) {
+  struct stat status{};
+  return lstat(file.c_str(), &status) == 0 && S_ISLNK(status.st_mode) &&
+         (status.st_uid == geteuid() || status.st_uid == 0);
+}
+
 /// Such as /dev/stdout: no renaming.
 void write_into(const fs::path& device, std::span<const std::byte> bytes) {
   Descriptor file(open(device.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
@@ -159,7 +167,7 @@ void write_file_bytes(const fs::path& file, std::span<const std::byte> bytes, La
     if (fs::is_directory(status)) fail(EISDIR);
     if (fs::exists(status) && !fs::is_regular_file(status)) return write_into(file, bytes);
     fs::path target = file;
-    for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(target, error)); ++links)
+    for (int links = 0; links < 40 && is_to_be_followed(target); ++links)
       target = target.parent_path() / fs::read_symlink(target, error);
     replace(target, bytes, lasting);
   } catch (const std::system_error& failure) {
