@@ -275,7 +275,7 @@ TEST(RoughStackBsdf, RefusesLobesTooNarrowForIt) {
     FAIL() << "values of lobes that no grid resolves";
   } catch (const InvalidInput& error) {
     EXPECT_STREQ(error.what(),
-                 "layer 0: the lobes of roughness 0.020000 need 150 directions and 300 azimuthal "
+                 "layer 0: the lobes of roughness 0.02 need 150 directions and 300 azimuthal "
                  "modes, but adding-doubling takes at most 42 directions; photon Monte Carlo takes "
                  "them");
   }

@@ -174,6 +174,30 @@ INSTANTIATE_TEST_SUITE_P(All, StackTable, testing::ValuesIn(reference::stack_tab
                            return name;
                          });
 
+// Peaks that 96 nodes do not see either; 200 nodes stand for the truth.
+TEST(AddingDoubling, EstimatesHoldForSharpForwardPeaks) {
+  struct Case {
+    double g, optical_thickness, accuracy;
+  };
+  for (const auto& [g, tau, accuracy] : {Case{0.98, 0.5, 1e-6},
+                                         {0.99, 0.5, 1e-5},
+                                         {0.99, 5.0, 1e-6},
+                                         {0.995, 5.0, 1e-2},
+                                         {0.995, 5.0, 1e-6},
+                                         {0.995, 50.0, 1e-6}}) {
+    const LayerStack stack({layer(0.01 * tau, 0.99 * tau, g, 1.4, 1.0)});
+    const Incidence incidence{.theta = 1.2};
+    const auto seen = adding_doubling(stack, incidence, {.accuracy = accuracy});
+    const auto truth =
+        adding_doubling(stack, incidence, {.accuracy = 1e-10, .max_nodes = 200}).totals;
+    const double error =
+        std::max(std::abs(seen.totals.diffuse_reflectance - truth.diffuse_reflectance),
+                 std::abs(seen.totals.transmittance - truth.transmittance));
+    EXPECT_LE(error, seen.estimated_error) << g << ", " << tau << ", " << accuracy;
+    EXPECT_LE(seen.estimated_error, std::max(accuracy, 1e-4));  // and it is of use
+  }
+}
+
 // [Chandrasekhar1960]: a half-space of isotropic scattering reflects 1 - H(mu) sqrt(1 - albedo),
 // and H is 1 at grazing incidence. Nearer to it than the sine can tell, too.
 TEST(AddingDoubling, HalfSpaceAtGrazingIncidenceAgreesWithChandrasekhar) {
