@@ -48,6 +48,7 @@ class EarClipper {
       flat_.push_back(q);
     }
     std::iota(left_.begin(), left_.end(), 0U);
+    for (std::size_t i = 0; i < left_.size(); ++i) quality_.push_back(ear_quality(i));
   }
 
   Triangles run() {
@@ -56,12 +57,16 @@ class EarClipper {
       std::size_t best = 0;
       double best_quality = -1.0;
       for (std::size_t i = 0; i < left_.size(); ++i) {
-        const double quality = ear_quality(i);
-        if (quality > best_quality) best = i, best_quality = quality;
-        if (quality > 0.2) break;  // good enough, and linear time for ordinary polygons
+        if (quality_[i] > best_quality) best = i, best_quality = quality_[i];
+        if (quality_[i] > 0.2) break;  // good enough
       }
       triangles.push_back(triangle_at(best));
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(best));
+      quality_.erase(quality_.begin() + static_cast<std::ptrdiff_t>(best));
+      // Where polygons do not cross themselves, only the neighbours of an ear change with it.
+      const std::size_t count = left_.size();
+      for (const std::size_t i : {best % count, (best + count - 1) % count})
+        quality_[i] = ear_quality(i);
     }
     triangles.push_back({left_[0], left_[1], left_[2]});
     return triangles;
@@ -93,6 +98,7 @@ class EarClipper {
 
   std::vector<Vec2> flat_;
   std::vector<std::uint32_t> left_;
+  std::vector<double> quality_;  // [left]
 };
 
 }  // namespace
