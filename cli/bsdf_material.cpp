@@ -241,7 +241,7 @@ void run_material_bsdf(const BsdfOptions& options) {
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
         fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));
-  const Material material = find_material(options.material);
+  const Material material = find_material(options.material, options.common.memory);
   const Angles angles = make_angles(options.step_deg);
   if (options.compare) return compare_methods(options, material, angles);
   const Named result = solve(options, material, angles, method);

@@ -281,7 +281,7 @@ void run_monte_carlo_bsdf(const BsdfOptions& options) {
     throw InvalidInput(fmt::format(
         "--azimuths: must be even, one half on each side of the plane of incidence, but is {}",
         options.azimuths));
-  const Material material = find_material(options.material);
+  const Material material = find_material(options.material, options.common.memory);
   const Cells cells{static_cast<std::size_t>(options.cosines),
                     static_cast<std::size_t>(options.azimuths / 2)};
   MonteCarloOptions photons = monte_carlo_options(options.effort, options.common);

@@ -12,6 +12,8 @@
 #include <type_traits>
 
 #include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/core/memory_budget.h"
 
 namespace lamina::cli {
 namespace {
@@ -100,6 +102,10 @@ Option Option::one_of(const std::vector<std::string>& names) const {
   return Option(option_->check(CLI::IsMember(names)));
 }
 
+Option Option::environment(const std::string& variable) const {
+  return Option(option_->envname(variable));
+}
+
 bool Option::is_given() const { return option_->count() > 0; }
 
 Command::Command(CLI::App& app, const std::string& name, const std::string& text)
@@ -131,6 +137,18 @@ Option Command::add_output_file(const std::string& name, std::string& file, cons
     return std::string();
   };
   return Option(app_->add_option(name, file, text)->type_name(file_type)->check(check, ""));
+}
+
+Option Command::add_memory_size(const std::string& name, std::size_t& bytes,
+                                const std::string& text) const {
+  const auto set = [name, &bytes](const std::string& given) {
+    try {
+      bytes = parse_memory_size(given);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(name + ": " + error.what());
+    }
+  };
+  return Option(app_->add_option_function<std::string>(name, set, text)->type_name("SIZE"));
 }
 
 Option Command::option(const std::string& name) const { return Option(app_->get_option(name)); }

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ class Option {
   Option range(double low, double high) const;                 ///< both ends are allowed
   Option length() const;                                       ///< the range of lengths in mm
   Option one_of(const std::vector<std::string>& names) const;  ///< the values that are allowed
+  Option environment(const std::string& variable) const;       ///< that it is taken from otherwise
   [[nodiscard]] bool is_given() const;
 
  private:
@@ -51,6 +53,10 @@ class Command {
   /// `ending` than it must have. "-" passes: --json takes it for standard output.
   Option add_output_file(const std::string& name, std::string& file, const std::string& text,
                          const std::string& ending = "") const;
+
+  /// A size of memory with its unit, as in 4GiB.
+  Option add_memory_size(const std::string& name, std::size_t& bytes,
+                         const std::string& text) const;
 
   [[nodiscard]] Option option(const std::string& name) const;  ///< one of those added
   [[nodiscard]] bool is_given(const std::string& name) const;

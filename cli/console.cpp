@@ -51,6 +51,11 @@ void add_common_options(const Command& command, CommonOptions& options) {
       .range(0, 4096);
   command.when_parsed([&options] { set_thread_count(options.threads); });
   command.add_option("--seed", options.seed, "seed of everything random").type_name("N");
+  command
+      .add_memory_size("--memory-budget", options.memory.left,
+                       "memory that reading files may take, such as 512MiB or 16GiB; 4GiB if not "
+                       "given")
+      .environment("LAMINA_MEMORY_BUDGET");
 }
 
 bool is_device(const std::string& file) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.h"
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 
 namespace lamina::cli {
@@ -18,9 +19,10 @@ struct CommonOptions {
   std::string json;  ///< file for the machine-readable result, "-" for standard output, or ""
   int threads = 0;   ///< 0: all
   std::uint64_t seed = 0;
+  MemoryBudget memory;  ///< for reading files
 };
 
-/// Adds --json, --threads and --seed; `options` must outlive the parse.
+/// Adds --json, --threads, --seed and --memory-budget; `options` must outlive the parse.
 void add_common_options(const Command& command, CommonOptions& options);
 
 /// Whether this is a device or pipe, such as /dev/null.

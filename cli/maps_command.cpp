@@ -106,7 +106,7 @@ void run_maps(const MapsOptions& options) {
   std::string text;
   std::string user;  // of the maps: a file to render
   nlohmann::ordered_json user_json;
-  if (auto on_mesh = load_surface_map_recipe(options.recipe)) {
+  if (auto on_mesh = load_surface_map_recipe(options.recipe, options.common.memory)) {
     if (has_seed) on_mesh->seed = options.common.seed;
     const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
     warn_of_patches(on_mesh->features, kind_of, json);
@@ -124,7 +124,7 @@ void run_maps(const MapsOptions& options) {
     user = "material";
     user_json = material_json(*on_mesh, maps);
   } else {
-    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe);
+    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe, options.common.memory);
     if (has_seed) recipe.seed = options.common.seed;
     warn_of_patches(recipe.features, std::identity{}, json);
     maps = make_skin_maps(recipe, progress);

@@ -52,7 +52,7 @@ void list_materials(const CommonOptions& options) {
 }
 
 void show_material(const std::string& name, const CommonOptions& options) {
-  const Material material = find_material(name);
+  const Material material = find_material(name, options.memory);
   const bool is_builtin =
       std::ranges::find(builtin_materials(), name, &Material::name) != builtin_materials().end();
   const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);

@@ -46,10 +46,11 @@ void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
 }
 
 void run_merge(const MergeOptions& options) {
-  std::vector<PhotonRun> sum = load_photon_runs(options.files[0]);
+  std::vector<PhotonRun> sum = load_photon_runs(options.files[0], options.common.memory);
   std::set<int> done = {sum[0].shard};
   for (std::size_t i = 1; i < options.files.size(); ++i)
-    add_runs(sum, load_photon_runs(options.files[i]), options.files[i], done);
+    add_runs(sum, load_photon_runs(options.files[i], options.common.memory), options.files[i],
+             done);
   const int shards = sum[0].shards;
   const bool is_whole = static_cast<int>(done.size()) == shards;
   if (!is_whole) {

@@ -169,7 +169,7 @@ void check_options(const Command& command, const PhotonsOptions& options) {
 
 /// The bands of a material, one after the other.
 PhotonRun trace_material(const PhotonsOptions& options) {
-  const Material material = find_material(options.material);
+  const Material material = find_material(options.material, options.common.memory);
   MonteCarloOptions o = read_options(options);
   PhotonRun run{.name = material.name,
                 .bands = {},
@@ -189,7 +189,7 @@ PhotonRun trace_material(const PhotonsOptions& options) {
 std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
   std::vector<PhotonRun> runs;
   const std::filesystem::path folder = options.output;
-  const std::vector<McmlRun> asked_for = load_mcml(options.material);
+  const std::vector<McmlRun> asked_for = load_mcml(options.material, options.common.memory);
   const auto place = [&](const McmlRun& mcml) {
     return fmt::format("{}:{}: ", options.material, mcml.line);
   };

@@ -154,8 +154,8 @@ ordered_json counts_json(const PhotonCounts& counts) {
           {"volume_second", hexadecimal(counts.volume_second)}};
 }
 
-std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file) {
-  const JsonDocument document = load_json(file);
+std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
   const std::optional<JsonInput> list =
       document.root().is_object() ? document.root().peek("counts") : std::optional<JsonInput>();
   if (!list)

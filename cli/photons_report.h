@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "console.h"
+#include "lamina/core/memory_budget.h"
 #include "lamina/scattering/photon_tallies.h"
 
 namespace lamina::cli {
@@ -37,7 +38,8 @@ void plot_photons(const PhotonRun& run, const std::string& file);
 
 /// The runs of a file that `photons --json` wrote with its raw sums.
 /// @throws InvalidInput naming file, line and field; FileError.
-[[nodiscard]] std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file);
+[[nodiscard]] std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file,
+                                                      MemoryBudget memory);
 
 /// Raw sums as JSON.
 [[nodiscard]] nlohmann::ordered_json counts_json(const PhotonCounts& counts);

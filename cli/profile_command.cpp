@@ -327,7 +327,7 @@ void require_exact_for_illumination(const ProfileOptions& options) {
 }
 
 void run_profile(const ProfileOptions& options) {
-  const Material material = find_material(options.material);
+  const Material material = find_material(options.material, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   require_exact_for_illumination(options);
   const ordered_json head = {{"material", material.name},

@@ -120,7 +120,7 @@ void run_render(const RenderCommandOptions& options) {
                      {"--json", options.common.json},
                      {"--cache", options.cache},
                      {"the scene", options.scene}});
-  Scene scene = load_scene(options.scene);
+  Scene scene = load_scene(options.scene, options.common.memory);
   for (const std::string& warning : scene.warnings) say("warning: " + warning);
   apply(options, scene);
   if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
@@ -141,6 +141,7 @@ void run_render(const RenderCommandOptions& options) {
   try {
     result = render(scene,
                     {.cache = options.cache,
+                     .memory = options.common.memory,
                      .needs_cache = options.needs_cache,
                      .checkpoint = checkpoint,
                      .resumes = options.resumes,
@@ -163,6 +164,7 @@ void run_render(const RenderCommandOptions& options) {
   }
 
   const RenderStatistics& s = result.statistics;
+  for (const std::string& warning : s.warnings) say("warning: " + warning);
   if (!s.is_complete) say_how_to_go_on();
   std::string sampled;
   for (const LightSamples& light : s.light_samples)
@@ -192,6 +194,7 @@ void run_render(const RenderCommandOptions& options) {
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
   json["warnings"] = scene.warnings;
+  for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
   write_json(json, options.common);
   print(options.common,
         fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",

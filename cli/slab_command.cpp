@@ -168,7 +168,7 @@ std::string slab_text(const Material& material, const SlabResult& result) {
 
 void run_slab(const SlabOptions& options) {
   const Incidence incidence = parse_incidence(options.incidence);
-  const Material material = find_material(options.material);
+  const Material material = find_material(options.material, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   if (options.compared_photons > 0)
     return run_slab_comparison(material, stacks, incidence, options.compared_photons,

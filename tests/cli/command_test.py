@@ -104,6 +104,21 @@ class WrongUse(unittest.TestCase):
         self.check(["maps", "x.json", "-o", "x.png"], "--output", "folder")
         self.check(["render", "-"], "--output")
 
+    def test_refuses_files_beyond_the_memory_budget(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "long.json")
+            with open(path, "w") as file:
+                file.write("[" + "0, " * 100_000 + "0]")
+            self.check(["slab", path, "--memory-budget", "1MiB"], path, "more memory", "budget")
+            self.check(["slab", path, "--memory-budget", "1GiB"], "must be an object")
+            self.check(["slab", path, "--memory-budget", "5"], "--memory-budget", "unit", '"5"')
+            os.environ["LAMINA_MEMORY_BUDGET"] = "1MiB"
+            try:
+                self.check(["slab", path], path, "budget")
+                self.check(["slab", path, "--memory-budget", "1GiB"], "must be an object")
+            finally:
+                del os.environ["LAMINA_MEMORY_BUDGET"]
+
     def test_names_file_line_and_field(self):
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
             file.write('{ "lamina": "material", "version": 1,\n "length_unit": "mm", "bands": "rgb",\n'

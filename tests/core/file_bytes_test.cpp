@@ -51,7 +51,8 @@ class FileBytes : public testing::Test {
 
 std::string refusal(const std::filesystem::path& file, std::size_t most = 100) {
   try {
-    (void)read_file_bytes(file, most);
+    MemoryBudget budget{most};
+    (void)read_file_bytes(file, budget);
   } catch (const FileError& error) {
     return error.what();
   }
@@ -60,16 +61,33 @@ std::string refusal(const std::filesystem::path& file, std::size_t most = 100) {
 
 TEST_F(FileBytes, AreReadToTheLimit) {
   std::ofstream(file_) << std::string(100, 'x');
-  EXPECT_EQ(read_file_bytes(file_, 100), std::string(100, 'x'));
-  EXPECT_EQ(refusal(file_, 99), file_.string() + ": is larger than 99 bytes");
+  MemoryBudget budget{120};
+  EXPECT_EQ(read_file_bytes(file_, budget), std::string(100, 'x'));
+  EXPECT_EQ(budget.left, 20U);
+  EXPECT_EQ(refusal(file_, 99), file_.string() +
+                                    ": is larger than 99 B, what is left of the "
+                                    "memory budget (--memory-budget)");
 }
 
 TEST_F(FileBytes, OfAPipeAreReadToItsEnd) {
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
   const std::string sent(200'000, 'y');
   std::thread writer([&] { std::ofstream(file_) << sent; });
-  EXPECT_EQ(read_file_bytes(file_), sent);
+  EXPECT_EQ(read_stream_bytes(file_, sent.size()), sent);
   writer.join();
+}
+
+TEST_F(FileBytes, OfAPipeBeyondTheLimitAreRefused) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(file_) << std::string(2000, 'y'); });
+  EXPECT_THROW((void)read_stream_bytes(file_, 1999), FileError);
+  writer.join();
+}
+
+// Nobody writes into this pipe: whoever opens it waits for ever.
+TEST_F(FileBytes, OfAPipeThatAnotherFileNamesAreRefusedAtOnce) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(file_), file_.string() + ": is a pipe, but must be a file");
 }
 
 TEST_F(FileBytes, OfWhatIsNoFileAreRefused) {

@@ -5,11 +5,15 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 #include <string>
 
+#include "image/peak_memory.h"
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
+#include "lamina/core/hash.h"
 #include "small_scenes.h"
 
 namespace lamina {
@@ -112,6 +116,50 @@ TEST(IrradianceCloudFile, AnotherFileIsRefused) {
   const fs::path file = fresh_file("other");
   std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
   EXPECT_THROW((void)load_irradiance_clouds(file, some_scene), FileError);
+}
+
+/// Gives a file the checksum that it should have.
+void sign(std::string& bytes) {
+  const std::size_t at = bytes.find("comment checksum ") + 17;
+  bytes.replace(at, 16, std::string(16, '0'));
+  Hash hash;
+  hash.add_text(bytes);
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << hash.value();
+  bytes.replace(at, 16, text.str());
+}
+
+// A header of a hundred kilobytes that promises ten clouds of all points after another.
+TEST(IrradianceCloudFile, ThatPromisesMoreThanItHoldsIsRefusedBeforeMemoryIsTaken) {
+  const fs::path file = fresh_file("promises");
+  save_irradiance_clouds(two_clouds(), some_scene, file);
+  std::string bytes = read_file_bytes(file);
+  std::string promises;
+  for (int i = 0; i < 4000; ++i) promises += "comment cloud 7 90000 0.5\n";
+  bytes.insert(bytes.find("comment cloud"), promises);
+  sign(bytes);
+  std::ofstream(file, std::ios::binary) << bytes;
+  const auto peak = peak_memory(
+      [&] { EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is damaged"); });
+  if (peak) {
+    EXPECT_LT(*peak, std::size_t{4} << 20);
+  }
+}
+
+TEST(IrradianceCloudFile, TakesItsPointsFromTheBudget) {
+  const fs::path file = fresh_file("budget");
+  std::vector<IrradianceCloud> clouds = two_clouds();
+  clouds[1].points.resize(10'000, clouds[1].points[0]);
+  clouds[1].irradiance.resize(20'000, 1.0f);
+  save_irradiance_clouds(clouds, some_scene, file);
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).clouds[1].points.size(), 10'000u);
+  try {
+    (void)load_irradiance_clouds(file, some_scene, {1 << 20});
+    FAIL() << "it was read";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("10001 points would take"), std::string::npos)
+        << error.what();
+  }
 }
 
 // Cut anywhere, or with any bit of it changed, a file is of no use: no number of it is taken.

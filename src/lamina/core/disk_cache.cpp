@@ -96,7 +96,7 @@ std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
   std::error_code error;
   const std::uintmax_t size = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
   Header found;
-  if (error || size < sizeof found + key.size()) return std::nullopt;
+  if (error || size < sizeof found + key.size() || size > cache.most_bytes) return std::nullopt;
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;

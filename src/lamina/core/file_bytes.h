@@ -6,14 +6,21 @@
 #include <span>
 #include <string>
 
+#include "lamina/core/memory_budget.h"
+
 namespace lamina {
 
-/// All bytes of a file or pipe.
+/// All bytes of a file, which are taken from the budget.
 ///
-/// @throws FileError in one line if it is missing, a folder or device, larger than `most` bytes, or
-/// cannot be read.
-[[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file,
-                                          std::size_t most = std::size_t{4} << 30);
+/// @throws FileError in one line if it is missing, no regular file (a folder, a device, or a pipe,
+///         for which the reader would wait), larger than what is left of the budget, or cannot be
+///         read.
+[[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file, MemoryBudget& budget);
+[[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file);
+
+/// The same of a file or pipe, such as <(...) of a shell, for what users name themselves.
+/// @throws FileError, also if there are more than `most` bytes.
+[[nodiscard]] std::string read_stream_bytes(const std::filesystem::path& file, std::size_t most);
 
 /// What a written file outlasts.
 enum class Lasting {

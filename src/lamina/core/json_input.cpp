@@ -60,6 +60,11 @@ const Node* find_child(const Tree& tree, const Node& object, std::string_view ke
   return nullptr;
 }
 
+/// "-" is what flows in.
+std::string read_json_text(const std::filesystem::path& file, std::size_t most) {
+  return read_stream_bytes(file == "-" ? "/dev/stdin" : file, most);
+}
+
 }  // namespace
 
 bool JsonInput::is_null() const { return tree_->nodes[node_].kind == Kind::null; }
@@ -99,6 +104,8 @@ std::filesystem::path JsonInput::file_path() const {
   if (text.empty() || text.find('\0') != std::string::npos) refuse("must be the path of a file");
   return std::filesystem::path(tree_->name).parent_path() / text;
 }
+
+MemoryBudget& JsonInput::memory() const { return *tree_->memory; }
 
 std::vector<JsonInput> JsonInput::array(std::size_t fewest, std::size_t most) const {
   if (!is_array()) refuse("must be an array");
@@ -252,20 +259,37 @@ JsonInput JsonObject::required(std::string_view key) const {
   value_.fail("\"" + std::string(key) + "\" is required, but missing");
 }
 
-JsonDocument::JsonDocument(std::unique_ptr<const Tree> tree) : tree_(std::move(tree)) {}
+JsonDocument::JsonDocument(std::unique_ptr<MemoryBudget> own_memory,
+                           std::unique_ptr<const Tree> tree)
+    : own_memory_(std::move(own_memory)), tree_(std::move(tree)) {}
 JsonDocument::JsonDocument(JsonDocument&&) noexcept = default;
 JsonDocument& JsonDocument::operator=(JsonDocument&&) noexcept = default;
 JsonDocument::~JsonDocument() = default;
 
 JsonInput JsonDocument::root() const { return {*tree_, 0}; }
 
+JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory) {
+  return {nullptr,
+          std::make_unique<const Tree>(json_detail::parse_tree(text, std::move(name), memory))};
+}
+
 JsonDocument parse_json(std::string_view text, std::string name) {
-  return JsonDocument(std::make_unique<const Tree>(json_detail::parse_tree(text, std::move(name))));
+  auto memory = std::make_unique<MemoryBudget>();
+  JsonDocument document = parse_json(text, std::move(name), *memory);
+  document.own_memory_ = std::move(memory);
+  return document;
+}
+
+JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory) {
+  const std::string text = read_json_text(file, std::min(json_max_bytes, memory.left));
+  take(memory, text.size(), file.string());
+  JsonDocument document = parse_json(text, file.string(), memory);
+  memory.left += text.size();  // which is there while it is parsed only
+  return document;
 }
 
 JsonDocument load_json(const std::filesystem::path& file) {
-  const std::filesystem::path from = file == "-" ? "/dev/stdin" : file;
-  return parse_json(read_file_bytes(from, json_max_bytes), file.string());
+  return parse_json(read_json_text(file, json_max_bytes), file.string());
 }
 
 }  // namespace lamina

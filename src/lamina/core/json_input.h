@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
+
 // Reads lamina's files: JSON with // and /* */ comments. Every value knows where it stands, so that
 // what is wrong with it is said in one line:
 //
@@ -82,6 +84,9 @@ class JsonInput {
 
   /// A string as the path of a file, which is relative to the folder of the file that it stands in.
   [[nodiscard]] std::filesystem::path file_path() const;
+
+  /// The memory that is left to read what this file names.
+  [[nodiscard]] MemoryBudget& memory() const;
 
   /// The elements, at least `fewest` and at most `most` of them.
   [[nodiscard]] std::vector<JsonInput> array(
@@ -180,7 +185,10 @@ class JsonDocument {
 
  private:
   friend JsonDocument parse_json(std::string_view text, std::string name);
-  explicit JsonDocument(std::unique_ptr<const json_detail::Tree> tree);
+  friend JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory);
+  JsonDocument(std::unique_ptr<MemoryBudget> own_memory,
+               std::unique_ptr<const json_detail::Tree> tree);
+  std::unique_ptr<MemoryBudget> own_memory_;  ///< unless it is someone else's
   std::unique_ptr<const json_detail::Tree> tree_;
 };
 
@@ -193,12 +201,18 @@ inline constexpr std::size_t json_max_values = 2'000'000;
 ///
 /// @param text  UTF-8.
 /// @param name  the file that messages name and that paths in it are relative to.
+/// @param memory  what the document and the files that it names may take; must outlive it. Without
+///                one, that of a new MemoryBudget.
 /// @throws InvalidInput with name and line if it is not JSON, has a key twice in one object, has a
-///         number beyond the range of double, or exceeds a limit above.
+///         number beyond the range of double, or exceeds a limit above; FileError if it takes more
+///         memory than is left.
 [[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name);
+[[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name,
+                                      MemoryBudget& memory);
 
 /// Reads a JSON file (or a pipe), or standard input if it is "-".
 /// @throws FileError if it cannot be read; InvalidInput as parse_json.
 [[nodiscard]] JsonDocument load_json(const std::filesystem::path& file);
+[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory);
 
 }  // namespace lamina

@@ -106,6 +106,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   std::uint32_t keep(std::string text) {
+    take_memory(sizeof text + text.capacity());
     tree_.texts.push_back(std::move(text));
     return static_cast<std::uint32_t>(tree_.texts.size() - 1);
   }
@@ -125,8 +126,18 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
           index;
       open.last_child = index;
     }
+    take_memory(sizeof node);
     tree_.nodes.push_back(node);
     return true;
+  }
+
+  /// Twice as much, for the room that vectors keep to grow.
+  void take_memory(std::size_t bytes) {
+    if (tree_.memory->left < 2 * bytes)
+      throw FileError(tree_.name +
+                      ": its values would take more memory than is left of the budget "
+                      "(--memory-budget)");
+    tree_.memory->left -= 2 * bytes;
   }
 
   bool open(Kind kind) {
@@ -219,8 +230,8 @@ std::string in_quotes(std::string_view text) {
   return '"' + shown + (text.size() > longest ? "...\"" : "\"");
 }
 
-Tree parse_tree(std::string_view text, std::string name) {
-  Tree tree{.name = std::move(name), .nodes = {}, .texts = {}};
+Tree parse_tree(std::string_view text, std::string name, MemoryBudget& memory) {
+  Tree tree{.name = std::move(name), .nodes = {}, .texts = {}, .memory = &memory};
   if (text.size() > json_max_bytes)
     throw InvalidInput(tree.name + ": is larger than " + std::to_string(json_max_bytes >> 20) +
                        " MiB");

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
+
 namespace lamina::json_detail {
 
 enum class Kind : std::uint8_t { null, boolean, number, string, array, object };
@@ -32,10 +34,11 @@ struct Tree {
   std::string name;                ///< of the file
   std::vector<Node> nodes;         ///< each parent before its children
   std::vector<std::string> texts;  ///< keys and strings
+  MemoryBudget* memory = nullptr;  ///< of the tree, and of what the file names
 };
 
-/// Reads JSON text into a tree. @throws InvalidInput as parse_json.
-[[nodiscard]] Tree parse_tree(std::string_view text, std::string name);
+/// Reads JSON text into a tree. @throws InvalidInput, FileError as parse_json.
+[[nodiscard]] Tree parse_tree(std::string_view text, std::string name, MemoryBudget& memory);
 
 /// Text in quotes as messages show it: without control characters, cut if long.
 [[nodiscard]] std::string in_quotes(std::string_view text);

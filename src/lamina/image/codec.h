@@ -18,6 +18,7 @@ struct EncodedImage {
   std::span<const std::byte> bytes;
   std::string name;
   ColorEncoding encoding;
+  MemoryBudget& memory;  ///< for the image, and at the same time for what its decoder needs
 };
 
 [[nodiscard]] Image decode_exr(const EncodedImage& file);
@@ -31,6 +32,11 @@ struct EncodedImage {
 /// Refuses a size that cannot be true, before memory is taken for it.
 void require_plausible_size(const EncodedImage& file, const char* format, std::int64_t width,
                             std::int64_t height, std::int64_t channels);
+
+/// Takes the memory of an image from the budget for good, and sees whether `decoder_bytes` are left
+/// beside it. Both before they are allocated.
+void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t height,
+                       std::size_t channels, std::size_t decoder_bytes);
 
 /// The linear value of an 8 or 16 bit number as a fraction of the largest one.
 [[nodiscard]] float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb);

@@ -14,6 +14,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/image/codec.h"
 
@@ -63,7 +64,8 @@ class MemoryOutput : public Imf::OStream {
 constexpr int version_and_magic_size = 8;
 
 /// Walks over the attributes of all headers, so that no length in them reaches beyond the file:
-/// OpenEXR takes memory for an attribute before it reads it.
+/// OpenEXR takes memory for an attribute before it reads it. It also keeps 300 bytes and more for
+/// an attribute or a channel of 12 bytes.
 void check_attribute_lengths(const EncodedImage& file, bool is_multipart) {
   const auto bytes = file.bytes;
   std::size_t at = version_and_magic_size;
@@ -88,6 +90,9 @@ void check_attribute_lengths(const EncodedImage& file, bool is_multipart) {
     }
     if (is_empty) break;
   }
+  constexpr std::size_t growth = 32;
+  MemoryBudget for_header = file.memory;
+  take(for_header, at, growth, file.name + ": the header");
 }
 
 /// The header of the first part. @throws FileError for what is not read, such as deep images.
@@ -122,6 +127,45 @@ struct Window {
 Window window_of(const Imath::Box2i& box) {
   return {box.min.x, box.min.y, std::int64_t{box.max.x} - box.min.x + 1,
           std::int64_t{box.max.y} - box.min.y + 1};
+}
+
+/// How many rows are compressed together.
+std::size_t rows_together(const Imf::Header& header) {
+  switch (header.compression()) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+      return 32;
+    default:
+      return 256;
+  }
+}
+
+/// What OpenEXR holds beside the image: a row of tiles as it copies from, the place of each row in
+/// the file, and a tile or some rows in the forms that they take while they are unpacked.
+std::size_t decoder_bytes(const EncodedImage& file, const Imf::Header& header, const Window& data) {
+  std::size_t pixel = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+    pixel += channel.channel().type == Imf::HALF ? 2 : 4;
+  const auto width = static_cast<std::size_t>(data.width);
+  const auto height = static_cast<std::size_t>(data.height);
+  const bool is_tiled = header.hasTileDescription();
+  const Imf::TileDescription tile = is_tiled ? header.tileDescription() : Imf::TileDescription();
+  const std::size_t rows = is_tiled ? tile.ySize : std::min(height, rows_together(header));
+  const std::size_t piece_width = is_tiled ? tile.xSize : width;
+  constexpr std::size_t forms = 6;
+  return checked_sum(file.name,
+                     {checked_product(file.name, {piece_width, rows, pixel, forms}),
+                      is_tiled ? checked_product(file.name, {width + tile.xSize, rows, pixel}) : 0,
+                      checked_product(file.name, {height, sizeof(std::uint64_t), 2})});
 }
 
 /// The part of `data` inside `display`; 0 where there is no data.
@@ -159,6 +203,13 @@ Image read_pixels(const EncodedImage& file, const Imf::Header& header) {
   require_plausible_size(file, "EXR", data.width, data.height, channel_count);
   require_plausible_size(file, "EXR", display.width, display.height, channel_count);
 
+  const bool is_whole = data.x == display.x && data.y == display.y && data.width == display.width &&
+                        data.height == display.height;
+  const auto data_bytes =
+      static_cast<std::size_t>(data.width * data.height * channel_count) * sizeof(float);
+  take_image_memory(file, static_cast<std::size_t>(display.width),
+                    static_cast<std::size_t>(display.height), names.size(),
+                    decoder_bytes(file, header, data) + (is_whole ? 0 : data_bytes));
   Image image = make_image(static_cast<int>(data.width), static_cast<int>(data.height), names);
   Imf::FrameBuffer buffer;
   const std::size_t pixel_bytes = names.size() * sizeof(float);
@@ -173,9 +224,8 @@ Image read_pixels(const EncodedImage& file, const Imf::Header& header) {
     fail_to_decode(file, "EXR", "its first part is not a flat image");
   input.setFrameBuffer(buffer);
   input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
-  const bool is_whole = data.x == display.x && data.y == display.y && data.width == display.width &&
-                        data.height == display.height;
-  return is_whole ? image : cropped(image, data, display);
+  if (is_whole) return image;
+  return cropped(image, data, display);
 }
 
 }  // namespace

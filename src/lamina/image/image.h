@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/core/checked_size.h"
+
 namespace lamina {
 
 /// Pixels with named channels, linear unless a loader says otherwise. Row 0 is the top row.
@@ -27,8 +29,9 @@ struct Image {
 
 /// A black image.
 [[nodiscard]] inline Image make_image(int width, int height, std::vector<std::string> channels) {
-  const std::size_t size =
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels.size();
+  const std::size_t size = checked_product(
+      "an image",
+      {static_cast<std::size_t>(width), static_cast<std::size_t>(height), channels.size()});
   return {width, height, std::move(channels), std::vector<float>(size)};
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/file_bytes.h"
 #include "lamina/image/codec.h"
@@ -42,7 +43,8 @@ std::string_view known_but_unread(std::span<const std::byte> bytes) {
 
 void fail_to_decode(const EncodedImage& file, const char* format, const std::string& why) {
   std::string line = why;
-  std::ranges::replace_if(line, [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
+  std::ranges::replace_if(
+      line, [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
   while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
   throw FileError(file.name + ": cannot be read as " + format + ": " + line);
 }
@@ -70,14 +72,25 @@ void require_plausible_size(const EncodedImage& file, const char* format, std::i
         "it claims " + size + ", but has only " + std::to_string(file.bytes.size()) + " bytes");
 }
 
+void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t height,
+                       std::size_t channels, std::size_t decoder_bytes) {
+  const std::string what = file.name + ": " + std::to_string(width) + " x " +
+                           std::to_string(height) + " pixels of " + std::to_string(channels) +
+                           (channels == 1 ? " channel" : " channels");
+  const std::size_t image_bytes = checked_product(what, {width, height, channels, sizeof(float)});
+  MemoryBudget while_decoding = file.memory;
+  take(while_decoding, checked_sum(what, {image_bytes, decoder_bytes}), what);
+  take(file.memory, image_bytes, what);
+}
+
 float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb) {
   const double fraction = static_cast<double>(value) / static_cast<double>(largest);
   return static_cast<float>(is_srgb ? srgb_decode(fraction) : fraction);
 }
 
 Image decode_image(std::span<const std::byte> bytes, const std::string& name,
-                   ColorEncoding encoding) {
-  const EncodedImage file{bytes, name, encoding};
+                   ColorEncoding encoding, MemoryBudget& memory) {
+  const EncodedImage file{bytes, name, encoding, memory};
   if (bytes.empty()) throw FileError(name + ": must be an image, but is empty");
   if (starts_with(bytes, "\x76\x2f\x31\x01"sv)) return decode_exr(file);
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n"sv)) return decode_png(file);
@@ -88,9 +101,22 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
                   (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
 }
 
+Image decode_image(std::span<const std::byte> bytes, const std::string& name,
+                   ColorEncoding encoding) {
+  MemoryBudget memory;
+  return decode_image(bytes, name, encoding, memory);
+}
+
+Image load_image(const std::filesystem::path& file, ColorEncoding encoding, MemoryBudget& memory) {
+  const std::string bytes = read_file_bytes(file, memory);
+  Image image = decode_image(std::as_bytes(std::span(bytes)), file.string(), encoding, memory);
+  memory.left += bytes.size();  // which end here
+  return image;
+}
+
 Image load_image(const std::filesystem::path& file, ColorEncoding encoding) {
-  const std::string bytes = read_file_bytes(file);
-  return decode_image(std::as_bytes(std::span(bytes)), file.string(), encoding);
+  MemoryBudget memory;
+  return load_image(file, encoding, memory);
 }
 
 void require_finite(const Image& image, const std::filesystem::path& file) {

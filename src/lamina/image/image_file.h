@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/image/image.h"
 
 namespace lamina {
@@ -28,12 +29,17 @@ enum class ColorEncoding {
 ///
 /// @return  numbers of 8 and 16 bits scaled to [0, 1]; floating point numbers as they are,
 ///          infinities and NaN included (see require_finite).
-/// @throws  FileError if the file is missing, not an image, cut short, damaged where that shows, or
-///          claims a size that its length cannot hold.
+/// @throws  FileError if the file is missing, not an image, cut short, damaged where that shows,
+///          claims a size that its length cannot hold, or takes more memory than is left; that of
+///          the decoder counts, too. What the image takes stays taken from the budget.
+[[nodiscard]] Image load_image(const std::filesystem::path& file, ColorEncoding encoding,
+                               MemoryBudget& memory);
 [[nodiscard]] Image load_image(const std::filesystem::path& file,
                                ColorEncoding encoding = ColorEncoding::srgb);
 
 /// The same for the bytes of a file, as in a GLB; `name` stands for the file in messages.
+[[nodiscard]] Image decode_image(std::span<const std::byte> bytes, const std::string& name,
+                                 ColorEncoding encoding, MemoryBudget& memory);
 [[nodiscard]] Image decode_image(std::span<const std::byte> bytes, const std::string& name,
                                  ColorEncoding encoding = ColorEncoding::srgb);
 

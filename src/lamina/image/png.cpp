@@ -53,7 +53,9 @@ bool read_header(Reader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_set_read_fn(reader.png, &reader, read_bytes);
   png_set_user_limits(reader.png, 1u << 20, 1u << 20);
-  png_set_chunk_malloc_max(reader.png, 64u << 20);
+  // Texts, profiles and the like are not for us; a small file may hold gigabytes of them, deflated.
+  png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+  png_set_chunk_malloc_max(reader.png, 1u << 20);
   png_read_info(reader.png, reader.info);
   png_set_expand(reader.png);
   png_set_interlace_handling(reader.png);
@@ -61,9 +63,21 @@ bool read_header(Reader& reader) {
   return true;
 }
 
+bool read_row(Reader& reader, png_bytep row) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_read_row(reader.png, row, nullptr);
+  return true;
+}
+
+/// All rows at once, which interlaced images need.
 bool read_rows(Reader& reader, png_bytepp rows) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_image(reader.png, rows);
+  return true;
+}
+
+bool read_end(Reader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_end(reader.png, nullptr);
   return true;
 }
@@ -140,10 +154,12 @@ Image decode_png(const EncodedImage& file) {
                          static_cast<std::int64_t>(height),
                          static_cast<std::int64_t>(channel_count));
 
+  const bool is_interlaced = png_get_interlace_type(reader.png, reader.info) != PNG_INTERLACE_NONE;
   const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
-  std::vector<png_byte> data(row_bytes * height);
-  std::vector<png_bytep> rows = row_pointers(data, row_bytes, height);
-  if (!read_rows(reader, rows.data())) fail_to_decode(file, "PNG", reader.error);
+  const std::size_t rows_at_once = is_interlaced ? height : 1;
+  constexpr std::size_t rows_of_libpng = 4;
+  take_image_memory(file, width, height, channel_count,
+                    rows_at_once * sizeof(png_bytep) + (rows_at_once + rows_of_libpng) * row_bytes);
 
   const bool has_alpha = channel_count % 2 == 0;
   std::vector<std::string> names =
@@ -154,11 +170,20 @@ Image decode_png(const EncodedImage& file) {
   const std::uint32_t largest = is_16_bit ? 65535 : 255;
   const std::vector<float> color = decoding_table(largest, file.encoding == ColorEncoding::srgb);
   const std::vector<float> alpha = decoding_table(largest, false);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const std::uint32_t value = is_16_bit ? data[2 * i] * 256u + data[2 * i + 1] : data[i];
-    const bool is_alpha = has_alpha && i % channel_count == channel_count - 1;
-    image.pixels[i] = (is_alpha ? alpha : color)[value];
+  std::vector<png_byte> data(rows_at_once * row_bytes);
+  std::vector<png_bytep> rows = row_pointers(data, row_bytes, rows_at_once);
+  if (is_interlaced && !read_rows(reader, rows.data())) fail_to_decode(file, "PNG", reader.error);
+  for (std::size_t y = 0; y < height; ++y) {
+    if (!is_interlaced && !read_row(reader, rows[0])) fail_to_decode(file, "PNG", reader.error);
+    const png_byte* row = rows[is_interlaced ? y : 0];
+    float* to = image.at(0, static_cast<int>(y));
+    for (std::size_t i = 0; i < width * channel_count; ++i) {
+      const std::uint32_t value = is_16_bit ? row[2 * i] * 256u + row[2 * i + 1] : row[i];
+      const bool is_alpha = has_alpha && i % channel_count == channel_count - 1;
+      to[i] = (is_alpha ? alpha : color)[value];
+    }
   }
+  if (!read_end(reader)) fail_to_decode(file, "PNG", reader.error);
   return image;
 }
 

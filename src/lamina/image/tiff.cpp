@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 
+#include "lamina/core/checked_size.h"
 #include "lamina/image/codec.h"
 
 namespace lamina {
@@ -16,6 +17,7 @@ namespace {
 /// The file in memory and the first error that libtiff reports.
 struct Source {
   std::span<const std::byte> bytes;
+  std::size_t most_at_once;  ///< no table, row, strip or tile is larger [bytes]
   std::size_t position = 0;
   std::string error;
 };
@@ -67,8 +69,7 @@ Handle open(Source& source) {
   if (!options) throw std::bad_alloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &source);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, nullptr);
-  // No single piece of a file is larger than this: a row, a strip, a tile, a table.
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), tmsize_t{1} << 30);
+  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), static_cast<tmsize_t>(source.most_at_once));
   return Handle(TIFFClientOpenExt("image", "rm", &source, read_bytes, write_nothing, seek,
                                   close_nothing, size_of, nullptr, nullptr, options.get()));
 }
@@ -163,6 +164,11 @@ struct Placer {
   const Layout& layout;
   const Decoder& decode;
 
+  /// How many planes of the file the image needs.
+  [[nodiscard]] std::uint16_t planes() const {
+    return static_cast<std::uint16_t>(layout.is_planar ? image.channel_count() : 1);
+  }
+
   void place(const std::byte* from, std::uint32_t x0, std::uint32_t y, std::uint32_t count,
              std::size_t plane) const {
     const std::size_t together = layout.samples_together();
@@ -175,14 +181,29 @@ struct Placer {
   }
 };
 
+/// What libtiff and we hold beside the image: the strip or tile as it is in the file, and for most
+/// compressions as it is without; a row or tile of ours.
+std::size_t decoder_bytes(const EncodedImage& file, TIFF* tiff) {
+  std::uint16_t compression = COMPRESSION_NONE;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+  bool goes_by_rows = false;
+  for (const int known : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE,
+                          COMPRESSION_DEFLATE, COMPRESSION_PACKBITS})
+    goes_by_rows = goes_by_rows || compression == known;
+  const bool is_tiled = TIFFIsTiled(tiff) != 0;
+  const std::size_t own = is_tiled ? TIFFTileSize64(tiff) : TIFFScanlineSize64(tiff);
+  const std::size_t piece = is_tiled ? own : TIFFStripSize64(tiff);
+  return checked_sum(file.name,
+                     {own, file.bytes.size(), goes_by_rows ? 0 : piece, goes_by_rows ? 0 : piece});
+}
+
 void read_scan_lines(const EncodedImage& file, TIFF* tiff, Source& source, const Placer& to) {
   const Layout& layout = to.layout;
   const std::size_t row_bytes =
       layout.width * layout.samples_together() * layout.bytes_per_sample();
   if (TIFFScanlineSize64(tiff) != row_bytes) fail_to_decode(file, "TIFF", "its rows are damaged");
   std::vector<std::byte> row(row_bytes);
-  const std::uint16_t planes = layout.is_planar ? layout.samples : std::uint16_t{1};
-  for (std::uint16_t plane = 0; plane < planes; ++plane)
+  for (std::uint16_t plane = 0; plane < to.planes(); ++plane)
     for (std::uint32_t y = 0; y < layout.height; ++y) {
       if (TIFFReadScanline(tiff, row.data(), y, plane) != 1)
         fail_to_decode(file, "TIFF", source.error);
@@ -204,8 +225,7 @@ void read_tiles(const EncodedImage& file, TIFF* tiff, Source& source, const Plac
   if (TIFFTileSize64(tiff) != row_bytes * height)
     fail_to_decode(file, "TIFF", "its tiles are damaged");
   std::vector<std::byte> tile(row_bytes * height);
-  const std::uint16_t planes = layout.is_planar ? layout.samples : std::uint16_t{1};
-  for (std::uint16_t plane = 0; plane < planes; ++plane)
+  for (std::uint16_t plane = 0; plane < to.planes(); ++plane)
     for (std::uint32_t y0 = 0; y0 < layout.height; y0 += height)
       for (std::uint32_t x0 = 0; x0 < layout.width; x0 += width) {
         if (TIFFReadTile(tiff, tile.data(), x0, y0, 0, plane) < 0)
@@ -219,13 +239,16 @@ void read_tiles(const EncodedImage& file, TIFF* tiff, Source& source, const Plac
 }  // namespace
 
 Image decode_tiff(const EncodedImage& file) {
-  Source source{.bytes = file.bytes};
+  constexpr std::size_t most_at_once = std::size_t{1} << 30;
+  Source source{.bytes = file.bytes, .most_at_once = std::min(most_at_once, file.memory.left)};
   const Handle tiff = open(source);
   if (!tiff) fail_to_decode(file, "TIFF", source.error);
   const Layout layout = read_layout(file, tiff.get());
   std::vector<std::string> names =
       layout.colors == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   if (layout.has_alpha) names.emplace_back("A");
+  take_image_memory(file, layout.width, layout.height, names.size(),
+                    decoder_bytes(file, tiff.get()));
   Image image = make_image(static_cast<int>(layout.width), static_cast<int>(layout.height), names);
   const Decoder decoder(layout, file.encoding);
   const Placer placer{image, layout, decoder};

@@ -42,12 +42,12 @@ std::string builtin_material_text(const std::string& name) {
   throw InvalidInput("there is no built-in material \"" + name + "\"" + nearest_builtin(name));
 }
 
-Material find_material(const std::string& name_or_path) {
+Material find_material(const std::string& name_or_path, MemoryBudget memory) {
   if (const Material* material = find_builtin(name_or_path)) return *material;
   std::error_code ignored;
   const bool looks_like_a_file = name_or_path == "-" || name_or_path.find_first_of("./\\") != std::string::npos;
   if (looks_like_a_file || std::filesystem::exists(name_or_path, ignored))
-    return load_material(name_or_path);
+    return load_material(name_or_path, RecipeMaps::refused, memory);
   throw InvalidInput("there is no built-in material and no file \"" + name_or_path + "\"" +
                      nearest_builtin(name_or_path));
 }

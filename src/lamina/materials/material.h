@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/materials/skin_maps.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/spectrum/band_set.h"
@@ -91,6 +92,8 @@ enum class RecipeMaps { refused, allowed };
 ///         it says is wrong.
 [[nodiscard]] Material load_material(const std::filesystem::path& file,
                                      RecipeMaps maps = RecipeMaps::refused);
+[[nodiscard]] Material load_material(const std::filesystem::path& file, RecipeMaps maps,
+                                     MemoryBudget& memory);
 
 /// Decodes the text of a material file; `name` stands for the file in messages.
 [[nodiscard]] Material parse_material(const std::string& text, const std::string& name);
@@ -109,6 +112,6 @@ enum class RecipeMaps { refused, allowed };
 /// The built-in material of that name, or else the file of that path. A file that is called as a
 /// built-in material is found by a path with a folder, as in ./jade.
 /// @throws as load_material; an unknown name suggests the nearest one.
-[[nodiscard]] Material find_material(const std::string& name_or_path);
+[[nodiscard]] Material find_material(const std::string& name_or_path, MemoryBudget memory = {});
 
 }  // namespace lamina

@@ -128,7 +128,12 @@ Material decode_material(const JsonInput& root, RecipeMaps maps) {
 }
 
 Material load_material(const std::filesystem::path& file, RecipeMaps maps) {
-  const JsonDocument document = load_json(file);
+  MemoryBudget memory;
+  return load_material(file, maps, memory);
+}
+
+Material load_material(const std::filesystem::path& file, RecipeMaps maps, MemoryBudget& memory) {
+  const JsonDocument document = load_json(file, memory);
   return decode_material(document.root(), maps);
 }
 

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/map_example.h"
@@ -118,7 +119,8 @@ void mix_in(double& amount, double& composition, double added, double compositio
 [[nodiscard]] Veins decode_vein_look(const JsonObject& object);
 
 /// Reads a recipe; docs/heterogeneous_skin.md has the format. @throws FileError, InvalidInput
-[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file);
+[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file,
+                                                 MemoryBudget memory = {});
 
 /// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;
 /// a feature does not depend on those after it.

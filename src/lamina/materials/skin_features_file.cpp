@@ -111,7 +111,7 @@ SkinFeature decode_synthesis(const JsonInput& value) {
   std::vector<std::string> warnings;
   double mm_per_texel = 0.0;
   try {
-    const JsonDocument document = load_json(file.file_path());
+    const JsonDocument document = load_json(file.file_path(), file.memory());
     const JsonObject patch =
         document.root().file_object("patch", 1,
                                     {"name", "mm_per_pixel", "width", "height", "bands", "skin",
@@ -162,7 +162,7 @@ Tattoo decode_ink(const JsonObject& object) {
   Tattoo tattoo;
   const JsonInput file = object.required("image");
   try {
-    const Image image = load_image(file.file_path());
+    const Image image = load_image(file.file_path(), ColorEncoding::srgb, file.memory());
     require_finite(image, file.file_path());
     tattoo.image = ink_of(image);
   } catch (const Error& error) {
@@ -206,8 +206,8 @@ SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value) {
   return decode_unevenness(value);
 }
 
-SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file) {
-  const JsonDocument document = load_json(file);
+SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
   const JsonObject object = document.root().file_object(
       "maps", 1, {"width", "height", "mm_per_pixel", "seed", "skin", "features"});
   SkinMapRecipe recipe;

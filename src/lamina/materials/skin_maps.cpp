@@ -24,7 +24,7 @@ Image decode_values(const JsonInput& value) {
   const JsonInput file = object.required("map");
   Image image;
   try {
-    image = load_image(file.file_path(), encoding);
+    image = load_image(file.file_path(), encoding, file.memory());
     require_finite(image, file.file_path());
   } catch (const FileError& error) {
     file.fail(error.what());

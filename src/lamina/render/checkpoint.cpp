@@ -53,7 +53,10 @@ void save_checkpoint(const std::filesystem::path& file, std::uint64_t key,
 std::optional<TileProgress> load_checkpoint(const std::filesystem::path& file, std::uint64_t key,
                                             FilmAccumulator& film) {
   if (!std::filesystem::exists(file)) return std::nullopt;
-  const std::string text = read_file_bytes(file);
+  constexpr std::size_t per_tile = sizeof(std::int32_t) + sizeof(std::uint8_t);
+  const std::size_t most_tiles = film.bytes().size();  // a tile has a pixel
+  MemoryBudget memory{sizeof(Header) + film.bytes().size() + most_tiles * per_tile};
+  const std::string text = read_file_bytes(file, memory);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
   Header header;
   const auto magic = header.magic;
@@ -67,7 +70,6 @@ std::optional<TileProgress> load_checkpoint(const std::filesystem::path& file, s
   if (header.key != key)
     refuse("is an unfinished image of another scene, other settings or another version of lamina");
   const std::span<const std::byte> body = bytes.subspan(sizeof header);
-  constexpr std::size_t per_tile = sizeof(std::int32_t) + sizeof(std::uint8_t);
   if (header.tiles > body.size() || header.film_bytes != film.bytes().size() ||
       body.size() != header.tiles * per_tile + header.film_bytes)
     refuse("is damaged");

@@ -1,67 +1,72 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "lamina/core/json_input.h"
+#include "lamina/render/gltf_buffers.h"
 
 namespace lamina {
 
-/// The two parts of a glTF file; `binary` is empty unless it is a GLB that has such a part.
-struct GltfChunks {
-  std::string_view json, binary;
+/// The numbers of an accessor, which are read out of their buffer one by one: an accessor takes no
+/// memory, however many elements it claims. Source: [glTF2] §3.6.2.
+class GltfAccessor {
+ public:
+  [[nodiscard]] std::size_t count() const { return count_; }            ///< of elements
+  [[nodiscard]] std::size_t components() const { return components_; }  ///< 1 for SCALAR, ...
+
+  /// One number; a normalized integer is within [-1, 1].
+  /// @param element    < count().
+  /// @param component  < components().
+  [[nodiscard]] double operator()(std::size_t element, std::size_t component) const;
+
+ private:
+  friend class GltfData;
+  /// Elements of one type, one behind the other; zeros if there are no bytes.
+  struct Elements {
+    std::string_view bytes;
+    std::size_t stride = 0;
+    int type = 0;
+    [[nodiscard]] double operator()(std::size_t element, std::size_t component) const;
+  };
+  std::size_t count_ = 0, components_ = 0;
+  bool is_normalized_ = false;
+  Elements elements_;
+  std::vector<std::uint32_t> replaced_;  ///< elements that differ, in rising order
+  Elements replacements_;                ///< what they are
 };
 
-/// @throws FileError if the bytes are a GLB that is cut off or malformed.
-[[nodiscard]] GltfChunks split_gltf(std::string_view bytes, const std::string& name);
-
-/// Numbers of an accessor.
-struct GltfValues {
-  std::size_t count = 0;       ///< of elements
-  std::size_t components = 0;  ///< 1 for SCALAR, 3 for VEC3, ...
-  std::vector<double> values;  ///< [element][component]; normalized integers are within [-1, 1]
-};
-
-/// Buffers, buffer views and accessors of a glTF file. Source: [glTF2] §3.6.
+/// Buffer views and accessors of a glTF file, each decoded once however often it is used.
 class GltfData {
  public:
   /// @param root    must outlive this.
   /// @param binary  the binary chunk of a GLB; must outlive this.
   GltfData(const JsonInput& root, std::string_view binary, const std::filesystem::path& file);
 
-  /// The values of an accessor: sparse or not, interleaved or not, of any component type.
-  /// @param accessor    index of the accessor, the value of an attribute.
+  /// An accessor: sparse or not, interleaved or not, of any component type; good as long as this.
+  /// @param index       of the accessor, the value of an attribute.
   /// @param components  that the accessor must have.
-  /// @throws FileError if the file that holds them is cut off; InvalidInput if they are described
-  ///         wrongly.
-  [[nodiscard]] GltfValues read_accessor(const JsonInput& accessor, std::size_t components);
+  /// @throws FileError if the file that holds its numbers is cut off; InvalidInput if they are
+  ///         described wrongly.
+  [[nodiscard]] const GltfAccessor& accessor(const JsonInput& index, std::size_t components);
 
  private:
   struct View {
     std::string_view bytes;
     std::size_t stride = 0;  ///< 0: tightly packed
   };
-  [[nodiscard]] std::string_view buffer(const JsonInput& index);
-  [[nodiscard]] View view(const JsonInput& index);
-  void read_packed(const JsonInput& accessor, const View& view, std::size_t offset, int type,
-                   GltfValues& into) const;
-  void read_sparse(const JsonInput& accessor, const JsonInput& sparse, int type, GltfValues& into);
+  [[nodiscard]] const View& view(const JsonInput& index);
+  [[nodiscard]] GltfAccessor decode(const JsonInput& accessor);
+  void decode_sparse(const JsonInput& accessor, const JsonInput& sparse, GltfAccessor& into);
 
-  std::filesystem::path file_;
-  std::string_view binary_;
-  std::vector<JsonInput> buffers_, views_, accessors_;
-  std::vector<std::optional<std::string>> loaded_;  ///< [buffer]
+  GltfBuffers buffers_;
+  std::vector<JsonInput> view_inputs_, accessor_inputs_;
+  std::vector<std::optional<View>> views_;              ///< [view], of those asked for
+  std::vector<std::optional<GltfAccessor>> accessors_;  ///< [accessor], of those asked for
 };
-
-/// The array under a key of the outermost object; empty if there is none.
-[[nodiscard]] std::vector<JsonInput> gltf_list(const JsonInput& root, std::string_view key);
-
-/// The element of a list that a value of the file is the index of.
-[[nodiscard]] const JsonInput& gltf_element(const std::vector<JsonInput>& list,
-                                            const JsonInput& index);
 
 }  // namespace lamina

@@ -129,7 +129,8 @@ void check(const CloudPoint& point, float spacing, std::span<const float> of_ban
 }
 
 /// @throws Unusable
-std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerprint& wanted) {
+std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerprint& wanted,
+                                          const std::string& name, MemoryBudget memory) {
   Lines lines(bytes);
   std::istringstream words;
   int found_version = 0;
@@ -144,22 +145,24 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   bytes.replace(at, no_checksum.size(), no_checksum);
   require(stated == hexadecimal(checksum(bytes)));
   lines.expect(no_checksum + '\n');
-  for (const auto& [name, value] : parts(wanted)) {
+  for (const auto& [part, value] : parts(wanted)) {
     std::string found;
-    require(lines.next(std::string("comment ") + name + ' ', words) && words >> found);
+    require(lines.next(std::string("comment ") + part + ' ', words) && words >> found);
     if (found != hexadecimal(value))
       throw Unusable{
-          std::string("was made for other ") + name +
-          (name == parts(wanted).back().first ? ", or by another version of the program" : "")};
+          std::string("was made for other ") + part +
+          (part == parts(wanted).back().first ? ", or by another version of the program" : "")};
   }
   std::vector<IrradianceCloud> clouds;
+  std::vector<std::size_t> sizes;  // [cloud], of its points
   std::size_t count = 0;
   while (lines.next("comment cloud ", words)) {
     IrradianceCloud cloud;
     std::size_t points = 0;
     require(words >> cloud.material >> points >> cloud.spacing && cloud.spacing > 0.0f &&
-            std::isfinite(cloud.spacing) && points <= bytes.size());
-    cloud.points.resize(points);
+            std::isfinite(cloud.spacing) && points <= bytes.size() - count);
+    take(memory, 2 * sizeof cloud, name + ": its header");
+    sizes.push_back(points);
     count += points;
     clouds.push_back(std::move(cloud));
   }
@@ -171,9 +174,13 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
   std::string_view rest = lines.rest();
   require(rest.size() == count * stride * sizeof(float));
+  take(memory, count, sizeof(CloudPoint) + 2 * 2 * bands * sizeof(float),
+       name + ": " + std::to_string(count) + " points");
   std::vector<float> v(stride);
-  for (IrradianceCloud& cloud : clouds) {
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    IrradianceCloud& cloud = clouds[c];
     cloud.bands = bands;
+    cloud.points.resize(sizes[c]);
     for (CloudPoint& point : cloud.points) {
       std::memcpy(v.data(), rest.data(), stride * sizeof(float));
       rest.remove_prefix(stride * sizeof(float));
@@ -235,13 +242,14 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
   write_file_bytes(file, std::as_bytes(std::span(bytes)));
 }
 
-KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
-                                  const LightFingerprint& wanted) {
-  std::string bytes = read_file_bytes(file);
+KeptClouds load_irradiance_clouds(const std::filesystem::path& file, const LightFingerprint& wanted,
+                                  MemoryBudget memory) {
+  std::string bytes = read_file_bytes(file, memory);
   if (!bytes.starts_with(first_words))
     throw FileError(file.string() + ": must be a cache of light, but is another file");
   try {
-    return {.clouds = parse_clouds(std::move(bytes), wanted), .why_unusable = {}};
+    return {.clouds = parse_clouds(std::move(bytes), wanted, file.string(), memory),
+            .why_unusable = {}};
   } catch (const Unusable& unusable) {
     return {.clouds = {}, .why_unusable = unusable.why};
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/render/irradiance_cloud.h"
 #include "lamina/render/scene_fingerprint.h"
 
@@ -29,8 +30,11 @@ struct KeptClouds {
 
 /// Reads such a file back.
 ///
-/// @throws FileError if it cannot be read, or is no such file: then it is someone else's.
+/// @param memory  what reading may take.
+/// @throws FileError if it cannot be read, takes more than there is, or is no such file: then it is
+/// someone else's.
 [[nodiscard]] KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
-                                                const LightFingerprint& wanted);
+                                                const LightFingerprint& wanted,
+                                                MemoryBudget memory = {});
 
 }  // namespace lamina

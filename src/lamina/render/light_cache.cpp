@@ -15,7 +15,8 @@ std::optional<std::vector<IrradianceCloud>> find_kept_light(
   if (options.cache.empty()) return std::nullopt;
   KeptClouds kept{.clouds = {}, .why_unusable = "there is no such file"};
   const bool is_there = std::filesystem::exists(options.cache);
-  if (is_there) kept = load_irradiance_clouds(options.cache, light_fingerprint(scene, options));
+  if (is_there)
+    kept = load_irradiance_clouds(options.cache, light_fingerprint(scene, options), options.memory);
   if (kept.why_unusable.empty()) kept.why_unusable = misfit(kept.clouds);
   if (kept.why_unusable.empty()) return std::move(kept.clouds);
   const std::string why = options.cache.string() + ": " + kept.why_unusable;

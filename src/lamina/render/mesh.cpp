@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/render/mesh_orientation.h"
@@ -207,6 +208,16 @@ class TriangleBuilder {
   std::size_t dropped_ = 0;
 };
 
+/// Sees whether there is memory for what a mesh becomes and for all on the way to it.
+void take_memory(const PolygonMesh& polygons, const MeshOptions& options) {
+  constexpr std::size_t per_corner = 130, per_subdivided_corner = 130;  // measured
+  const std::size_t growth = std::size_t{1} << (2 * options.subdivision);
+  const std::size_t corners = checked_product(polygons.name, {polygons.corners.size(), growth});
+  MemoryBudget memory = options.memory;
+  take(memory, corners, options.subdivision > 0 ? per_subdivided_corner : per_corner,
+       polygons.name + ": " + std::to_string(corners) + " corners of faces");
+}
+
 }  // namespace
 
 PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
@@ -214,6 +225,7 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
   assert(material_of_part.size() == polygons.parts.size());
   PreparedMesh result;
   const std::string name = polygons.name;
+  take_memory(polygons, options);
   const auto warn = [&](std::size_t count, const std::string& text) {
     if (count > 0) result.warnings.push_back(name + ": " + text);
   };

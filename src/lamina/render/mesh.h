@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/render/polygon_mesh.h"
 #include "lamina/render/scene.h"
 
@@ -21,6 +22,7 @@ struct MeshOptions {
   int subdivision =
       0;  ///< Catmull-Clark steps, in [0, most_subdivisions]; they imply smooth normals
   NormalSource normals = NormalSource::file;
+  MemoryBudget memory = {};  ///< that making the mesh may take
 };
 
 struct PreparedMesh {
@@ -33,7 +35,7 @@ struct PreparedMesh {
 ///
 /// @param material_of_part  [part], what Mesh::material says of its triangles.
 /// @throws InvalidInput if nothing is left, if the transform flattens the mesh, or if it lies
-///         beyond 1e9 mm.
+///         beyond 1e9 mm; FileError if it takes more memory than there may be.
 [[nodiscard]] PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
                                      std::span<const std::uint32_t> material_of_part);
 

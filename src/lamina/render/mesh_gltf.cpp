@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <utility>
 
+#include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/render/gltf_data.h"
@@ -13,6 +16,9 @@ namespace lamina {
 namespace {
 
 constexpr std::size_t most_corners = 100'000'000;
+
+/// A corner of a triangle, with its share of what there is for each face.
+constexpr std::size_t per_corner = sizeof(MeshCorner) + sizeof(std::uint32_t);
 
 /// Extensions that say nothing about where the surface is.
 bool is_harmless(std::string_view extension) {
@@ -80,6 +86,13 @@ std::vector<std::uint32_t> triangle_indices(std::span<const std::uint32_t> given
   return indices;
 }
 
+/// A primitive as its mesh has it, before any node moves it.
+struct Piece {
+  PolygonMesh polygons;
+  std::vector<std::string> labels;  // of its material and mesh
+  JsonInput input;
+};
+
 class GltfReader {
  public:
   GltfReader(const JsonInput& root, std::string_view binary, const std::filesystem::path& file)
@@ -87,8 +100,10 @@ class GltfReader {
         data_(root, binary, file),
         nodes_(gltf_list(root, "nodes")),
         meshes_(gltf_list(root, "meshes")),
-        materials_(gltf_list(root, "materials")) {
+        pieces_(meshes_.size()) {
     mesh_.name = file.string();
+    for (const JsonInput& material : gltf_list(root, "materials"))
+      material_names_.push_back(name_of(material));
   }
 
   PolygonMesh read() {
@@ -106,8 +121,7 @@ class GltfReader {
                    " has several");
       seen[place] = true;
       const Transform to_world = combine(outer, node_transform(node));
-      if (const auto mesh = node.peek("mesh"))
-        add_mesh(gltf_element(meshes_, *mesh), node, to_world);
+      if (const auto mesh = node.peek("mesh")) add_mesh(*mesh, node, to_world);
       if (const auto children = node.peek("children"))
         for (const JsonInput& child : children->array()) stack.emplace_back(child, to_world);
     }
@@ -140,7 +154,22 @@ class GltfReader {
     return nodes ? nodes->array() : std::vector<JsonInput>{};
   }
 
-  void add_mesh(const JsonInput& mesh, const JsonInput& node, const Transform& to_world) {
+  void add_mesh(const JsonInput& index, const JsonInput& node, const Transform& to_world) {
+    if (node.peek("skin"))
+      mesh_.notes.push_back(node.where() + ": the mesh is read at rest, without its skeleton");
+    if (determinant(to_world) == 0.0) {
+      mesh_.notes.push_back(node.where() + ": its mesh is left out, for the node flattens it");
+      return;
+    }
+    for (const Piece& piece : pieces_of(index)) append(piece, name_of(node), to_world);
+  }
+
+  /// What a mesh is made of, which is read once for all nodes that have it.
+  const std::vector<Piece>& pieces_of(const JsonInput& index) {
+    const JsonInput& mesh = gltf_element(meshes_, index);
+    std::optional<std::vector<Piece>>& pieces = pieces_[static_cast<std::size_t>(index.number())];
+    if (pieces) return *pieces;
+    pieces.emplace();
     const auto primitives = mesh.peek("primitives");
     if (!primitives) mesh.fail("\"primitives\" is required, but missing");
     for (const JsonInput& primitive : primitives->array()) {
@@ -149,16 +178,17 @@ class GltfReader {
         mesh_.notes.push_back(primitive.where() + ": points and lines are left out");
         continue;
       }
-      std::vector<std::string> labels;
-      if (const auto material = primitive.peek("material"))
-        labels.push_back(name_of(gltf_element(materials_, *material)));
-      labels.push_back(name_of(mesh));
-      labels.push_back(name_of(node));
-      std::erase(labels, std::string());
-      append(read_primitive(primitive), std::move(labels), to_world, primitive);
+      Piece piece{.polygons = read_primitive(primitive), .labels = {}, .input = primitive};
+      if (const auto material = primitive.peek("material")) {
+        if (material_names_.empty()) material->fail("is an index into a list that is empty");
+        const auto last = static_cast<std::int64_t>(material_names_.size()) - 1;
+        piece.labels.push_back(
+            material_names_[static_cast<std::size_t>(material->integer(0, last))]);
+      }
+      piece.labels.push_back(name_of(mesh));
+      pieces->push_back(std::move(piece));
     }
-    if (node.peek("skin"))
-      mesh_.notes.push_back(node.where() + ": the mesh is read at rest, without its skeleton");
+    return *pieces;
   }
 
   PolygonMesh read_primitive(const JsonInput& primitive) {
@@ -170,116 +200,166 @@ class GltfReader {
     const auto attributes = primitive.peek("attributes");
     const auto position = attributes ? attributes->peek("POSITION") : std::nullopt;
     if (!position) primitive.fail("attribute POSITION is required, but missing");
+    const GltfAccessor& positions = data_.accessor(*position, 3);
+    const auto optional = [&](std::string_view key, std::size_t components) {
+      const auto input = attributes->peek(key);
+      const GltfAccessor* accessor = input ? &data_.accessor(*input, components) : nullptr;
+      if (accessor && accessor->count() != positions.count())
+        input->fail("has not one element for each position");
+      return accessor;
+    };
+    const GltfAccessor* normals = optional("NORMAL", 3);
+    const GltfAccessor* uvs = optional("TEXCOORD_0", 2);
+
+    const std::vector<std::uint32_t> indices =
+        triangle_indices(read_indices(primitive, positions.count()), primitive);
+    const std::vector<std::uint32_t> used = used_vertices(indices, positions.count());
+    constexpr std::size_t per_vertex = 2 * sizeof(Vec3f) + sizeof(Vec2f);
+    take(primitive.memory(),
+         checked_sum("a primitive", {checked_product("a primitive", {used.size(), per_vertex}),
+                                     checked_product("a primitive", {indices.size(), per_corner})}),
+         primitive.where());
     PolygonMesh piece;
-    piece.positions = read_vectors(*position, true);
-    const std::size_t count = piece.positions.size();
-    if (const auto normal = attributes->peek("NORMAL")) {
-      piece.normals = read_vectors(*normal, false);
-      if (piece.normals.size() != count) normal->fail("has not one element for each position");
+    piece.positions = read_vectors(positions, used, &*position);
+    if (normals) piece.normals = read_vectors(*normals, used, nullptr);
+    if (uvs) piece.uvs = read_uvs(*uvs, used, *attributes->peek("TEXCOORD_0"));
+    piece.corners.reserve(indices.size());
+    const bool are_all = used.size() == positions.count();
+    for (const std::uint32_t index : indices) {
+      const std::uint32_t i =
+          are_all
+              ? index
+              : static_cast<std::uint32_t>(std::ranges::lower_bound(used, index) - used.begin());
+      piece.corners.push_back(
+          {.position = i, .normal = normals ? i : no_index, .uv = uvs ? i : no_index});
     }
-    if (const auto uv = attributes->peek("TEXCOORD_0")) {
-      piece.uvs = read_uvs(*uv);
-      if (piece.uvs.size() != count) uv->fail("has not one element for each position");
-    }
-    for (const std::uint32_t i : triangle_indices(read_indices(primitive, count), primitive))
-      piece.corners.push_back({.position = i,
-                               .normal = piece.normals.empty() ? no_index : i,
-                               .uv = piece.uvs.empty() ? no_index : i});
     return piece;
   }
 
-  std::vector<Vec3f> read_vectors(const JsonInput& accessor, bool must_be_finite) {
-    const GltfValues given = data_.read_accessor(accessor, 3);
-    std::vector<Vec3f> vectors(given.count);
-    for (std::size_t i = 0; i < given.count; ++i)
+  /// The vertices that a primitive reads, in rising order: all, unless it uses few of many.
+  static std::vector<std::uint32_t> used_vertices(const std::vector<std::uint32_t>& indices,
+                                                  std::size_t count) {
+    std::vector<std::uint32_t> used = indices;
+    if (count <= indices.size()) {
+      used.resize(count);
+      std::iota(used.begin(), used.end(), 0U);
+      return used;
+    }
+    std::ranges::sort(used);
+    used.erase(std::ranges::unique(used).begin(), used.end());
+    return used;
+  }
+
+  /// @param must_be_finite  names them in messages if they must be.
+  static std::vector<Vec3f> read_vectors(const GltfAccessor& given,
+                                         std::span<const std::uint32_t> used,
+                                         const JsonInput* must_be_finite) {
+    std::vector<Vec3f> vectors;
+    vectors.reserve(used.size());
+    for (const std::uint32_t i : used) {
+      Vec3f& vector = vectors.emplace_back();
       for (int c = 0; c < 3; ++c) {
-        const double value = given.values[3 * i + static_cast<std::size_t>(c)];
-        vectors[i][c] = static_cast<float>(value);
-        if (must_be_finite && !std::isfinite(vectors[i][c]))
-          accessor.fail("vertex " + std::to_string(i) + " of " + std::to_string(given.count) +
-                        ": every coordinate must be finite, but one is " + number_text(value));
+        const double value = given(i, static_cast<std::size_t>(c));
+        vector[c] = static_cast<float>(value);
+        if (must_be_finite && !std::isfinite(vector[c]))
+          must_be_finite->fail(
+              "vertex " + std::to_string(i) + " of " + std::to_string(given.count()) +
+              ": every coordinate must be finite, but one is " + number_text(value));
       }
+    }
     return vectors;
   }
 
-  std::vector<Vec2f> read_uvs(const JsonInput& accessor) {
-    const GltfValues given = data_.read_accessor(accessor, 2);
-    std::vector<Vec2f> uvs(given.count);
-    for (std::size_t i = 0; i < given.count; ++i) {
-      uvs[i] = {static_cast<float>(given.values[2 * i]),
-                static_cast<float>(1.0 - given.values[2 * i + 1])};  // glTF counts v downward
-      if (!std::isfinite(uvs[i].x) || !std::isfinite(uvs[i].y))
-        accessor.fail("texture coordinate " + std::to_string(i) + " must be finite");
+  static std::vector<Vec2f> read_uvs(const GltfAccessor& given, std::span<const std::uint32_t> used,
+                                     const JsonInput& input) {
+    std::vector<Vec2f> uvs;
+    uvs.reserve(used.size());
+    for (const std::uint32_t i : used) {
+      uvs.push_back({static_cast<float>(given(i, 0)),
+                     static_cast<float>(1.0 - given(i, 1))});  // glTF counts v downward
+      if (!std::isfinite(uvs.back().x) || !std::isfinite(uvs.back().y))
+        input.fail("texture coordinate " + std::to_string(i) + " must be finite");
     }
     return uvs;
   }
 
   /// Those that the primitive gives, or else one after another.
   std::vector<std::uint32_t> read_indices(const JsonInput& primitive, std::size_t count) {
-    std::vector<std::uint32_t> indices;
-    if (const auto accessor = primitive.peek("indices")) {
-      const GltfValues given = data_.read_accessor(*accessor, 1);
-      indices.reserve(given.count);
-      for (std::size_t i = 0; i < given.count; ++i) {
-        if (!(given.values[i] >= 0.0 && given.values[i] < static_cast<double>(count)))
-          accessor->fail("index " + std::to_string(i) + " must be < " + std::to_string(count) +
-                         ", but is " + number_text(given.values[i]));
-        indices.push_back(static_cast<std::uint32_t>(given.values[i]));
-      }
-    } else {
-      for (std::uint32_t i = 0; i < count; ++i) indices.push_back(i);
+    const auto input = primitive.peek("indices");
+    const GltfAccessor* given = input ? &data_.accessor(*input, 1) : nullptr;
+    const std::size_t size = given ? given->count() : count;
+    // As they are given, as triangles, and as a list of the vertices used.
+    take(primitive.memory(), size, (1 + 3 + 3) * sizeof(std::uint32_t), primitive.where());
+    std::vector<std::uint32_t> indices(size);
+    std::iota(indices.begin(), indices.end(), 0U);
+    for (std::size_t i = 0; given && i < size; ++i) {
+      const double value = (*given)(i, 0);
+      if (!(value >= 0.0 && value < static_cast<double>(count)))
+        input->fail("index " + std::to_string(i) + " must be < " + std::to_string(count) +
+                    ", but is " + number_text(value));
+      indices[i] = static_cast<std::uint32_t>(value);
     }
     return indices;
   }
 
-  void append(PolygonMesh piece, std::vector<std::string> labels, const Transform& to_world,
-              const JsonInput& primitive) {
-    if (piece.corners.size() > most_corners - mesh_.corners.size() ||
-        piece.positions.size() > most_corners - mesh_.positions.size())
-      primitive.fail("the file must not hold more than 100 million corners of triangles");
-    for (std::uint32_t c = 3; c <= piece.corners.size(); c += 3) piece.face_begin.push_back(c);
-    if (determinant(to_world) == 0.0) {
-      mesh_.notes.push_back(primitive.where() + ": is left out, for its node flattens it");
-      return;
-    }
-    apply(to_world, piece);
-    for (std::size_t i = 0; i < piece.positions.size(); ++i) {
-      const Vec3f& p = piece.positions[i];
+  void append(const Piece& piece, const std::string& node_name, const Transform& to_world) {
+    PolygonMesh moved = piece.polygons;
+    if (moved.corners.size() > most_corners - mesh_.corners.size() ||
+        moved.positions.size() > most_corners - mesh_.positions.size())
+      piece.input.fail("the file must not hold more than 100 million corners of triangles");
+    std::vector<std::string> labels = piece.labels;
+    labels.push_back(node_name);
+    std::erase(labels, std::string());
+    std::size_t label_bytes = sizeof(MeshPart);
+    for (const std::string& label : labels) label_bytes += sizeof label + label.size();
+    // Twice, for the room that vectors keep to grow.
+    take(piece.input.memory(),
+         2 * (moved.corners.size() * per_corner +
+              (moved.positions.size() + moved.normals.size()) * sizeof(Vec3f) +
+              moved.uvs.size() * sizeof(Vec2f) + label_bytes),
+         piece.input.where());
+    for (std::uint32_t c = 3; c <= moved.corners.size(); c += 3) moved.face_begin.push_back(c);
+    apply(to_world, moved);
+    for (std::size_t i = 0; i < moved.positions.size(); ++i) {
+      const Vec3f& p = moved.positions[i];
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-        primitive.fail("the transform of its node must leave vertex " + std::to_string(i) +
-                       " finite, but does not");
+        piece.input.fail("the transform of its node must leave vertex " + std::to_string(i) +
+                         " finite, but does not");
     }
     const auto offset = [](auto& from, auto& to) {
       const auto begin = static_cast<std::uint32_t>(to.size());
       to.insert(to.end(), from.begin(), from.end());
       return begin;
     };
-    const std::uint32_t first_position = offset(piece.positions, mesh_.positions);
-    const std::uint32_t first_normal = offset(piece.normals, mesh_.normals);
-    const std::uint32_t first_uv = offset(piece.uvs, mesh_.uvs);
-    for (MeshCorner& corner : piece.corners) {
+    const std::uint32_t first_position = offset(moved.positions, mesh_.positions);
+    const std::uint32_t first_normal = offset(moved.normals, mesh_.normals);
+    const std::uint32_t first_uv = offset(moved.uvs, mesh_.uvs);
+    for (MeshCorner& corner : moved.corners) {
       corner.position += first_position;
       if (corner.normal != no_index) corner.normal += first_normal;
       if (corner.uv != no_index) corner.uv += first_uv;
     }
     const auto part = static_cast<std::uint32_t>(mesh_.parts.size());
     mesh_.parts.push_back({std::move(labels)});
-    for (std::size_t f = 0; f < face_count(piece); ++f) add_face(mesh_, face(piece, f), part);
+    for (std::size_t f = 0; f < face_count(moved); ++f) add_face(mesh_, face(moved, f), part);
   }
 
   JsonInput root_;
   GltfData data_;
-  std::vector<JsonInput> nodes_, meshes_, materials_;
+  std::vector<JsonInput> nodes_, meshes_;
+  std::vector<std::string> material_names_;
+  std::vector<std::optional<std::vector<Piece>>> pieces_;  // [mesh], of those that nodes have
   PolygonMesh mesh_;
 };
 
 }  // namespace
 
-PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file) {
+PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file,
+                       MemoryBudget memory) {
   const GltfChunks chunks = split_gltf(bytes, file.string());
   std::string_view text = chunks.json;
   while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
-  const JsonDocument document = parse_json(text, file.string());
+  const JsonDocument document = parse_json(text, file.string(), memory);
   return GltfReader(document.root(), chunks.binary, file).read();
 }
 

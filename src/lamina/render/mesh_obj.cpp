@@ -44,7 +44,7 @@ class Words {
 
 class ObjReader {
  public:
-  explicit ObjReader(const std::string& name) { mesh_.name = name; }
+  ObjReader(const std::string& name, MemoryBudget memory) : memory_(memory) { mesh_.name = name; }
 
   PolygonMesh read(std::string_view text) {
     std::string joined;  // a line that goes on after a backslash
@@ -79,6 +79,8 @@ class ObjReader {
   void read_line(std::string_view line) {
     Words words(line.substr(0, line.find('#')));
     const std::string_view keyword = words.next();
+    if (keyword == "v" || keyword == "vt" || keyword == "vn")
+      take_growing(memory_, sizeof(Vec3f), mesh_.name);
     if (keyword == "v") {
       const auto what = [&] { return "vertex " + std::to_string(mesh_.positions.size() + 1); };
       mesh_.positions.push_back({number(words, what), number(words, what), number(words, what)});
@@ -91,15 +93,21 @@ class ObjReader {
     } else if (keyword == "f") {
       read_face(words);
     } else if (keyword == "g") {
-      group_ = words.rest();
-      part_.reset();
+      group_ = label(words);
     } else if (keyword == "o") {
-      object_ = words.rest();
-      part_.reset();
+      object_ = label(words);
     } else if (keyword == "usemtl") {
-      material_ = words.rest();
-      part_.reset();
+      material_ = label(words);
     }  // the rest (smoothing groups, lines, points, material libraries) does not concern the shape
+  }
+
+  /// A name of the part that the faces to come belong to.
+  std::string label(Words& words) {
+    constexpr std::size_t longest = 1000;  // each part copies it
+    const std::string_view name = words.rest();
+    if (name.size() > longest) refuse("a name must not have more than 1000 bytes");
+    part_.reset();
+    return std::string(name);
   }
 
   /// `what` names the thing that the number belongs to.
@@ -140,6 +148,7 @@ class ObjReader {
     }
     if (face_.size() < 3)
       refuse("a face must have at least 3 corners, but has " + std::to_string(face_.size()));
+    take_growing(memory_, face_.size() * sizeof(MeshCorner), mesh_.name);
     add_face(mesh_, face_, part());
   }
 
@@ -170,12 +179,18 @@ class ObjReader {
         if (!label.empty()) labels.push_back(label);
       const auto next = static_cast<std::uint32_t>(mesh_.parts.size());
       const auto [found, is_new] = part_of_labels_.try_emplace(labels, next);
-      if (is_new) mesh_.parts.push_back({std::move(labels)});
+      if (is_new) {
+        std::size_t size = sizeof(MeshPart);
+        for (const std::string& each : labels) size += sizeof each + each.size();
+        take_growing(memory_, size, mesh_.name);
+        mesh_.parts.push_back({std::move(labels)});
+      }
       part_ = found->second;
     }
     return *part_;
   }
 
+  MemoryBudget memory_;
   PolygonMesh mesh_;
   std::vector<MeshCorner> face_;
   std::string material_, group_, object_;
@@ -186,8 +201,8 @@ class ObjReader {
 
 }  // namespace
 
-PolygonMesh parse_obj(std::string_view bytes, const std::string& name) {
-  return ObjReader(name).read(bytes);
+PolygonMesh parse_obj(std::string_view bytes, const std::string& name, MemoryBudget memory) {
+  return ObjReader(name, memory).read(bytes);
 }
 
 }  // namespace lamina

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "lamina/core/error.h"
@@ -87,9 +89,11 @@ class Values {
   Values(std::string_view bytes, Format format, const std::string& name)
       : rest_(bytes), format_(format), name_(&name) {}
 
-  /// The most values of a type that can still follow.
-  [[nodiscard]] std::size_t most(Type type) const {
-    return format_ == Format::ascii ? (rest_.size() + 1) / 2 : rest_.size() / size_of(type);
+  /// How often values of these types can still follow.
+  [[nodiscard]] std::size_t most(std::span<const Type> types) const {
+    std::size_t together = 0;
+    for (const Type type : types) together += format_ == Format::ascii ? 2 : size_of(type);
+    return (rest_.size() + (format_ == Format::ascii ? 1 : 0)) / together;
   }
 
   /// `what` names what is being read, for messages.
@@ -151,7 +155,7 @@ class Values {
 
 class PlyReader {
  public:
-  explicit PlyReader(const std::string& name) {
+  PlyReader(const std::string& name, MemoryBudget memory) : memory_(memory) {
     mesh_.name = name;
     mesh_.parts = {{}};
   }
@@ -189,6 +193,7 @@ class PlyReader {
   /// Takes the header from the front of the file.
   void read_header(std::string_view& bytes) {
     bool has_format = false;
+    std::set<std::string> element_names;
     for (int line_number = 1;; ++line_number) {
       const std::size_t end = bytes.find('\n');
       if (line_number == 1 && !bytes.starts_with("ply"))
@@ -199,12 +204,14 @@ class PlyReader {
       const std::string where = "line " + std::to_string(line_number) + " of the header ";
       const std::string_view keyword = next_word(line);
       if (keyword == "end_header") break;
+      if (keyword == "element" || keyword == "property")
+        take(memory_, per_declaration + 4 * end, mesh_.name + ": the header");
       if (keyword == "format") {
         has_format = true;
         format_ = parse_format(next_word(line), where);
       } else if (keyword == "element") {
         elements_.push_back(parse_element(line, where));
-        if (std::ranges::count(elements_, elements_.back().name, &Element::name) > 1)
+        if (!element_names.insert(elements_.back().name).second)
           refuse(where + "names element " + elements_.back().name + " again");
       } else if (keyword == "property") {
         if (elements_.empty()) refuse(where + "has a property before any element");
@@ -260,8 +267,8 @@ class PlyReader {
     if (element.count == 0) return;
     if (element.properties.empty()) refuse("element " + element.name + " has no properties");
     const Property& first = element.properties.front();
-    if (element.count > values.most(first.list_count.value_or(first.type)) ||
-        element.count >= no_index)
+    const Type least = first.list_count.value_or(first.type);
+    if (element.count > values.most({&least, 1}) || element.count >= no_index)
       refuse("is cut off: the header promises " + std::to_string(element.count) + " of " +
              element.name + ", which do not fit into the file");
   }
@@ -269,7 +276,7 @@ class PlyReader {
   template <class What>
   static std::size_t list_size(const Property& property, Values& values, const What& what) {
     const double count = values.next(*property.list_count, what);
-    if (!(count >= 0.0 && count <= static_cast<double>(values.most(property.type))))
+    if (!(count >= 0.0 && count <= static_cast<double>(values.most({&property.type, 1}))))
       return no_index;
     return static_cast<std::size_t>(count);
   }
@@ -320,6 +327,14 @@ class PlyReader {
       refuse("element vertex must have the properties x, y and z");
     const bool has_normals = has[nx] && has[ny] && has[nz];
     has_uvs_ = has[u] && has[v];
+    std::vector<Type> types;  // of what a vertex has at least
+    for (const Property& property : element.properties)
+      types.push_back(property.list_count.value_or(property.type));
+    const std::size_t most = std::min(element.count, values.most(types) + 1);  // one may be cut
+    take(memory_, most, 2 * sizeof(Vec3f) + sizeof(Vec2f), mesh_.name + ": its vertices");
+    mesh_.positions.reserve(most);
+    if (has_normals) mesh_.normals.reserve(most);
+    if (has_uvs_) mesh_.uvs.reserve(most);
     for (std::size_t i = 0; i < element.count; ++i) {
       const auto what = [&] { return place(element, i); };
       std::array<float, slots + 1> given{};
@@ -367,6 +382,7 @@ class PlyReader {
       }
       if (corners.size() < 3)
         refuse(what() + " must have at least 3 corners, but has " + std::to_string(corners.size()));
+      take_growing(memory_, corners.size() * (sizeof(MeshCorner) + sizeof(Vec2f)), mesh_.name);
       if (texcoords.size() == 2 * corners.size()) add_face_uvs(corners, texcoords, what);
       add_face(mesh_, corners, 0);
     }
@@ -409,6 +425,8 @@ class PlyReader {
     if (!face_uvs_.empty()) mesh_.uvs = std::move(face_uvs_);
   }
 
+  static constexpr std::size_t per_declaration = 256;  // of an element or a property
+  MemoryBudget memory_;
   PolygonMesh mesh_;
   Format format_ = Format::ascii;
   std::vector<Element> elements_;
@@ -418,8 +436,8 @@ class PlyReader {
 
 }  // namespace
 
-PolygonMesh parse_ply(std::string_view bytes, const std::string& name) {
-  return PlyReader(name).read(bytes);
+PolygonMesh parse_ply(std::string_view bytes, const std::string& name, MemoryBudget memory) {
+  return PlyReader(name, memory).read(bytes);
 }
 
 }  // namespace lamina

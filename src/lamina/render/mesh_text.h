@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "lamina/core/error.h"
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/number_text.h"
 
 namespace lamina {
@@ -19,6 +21,18 @@ namespace lamina {
   if (end != word.data() + word.size() || code == std::errc::invalid_argument) return std::nullopt;
   if (code == std::errc::result_out_of_range) return rounded_number(std::string(word));
   return value;
+}
+
+/// Takes what a face or vertex adds to vectors that grow as the file is read: they may have room
+/// for as much again, and for the faces and parts that the corners form.
+inline void take_growing(MemoryBudget& memory, std::size_t bytes, std::string_view file) {
+  constexpr std::size_t for_faces = 16;
+  const std::size_t grown = 2 * (bytes + for_faces);
+  if (grown > memory.left)
+    throw FileError(std::string(file) +
+                    ": its faces and vertices would take more memory than is left of the budget "
+                    "(--memory-budget)");
+  memory.left -= grown;
 }
 
 }  // namespace lamina

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -204,8 +205,7 @@ LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
 /// @return whether it was completed
 template <int N>
 bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOptions& options,
-                  const Progress& progress, FilmAccumulator& film,
-                  std::vector<LightSamples>& light_samples) {
+                  const Progress& progress, FilmAccumulator& film, RenderStatistics& statistics) {
   const RenderSettings& settings = scene.scene->render;
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
@@ -222,7 +222,7 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
   const CameraRays camera(scene.scene->camera, width, height);
   if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options, progress,
-                           light_samples))
+                           statistics.light_samples))
     return false;
   if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options, progress))
     return false;
@@ -269,11 +269,10 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;
-  auto& sampled = statistics.light_samples;
   statistics.is_complete =
-      bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film, sampled)
-      : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film, sampled)
-                          : trace_passes<16>(prepared, bands, options, progress, film, sampled);
+      bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film, statistics)
+      : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film, statistics)
+                          : trace_passes<16>(prepared, bands, options, progress, film, statistics);
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/render/scene.h"
@@ -33,6 +34,7 @@ struct RenderOptions {
   /// cameras; empty: none. It is read if it is there and of use: made for this light, whole, and
   /// fine enough. Else the light is sampled and it is written, which on_notice is told.
   std::filesystem::path cache;
+  MemoryBudget memory;       ///< for reading the cache
   bool needs_cache = false;  ///< refuses to sample what the cache does not have
 
   /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
@@ -61,6 +63,7 @@ struct RenderStatistics {
   double peak_memory_mib = 0.0;             ///< of the process so far
   bool is_complete = true;                  ///< false if progress asked to stop
   std::vector<LightSamples> light_samples;  ///< of method `hierarchy`
+  std::vector<std::string> warnings;        ///< one line each: texture coordinates that overlap
 };
 
 struct RenderResult {
@@ -74,7 +77,8 @@ struct RenderResult {
 /// Renders a scene as its render settings ask.
 ///
 /// Passes over the whole frame double the samples each time, so an early stop leaves a complete but
-/// noisier image, from the end of the first pass on. The result depends on scene and seed, not on the number of threads.
+/// noisier image, from the end of the first pass on. The result depends on scene and seed, not on
+/// the number of threads.
 ///
 /// @throws InvalidInput if the scene cannot be rendered: materials of different bands, more than 16
 ///         bands, a method that does not exist yet, a cache that is needed but of no use.

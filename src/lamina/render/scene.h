@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
 #include "lamina/image/tone.h"
@@ -255,7 +256,8 @@ struct Scene {
 };
 
 /// Reads a scene file and all that it names; paths in it are relative to it.
+/// @param memory  what reading them may take in all.
 /// @throws FileError, InvalidInput with file, line and field.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file);
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {});
 
 }  // namespace lamina

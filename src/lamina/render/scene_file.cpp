@@ -12,7 +12,7 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
   const auto found = index_of_.find({path, encoding});
   if (found != index_of_.end()) return found->second;
   Image image = load_for(file, [&] {
-    Image loaded = load_image(path, encoding);
+    Image loaded = load_image(path, encoding, file.memory());
     require_finite(loaded, path);
     return loaded;
   });
@@ -249,8 +249,8 @@ Scene decode_scene(const JsonInput& root) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file) {
-  const JsonDocument document = load_json(file);
+Scene load_scene(const std::filesystem::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
   return decode_scene(document.root());
 }
 

@@ -208,7 +208,9 @@ class MaterialDecoder {
     if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
       value.fail("there is no built-in material and no file \"" + name + "\"" +
                  did_you_mean(name, names));
-    return load_for(value, [&] { return load_material(value.file_path(), RecipeMaps::allowed); });
+    return load_for(value, [&] {
+      return load_material(value.file_path(), RecipeMaps::allowed, value.memory());
+    });
   }
 
   ColorParameter decode_color_parameter(const JsonInput& value) {

@@ -122,7 +122,7 @@ PolygonMesh decode_polygons(const JsonInput& value) {
   if (shape) return decode_shape(value);
   (void)value.object({"file", "shape", "material", "parts", "subdivision", "normals", "transform"});
   if (!file) value.fail("must have \"file\" or \"shape\", but has neither");
-  return load_for(*file, [&] { return load_polygon_mesh(file->file_path()); });
+  return load_for(*file, [&] { return load_polygon_mesh(file->file_path(), file->memory()); });
 }
 
 std::uint32_t find_surface(const JsonInput& name, const std::vector<DecodedMaterial>& materials) {
@@ -204,6 +204,7 @@ DecodedMesh decode_mesh(const JsonInput& value, const std::vector<DecodedMateria
                                                      {"flat", NormalSource::flat}});
   PolygonMesh polygons = decode_polygons(value);
   const std::vector<std::uint32_t> material_of_part = decode_parts(value, polygons, materials);
+  options.memory = value.memory();
   PreparedMesh prepared = load_for(value, [&] {
     return make_mesh(keep_parts(std::move(polygons), material_of_part), options, material_of_part);
   });

@@ -274,8 +274,8 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   add(hash, hierarchy);
   add(hash, texture_space);
   add(hash, shadow_map);
-  const auto& [exit_angle, direct_light, cache, needs_cache, checkpoint, resumes, on_notice] =
-      options;
+  const auto& [exit_angle, direct_light, cache, memory, needs_cache, checkpoint, resumes,
+               on_notice] = options;
   hash.add(exit_angle);
   (void)direct_light;       // shared
   hash.add(cache.empty());  // light that is kept is sampled for any camera

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lamina/core/disk_cache.h"
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/skin_maps.h"
@@ -36,7 +37,8 @@ struct SkinPatch {
 
 /// Reads a patch file; docs/heterogeneous_skin.md has the format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file);
+[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file,
+                                        MemoryBudget memory = {});
 
 /// How one band was solved.
 struct SkinPatchBand {

@@ -69,7 +69,7 @@ void decode_light(const JsonInput& value, SkinPatch& patch) {
   if (const auto map = object.optional("map")) {
     Image image;
     try {
-      image = load_image(map->file_path(), ColorEncoding::linear);
+      image = load_image(map->file_path(), ColorEncoding::linear, map->memory());
       require_finite(image, map->file_path());
       image = select_channels(image, {image.channels.front()});
     } catch (const FileError& error) {
@@ -95,7 +95,7 @@ void decode_albedo(const JsonInput& file, SkinPatch& patch) {
     bands.push_back(band_name(patch.bands, b) + "nm");
   Image image;
   try {
-    image = load_image(file.file_path(), ColorEncoding::linear);
+    image = load_image(file.file_path(), ColorEncoding::linear, file.memory());
     for (const std::string& band : bands)
       if (!channel_index(image, band)) file.fail("the image has no channel \"" + band + "\"");
     image = select_channels(image, bands);
@@ -129,8 +129,8 @@ TransportOptions decode_transport(const JsonInput& value) {
 
 }  // namespace
 
-SkinPatch load_skin_patch(const std::filesystem::path& file) {
-  const JsonDocument document = load_json(file);
+SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
   const JsonObject object =
       document.root().file_object("patch", 1,
                                   {"name", "mm_per_pixel", "width", "height", "bands", "skin",

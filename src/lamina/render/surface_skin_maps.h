@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/skin_features.h"
@@ -90,7 +91,7 @@ struct SurfaceMapRecipe {
 /// none, it is for a flat patch.
 /// @throws FileError, InvalidInput
 [[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
-    const std::filesystem::path& file);
+    const std::filesystem::path& file, MemoryBudget memory = {});
 
 /// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
 /// @throws Interrupted if progress asks to stop.

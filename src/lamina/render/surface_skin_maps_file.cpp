@@ -27,7 +27,7 @@ Mesh decode_surface(const JsonInput& value) {
     options.subdivision = static_cast<int>(levels->integer(0, 6));
   const JsonInput file = object.required("file");
   try {
-    PolygonMesh all = load_polygon_mesh(file.file_path()), kept = all;
+    PolygonMesh all = load_polygon_mesh(file.file_path(), file.memory()), kept = all;
     if (const auto part = object.optional("part")) {
       const std::string name = part->string();
       kept.corners.clear();
@@ -41,6 +41,7 @@ Mesh decode_surface(const JsonInput& value) {
       if (face_count(kept) == 0) part->fail("the mesh has no part of that name");
     }
     const std::vector<std::uint32_t> materials(all.parts.size(), 0);
+    options.memory = file.memory();
     Mesh mesh = make_mesh(std::move(kept), options, materials).mesh;
     if (mesh.uvs.empty()) file.fail("the mesh must have texture coordinates, but has none");
     return mesh;
@@ -102,7 +103,7 @@ ColorOfSkin decode_color(const JsonInput& value) {
                                 {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
   const JsonInput file = object.required("image");
   try {
-    const Image image = load_image(file.file_path(), encoding);
+    const Image image = load_image(file.file_path(), encoding, file.memory());
     require_finite(image, file.file_path());
     ColorOfSkin color{rgb_image(image)};
     if (const auto exposure = object.optional("exposure"))
@@ -167,8 +168,9 @@ SurfaceFeature decode_feature(const JsonInput& value, double mm_per_unit) {
 
 }  // namespace
 
-std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::path& file) {
-  const JsonDocument document = load_json(file);
+std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::path& file,
+                                                        MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
   if (!document.root().peek("surface")) return std::nullopt;
   const JsonObject object = document.root().file_object(
       "maps", 1, {"width", "height", "surface", "seed", "skin", "features"});

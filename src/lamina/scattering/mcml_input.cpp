@@ -189,8 +189,9 @@ std::vector<McmlRun> parse_mcml(std::string_view text, const std::string& name) 
   return runs;
 }
 
-std::vector<McmlRun> load_mcml(const std::filesystem::path& file) {
-  return parse_mcml(read_file_bytes(file, std::size_t{64} << 20), file.string());
+std::vector<McmlRun> load_mcml(const std::filesystem::path& file, MemoryBudget memory) {
+  constexpr std::size_t most = std::size_t{64} << 20;
+  return parse_mcml(read_stream_bytes(file, std::min(most, memory.left)), file.string());
 }
 
 LayerStack layer_stack(const McmlRun& run) {

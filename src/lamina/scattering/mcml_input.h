@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/core/memory_budget.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/photon_tracing.h"
 
@@ -41,7 +42,8 @@ struct McmlRun {
 [[nodiscard]] std::vector<McmlRun> parse_mcml(std::string_view text, const std::string& name);
 
 /// @throws FileError if the file cannot be read; InvalidInput as parse_mcml.
-[[nodiscard]] std::vector<McmlRun> load_mcml(const std::filesystem::path& file);
+[[nodiscard]] std::vector<McmlRun> load_mcml(const std::filesystem::path& file,
+                                             MemoryBudget memory = {});
 
 /// The layers of a run, in mm.
 [[nodiscard]] LayerStack layer_stack(const McmlRun& run);
