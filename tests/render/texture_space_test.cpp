@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <numbers>
 #include <sstream>
@@ -99,6 +100,24 @@ TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
   folded.uvs[2] = {0.4f, 0.9f};
   folded.uvs[0] = {0.6f, 0.0f};
   EXPECT_NE(message_of(folded).find("overlap"), std::string::npos);
+}
+
+// The far corner of the second triangle leans back over the first: on a fifth of the texels.
+TEST(TextureAtlas, GivesTexelsThatLieOnTwoFacesToOneAndSaysHowMany) {
+  Mesh mesh = make_square(5.0f);
+  mesh.uvs[3] = {0.75f, 0.55f};
+  const TextureAtlas atlas({mesh}, 0, 0.1f);
+  ASSERT_EQ(atlas.warnings().size(), 1u);
+  int shared = 0, all = 0;
+  ASSERT_EQ(
+      std::sscanf(atlas.warnings()[0].c_str(),
+                  "mesh \"square\": texture coordinates overlap: %d of %d texels", &shared, &all),
+      2)
+      << atlas.warnings()[0];
+  EXPECT_EQ(static_cast<std::size_t>(all), atlas.texels().size());
+  EXPECT_NEAR(static_cast<double>(shared) / all, 0.2, 0.04);
+  for (const AtlasTexel& texel : atlas.texels()) EXPECT_EQ(texel.triangle, 0u);
+  EXPECT_EQ(TextureAtlas({make_square(5.0f)}, 0, 0.1f).warnings().size(), 0u);
 }
 
 // Two solvers of uniform skin, one by texels and one by a cloud of samples. Their closed forms

@@ -226,6 +226,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
     return false;
   if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options, progress))
     return false;
+  for (const TextureSpaceTransport<N>* texture_space : transports.texture_spaces)
+    std::ranges::copy(texture_space->warnings(), std::back_inserter(statistics.warnings));
   for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
     if (!shadow_map->look_from_lights(tracer, progress)) return false;
   for (RandomWalk<N>* random_walk : transports.random_walks)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,10 +43,15 @@ inline constexpr std::uint32_t no_texel = 0xffffffff;
 class TextureAtlas {
  public:
   /// @param spacing  square root of a texel's mean area [mm], > 0.
-  /// @throws InvalidInput if a mesh has no texture coordinates, or a chart overlaps itself.
+  /// @throws InvalidInput if a mesh has no texture coordinates, or most of a chart lies on several
+  ///         faces.
   TextureAtlas(const std::vector<Mesh>& meshes, std::uint32_t material, float spacing);
 
   [[nodiscard]] std::span<const AtlasTexel> texels() const { return texels_; }
+
+  /// What a user should know, one line each: charts that overlap themselves, where one of the
+  /// faces has the texel and the others look up what is not theirs.
+  [[nodiscard]] std::span<const std::string> warnings() const { return warnings_; }
 
   /// The cells of the texels and how light flows between them: as the first fundamental form has it
   /// within a chart, and over its borders to where the surface goes on.
@@ -88,6 +94,7 @@ class TextureAtlas {
   std::vector<std::vector<Face>> faces_;              ///< [chart]
   std::vector<std::vector<std::uint32_t>> chart_of_;  ///< [mesh][triangle]
   std::vector<Border> borders_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace lamina

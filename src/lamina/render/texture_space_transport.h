@@ -68,6 +68,7 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
 
   [[nodiscard]] std::uint32_t material() const { return material_; }
   [[nodiscard]] std::span<const AtlasTexel> texels() const { return atlas_->texels(); }
+  [[nodiscard]] std::span<const std::string> warnings() const { return atlas_->warnings(); }
   [[nodiscard]] float spacing() const { return spacing_; }
 
  private:
