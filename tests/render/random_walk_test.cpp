@@ -287,5 +287,25 @@ TEST(RandomWalk, RefusesOpenMeshes) {
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 
+TEST(RandomWalk, NamesTheOpenPartAndLeavesOthersAlone) {
+  Scene scene = scene_of(make_plate(1e4f, 1e4f), homogeneous({0, 0, 0}, {1, 1, 1}, 0.0, 1.3),
+                         EnvironmentLight{}, 1);
+  Mesh& mesh = scene.meshes[0];
+  mesh.is_closed = false;
+  mesh.open_parts = {{.name = "hair", .edges = 12, .place = {1, 2, 3}, .materials = {7}}};
+  EXPECT_NO_THROW((void)render(scene));  // material 0 is on closed surfaces only
+  mesh.open_parts[0].materials = {0, 7};
+  try {
+    (void)render(scene);
+    FAIL() << "it was rendered";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("part \"hair\" is open: 12 edges do not join two faces, the first at (1, "
+                        "2, 3) mm"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace lamina

@@ -5,6 +5,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "lamina/core/checked_size.h"
@@ -24,8 +25,12 @@ Vec3f to_unit_float(const Vec3& v) {
   return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
 }
 
+std::string counted(std::size_t count, const std::string& noun, const std::string& nouns) {
+  return std::to_string(count) + " " + (count == 1 ? noun : nouns);
+}
+
 std::string counted(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+  return counted(count, noun, noun + "s");
 }
 
 /// "is" or "are".
@@ -218,6 +223,17 @@ void take_memory(const PolygonMesh& polygons, const MeshOptions& options) {
        polygons.name + ": " + std::to_string(corners) + " corners of faces");
 }
 
+OpenPart open_part(const OpenEdges& open, const MeshPart& part,
+                   std::span<const std::uint32_t> material_of_part) {
+  OpenPart result{.name = {}, .edges = open.count, .place = open.place, .materials = {}};
+  for (const std::string& label : part.labels)
+    result.name += (result.name.empty() ? "" : ", ") + label;
+  std::set<std::uint32_t> materials;
+  for (const std::uint32_t opened : open.opened) materials.insert(material_of_part[opened]);
+  result.materials.assign(materials.begin(), materials.end());
+  return result;
+}
+
 }  // namespace
 
 PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
@@ -231,7 +247,7 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
   };
   for (const std::string& note : polygons.notes) result.warnings.push_back(note);
   move_to_world(polygons, options.to_world);
-  unify_indices(polygons);
+  const std::size_t joined = unify_indices(polygons);
   const std::size_t collapsed = drop_collapsed_faces(polygons);
   const std::size_t without_uvs = complete_uvs(polygons);
   const std::size_t bad_normals = drop_bad_normals(polygons);
@@ -245,10 +261,14 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
                           material_of_part);
   result.mesh = builder.run();
   result.mesh.is_closed = oriented.is_closed;
+  for (const OpenEdges& open : oriented.open)
+    result.mesh.open_parts.push_back(open_part(open, polygons.parts[open.part], material_of_part));
   const std::size_t dropped = collapsed + builder.dropped();
   if (result.mesh.triangles.empty())
     throw InvalidInput(name + ": must have a surface, but all its faces (" +
                        std::to_string(dropped) + ") have zero area");
+  warn(joined, counted(joined, "vertex", "vertices") +
+                   " along open edges joined to another that differs by rounding");
   warn(dropped, counted(dropped, "face") + " of zero area " + be(dropped) + " dropped");
   warn(without_uvs, counted(without_uvs, "face") + " without texture coordinates " +
                         (without_uvs == 1 ? "has" : "have") +

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "lamina/render/mesh_edges.h"
@@ -61,6 +62,7 @@ class Orienter {
     result_.turned_faces +=
         static_cast<std::size_t>(std::ranges::count(is_turned_, true)) - turned_with_surface_;
     result_.is_closed = std::ranges::all_of(surfaces, &Surface::is_closed);
+    find_open_edges(surfaces);
     for (std::uint32_t f = 0; f < is_turned_.size(); ++f) {
       const bool is_turned = is_turned_[f], contradicts = contradicts_[f];
       if (contradicts != is_turned && has_normals(f)) turn_normals(f);
@@ -127,6 +129,35 @@ class Orienter {
       surfaces.push_back(std::move(surface));
     }
     return surfaces;
+  }
+
+  /// Where surfaces are open, by part.
+  void find_open_edges(const std::vector<Surface>& surfaces) {
+    const PolygonMesh& mesh = result_.mesh;
+    std::vector<std::uint32_t> entry_of(mesh.parts.size(), no_index);  // [part], in result_.open
+    for (const Surface& surface : surfaces) {
+      if (surface.is_closed) continue;
+      std::set<std::uint32_t> parts, opening;
+      for (const std::uint32_t f : surface.faces) {
+        parts.insert(mesh.part[f]);
+        for (std::size_t c = begin(f); c < begin(f + 1); ++c) {
+          const MeshEdge& edge = edges_.edges[edges_.edge_of_corner[c]];
+          if (edge.face_count == 2 || edge.corner[0] != c) continue;  // each once
+          std::uint32_t& entry = entry_of[mesh.part[f]];
+          if (entry == no_index) {
+            entry = static_cast<std::uint32_t>(result_.open.size());
+            result_.open.push_back({.part = mesh.part[f],
+                                    .place = 0.5F * (mesh.positions[edge.vertex[0]] +
+                                                     mesh.positions[edge.vertex[1]])});
+          }
+          ++result_.open[entry].count;
+          opening.insert(entry);
+        }
+      }
+      for (const std::uint32_t entry : opening)
+        result_.open[entry].opened.insert(result_.open[entry].opened.end(), parts.begin(),
+                                          parts.end());
+    }
   }
 
   void turn(const Surface& surface) {

@@ -2,10 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "lamina/render/polygon_mesh.h"
 
 namespace lamina {
+
+/// Edges of a part that do not join two faces.
+struct OpenEdges {
+  std::uint32_t part = 0;  ///< index into PolygonMesh::parts
+  std::size_t count = 0;
+  Vec3f place;                        ///< the middle of the first of them
+  std::vector<std::uint32_t> opened;  ///< parts of the surfaces that these edges leave open
+};
 
 struct OrientedMesh {
   PolygonMesh mesh;
@@ -13,6 +23,7 @@ struct OrientedMesh {
   std::size_t inside_out = 0;      ///< closed surfaces that were turned
   std::size_t turned_normals = 0;  ///< faces whose normals pointed to their back
   bool is_closed = false;          ///< every edge joins two faces
+  std::vector<OpenEdges> open;     ///< by part, unless it is closed
 };
 
 /// Makes faces and normals agree on what is outside.

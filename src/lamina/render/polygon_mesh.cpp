@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "lamina/render/mesh_borders.h"
+
 namespace lamina {
 namespace {
 
@@ -127,9 +129,11 @@ void apply(const Transform& transform, PolygonMesh& mesh) {
                    mesh.corners.begin() + mesh.face_begin[f + 1]);
 }
 
-void unify_indices(PolygonMesh& mesh) {
+std::size_t unify_indices(PolygonMesh& mesh) {
   unify_positions(mesh);
+  const std::size_t joined = join_borders(mesh);
   unify_uvs(mesh);
+  return joined;
 }
 
 }  // namespace lamina

@@ -76,7 +76,9 @@ struct Transform {
 void apply(const Transform& transform, PolygonMesh& mesh);
 
 /// Gives equal positions one index and, at each position, equal texture coordinates one index, so
-/// that indices tell how the surface and its texture are connected.
-void unify_indices(PolygonMesh& mesh);
+/// that indices tell how the surface and its texture are connected. Along open edges positions that
+/// differ by rounding become equal (join_borders); texture coordinates and normals stay.
+/// @return  how many positions became equal to another.
+std::size_t unify_indices(PolygonMesh& mesh);
 
 }  // namespace lamina

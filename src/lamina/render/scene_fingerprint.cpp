@@ -37,7 +37,7 @@ class SceneHash : public Hash {
 };
 
 void add(SceneHash& hash, const Mesh& mesh) {
-  const auto& [name, positions, normals, uvs, triangles, material, is_closed] = mesh;
+  const auto& [name, positions, normals, uvs, triangles, material, is_closed, open_parts] = mesh;
   hash.add_all(positions);
   hash.add_all(normals);
   hash.add_all(uvs);
@@ -46,6 +46,7 @@ void add(SceneHash& hash, const Mesh& mesh) {
     for (const std::uint32_t corner : triangle) hash.add(corner);
   hash.add_all(material);
   hash.add(is_closed);
+  (void)open_parts;  // says no more than the triangles do
 }
 
 void add(SceneHash& hash, const ImageMap& map) {

@@ -17,14 +17,25 @@ bool is_medium(const SurfaceMaterial& material) {
          std::holds_alternative<DielectricSurface>(material.surface);
 }
 
-/// By the divergence theorem.
-double enclosed_volume(const Mesh& mesh) {
+/// [material] whether all surfaces of the mesh that it is on have an inside.
+std::vector<bool> closed_materials(const Mesh& mesh, std::size_t count) {
+  std::vector<bool> result(count);
+  for (std::uint32_t material = 0; material < count; ++material)
+    result[material] = is_closed(mesh, material);
+  return result;
+}
+
+/// Of the surfaces of those materials, by the divergence theorem.
+double enclosed_volume(const Mesh& mesh, const std::vector<bool>& is_closed) {
   if (mesh.triangles.empty()) return 0.0;
   const Vec3f middle = mesh.positions[mesh.triangles[0][0]];  // against cancellation
   double sum = 0.0;
-  for (const auto& [a, b, c] : mesh.triangles)
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!is_closed[mesh.material[t]]) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
     sum += static_cast<double>(dot(mesh.positions[a] - middle,
                                    cross(mesh.positions[b] - middle, mesh.positions[c] - middle)));
+  }
   return std::abs(sum) / 6.0;
 }
 
@@ -70,12 +81,13 @@ WalkBodies::WalkBodies(const RenderScene& scene)
       volume_(scene.scene->meshes.size(), 0.0) {
   for (std::size_t m = 0; m < material_.size(); ++m) {
     const Mesh& mesh = scene.scene->meshes[m];
-    if (!mesh.is_closed) continue;
-    const auto found = std::ranges::find_if(
-        mesh.material, [&](std::uint32_t i) { return is_medium(scene.scene->materials[i]); });
+    const std::vector<bool> is_closed = closed_materials(mesh, scene.scene->materials.size());
+    const auto found = std::ranges::find_if(mesh.material, [&](std::uint32_t i) {
+      return is_closed[i] && is_medium(scene.scene->materials[i]);
+    });
     if (found == mesh.material.end()) continue;
     material_[m] = *found;
-    volume_[m] = enclosed_volume(mesh);
+    volume_[m] = enclosed_volume(mesh, is_closed);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sstream>
+#include <string>
 #include <variant>
 
 #include "lamina/core/error.h"
@@ -50,12 +52,38 @@ Box box_of_material(const Scene& scene, std::uint32_t material) {
   return box.low.x <= box.high.x ? box : Box{};
 }
 
+namespace {
+
+/// `part "scalp, hair" is open: 12 edges do not join two faces, the first at (1, 2, 3) mm`.
+std::string what_is_open(const Mesh& mesh, std::uint32_t material) {
+  std::size_t others = 0;
+  const OpenPart* first = nullptr;
+  for (const OpenPart& part : mesh.open_parts) {
+    if (std::ranges::find(part.materials, material) == part.materials.end()) continue;
+    if (first) ++others;
+    if (!first) first = &part;
+  }
+  if (!first) return "this one is open";
+  std::ostringstream text;
+  text << (first->name.empty() ? "this one" : "part \"" + first->name + "\"")
+       << " is open: " << first->edges << (first->edges == 1 ? " edge does" : " edges do")
+       << " not join two faces, the first at (" << first->place.x << ", " << first->place.y << ", "
+       << first->place.z << ") mm";
+  if (others > 0) text << ", and so " << (others == 1 ? "is " : "are ") << others << " more";
+  return text.str();
+}
+
+}  // namespace
+
 void require_closed_meshes(const Scene& scene, std::uint32_t material) {
   for (const Mesh& mesh : scene.meshes)
-    if (!mesh.is_closed && std::ranges::find(mesh.material, material) != mesh.material.end())
+    if (std::ranges::find(mesh.material, material) != mesh.material.end() &&
+        !is_closed(mesh, material))
       throw InvalidInput("mesh \"" + mesh.name +
                          "\": random_walk needs a closed surface, with an inside that light can "
-                         "walk in, but this one is open; close it or use another method");
+                         "walk in, but " +
+                         what_is_open(mesh, material) +
+                         "; close it, give it another material or use another method");
 }
 
 template <int N>
