@@ -82,7 +82,7 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
   }
   json["theta_i_deg"] = options.theta_i_deg;
   json["theta_o_deg"] = angles.theta;
-  json["phi_o_deg"] = angles.phi;  // from the azimuth of the light: 180 is the mirror's side
+  json["phi_o_deg"] = angles.phi;  // 0 is forward: the mirror's side
   json["brdf"] = by_angles(bands, angles, &StackBsdf::brdf);
   json["btdf"] = by_angles(bands, angles, &StackBsdf::btdf);
   json["unscattered_reflectance"] =
@@ -108,7 +108,7 @@ std::string to_text(const BsdfOptions& options, const Material& material, const 
   text += "\n";
   const auto line = [&](std::size_t i, bool is_light_side) {
     text += fmt::format("{:>8.4g}", is_light_side ? -angles.theta[i] : angles.theta[i]);
-    const std::size_t k = i * angles.phi.size() + (is_light_side ? 0 : angles.phi.size() - 1);
+    const std::size_t k = i * angles.phi.size() + (is_light_side ? angles.phi.size() - 1 : 0);
     for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf})
       for (const StackBsdf& band : bands) text += fmt::format("{:>12.5g}", (band.*values)[k]);
     text += "\n";
@@ -180,7 +180,7 @@ void write_plot(const BsdfOptions& options, const Material& material, const Angl
           const double from_normal = is_above ? theta : std::numbers::pi - theta;
           curve.x.push_back(is_light_side ? -from_normal : from_normal);
           curve.y.push_back(
-              of_band[i * angles.phi.size() + (is_light_side ? 0 : angles.phi.size() - 1)]);
+              of_band[i * angles.phi.size() + (is_light_side ? angles.phi.size() - 1 : 0)]);
           largest = std::max(largest, curve.y.back());
         };
         for (std::size_t i = angles.theta.size(); i-- > 1;) add(i, true);

@@ -26,7 +26,7 @@ constexpr auto btdf = &TwoSided::transmission;
 using SideOf = Estimates TwoSided::*;
 
 /// Cells of equal solid angle, folded about the plane of incidence: [cosine][azimuth] with the
-/// azimuth from that of the light, in [0, 180].
+/// azimuth from forward, in [0, 180].
 struct Cells {
   std::size_t rows, columns;
   [[nodiscard]] double theta_deg(std::size_t row) const {  // of the middle of the solid angle
@@ -46,8 +46,8 @@ Estimates folded(const Estimates& cells, std::size_t planes, const Cells& to) {
     for (std::size_t i = 0; i < to.rows; ++i)
       for (std::size_t j = 0; j < to.columns; ++j) {
         const Estimate* row = &cells[(plane * to.rows + to.rows - 1 - i) * all];
-        const Estimate& a = row[to.columns - 1 - j];
-        const Estimate& b = row[to.columns + j];
+        const Estimate& a = row[j];
+        const Estimate& b = row[all - 1 - j];
         out.push_back({.value = 0.5 * (a.value + b.value),
                        .standard_error = 0.5 * std::hypot(a.standard_error, b.standard_error)});
       }
@@ -142,7 +142,7 @@ std::string photons_text(const std::vector<BandResult>& bands) {
 Estimate in_plane(const Estimates& values, const Cells& cells, std::size_t row, bool is_light_side,
                   std::size_t plane = 0) {
   return values[(plane * cells.rows + row) * cells.columns +
-                (is_light_side ? 0 : cells.columns - 1)];
+                (is_light_side ? cells.columns - 1 : 0)];
 }
 
 std::string order_name(std::size_t order) {

@@ -82,7 +82,7 @@ ordered_json to_json(const BsdfOptions& options, const std::string& method,
   json["theta_i_deg"] = options.theta_i_deg;
   if (method == "monte_carlo") json["visibility"] = options.visibility;
   json["theta_o_deg"] = centers_deg(thetas, 90.0);
-  json["phi_o_deg"] = centers_deg(phis, 180.0);  // from the azimuth of the light
+  json["phi_o_deg"] = centers_deg(phis, 180.0);  // 0 is forward
   json["brdf"] = by_angles(result.brdf, phis);
   json["btdf"] = by_angles(result.btdf, phis);
   json["single_brdf"] = by_angles(result.single_brdf, phis);
@@ -117,7 +117,7 @@ std::string peak_of(const std::vector<double>& bsdf, const ExitCells& cells) {
     for (const int j : {0, cells.phis - 1}) {
       const double theta = (i + 0.5) * 90.0 / cells.thetas;
       const double value = bsdf[static_cast<std::size_t>(i * cells.phis + j)];
-      if (value > best) best = value, angle = j == 0 ? -theta : theta;
+      if (value > best) best = value, angle = j == 0 ? theta : -theta;
     }
   return fmt::format("{:.3g} /sr at {:.0f}°", best, angle);
 }
@@ -164,8 +164,8 @@ Curve lobe_of(const Named& named, bool is_transmitted) {
   const std::vector<double>& error = is_transmitted ? result.btdf_error : result.brdf_error;
   double values = 0.0, errors = 0.0;
   for (int i = 0; i < thetas; ++i) {
-    values += bsdf[static_cast<std::size_t>(i * phis + phis - 1)];
-    errors += error[static_cast<std::size_t>(i * phis + phis - 1)];
+    values += bsdf[static_cast<std::size_t>(i * phis)];
+    errors += error[static_cast<std::size_t>(i * phis)];
   }
   const int merged = errors > 0.05 * values ? 3 : 1;
 
@@ -182,8 +182,8 @@ Curve lobe_of(const Named& named, bool is_transmitted) {
     curve.x.push_back(sign * (is_transmitted ? std::numbers::pi - theta : theta));
     curve.y.push_back(flux / weight);
   };
-  for (int i = thetas - merged; i >= 0; i -= merged) add(i, 0, -1.0);
-  for (int i = 0; i < thetas; i += merged) add(i, phis - merged, 1.0);
+  for (int i = thetas - merged; i >= 0; i -= merged) add(i, phis - merged, -1.0);
+  for (int i = 0; i < thetas; i += merged) add(i, 0, 1.0);
   return curve;
 }
 

@@ -70,7 +70,7 @@ TEST(LayeredMaterial, PlateHasTheRadianceOfTheBsdf) {
   for (const double theta_i : {0.2, 1.2}) {
     const Scene scene = plate(skin(0.02), 0.7, theta_i);
     const RenderResult result = render(scene);
-    const std::vector<double> theta_o{0.7}, phi_o{pi};
+    const std::vector<double> theta_o{0.7}, phi_o{0.0};
     for (std::size_t band = 0; band < 3; ++band) {
       const StackBsdf expected = layered_bsdf(layer_stack(skin(0.02), band), ScatteringOrders::all,
                                               theta_i, theta_o, phi_o);
@@ -115,7 +115,7 @@ TEST(LayeredMaterial, RandomWalkConvergesToAddingDoubling) {
   Scene scene = plate(skin(0.02), 0.7, 0.5);
   scene.render.orders = LayeredOrders::random_walk;
   scene.render.samples_per_pixel = 1024;
-  const std::vector<double> theta_o{0.7}, phi_o{pi};
+  const std::vector<double> theta_o{0.7}, phi_o{0.0};
   const RenderResult lit = render(scene);
   for (std::size_t band = 0; band < 3; ++band) {
     const double expected =

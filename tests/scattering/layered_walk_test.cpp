@@ -71,7 +71,7 @@ TEST(LayeredWalk, ConvergesToTheBsdfOfAddingDoubling) {
           // The same both ways, in air.
           const StackBsdf truth = stack_bsdf(bands[static_cast<std::size_t>(b)], theta_o, theta_i,
                                              phi, {.accuracy = 1e-4});
-          const double expected = truth.brdf[i * phi.size() + j];
+          const double expected = truth.brdf[i * phi.size() + (1 - j)];  // 0 is forward there
           const double mean = sum[b] / walks;
           const double error = std::sqrt((squares[b] / walks - mean * mean) / walks);
           EXPECT_NEAR(mean, expected, 4.0 * error + 2e-4 * expected)

@@ -126,7 +126,7 @@ RoughSurfaceScattering analytic_scattering(const GaussianSurface& surface, doubl
           const double theta = i * 0.5 * pi / cells.thetas + theta_rule.nodes[a];
           const double phi = j * pi / cells.phis + phi_rule.nodes[b];
           const double s = std::sin(theta), c = std::cos(theta);
-          const Vec3 up = {s * std::cos(phi), s * std::sin(phi), c};
+          const Vec3 up = {-s * std::cos(phi), s * std::sin(phi), c};  // 0 is away from wi
           // Twice, for the other half of the cell.
           const double weight = 2.0 * theta_rule.weights[a] * phi_rule.weights[b] * s * c;
           reflected += weight * single_scattering_brdf(surface, wi, up);

@@ -13,7 +13,8 @@ namespace lamina {
 
 /// Cells of exit directions on each side: even in the angle theta from the normal of the side, [0,
 /// 90] degrees, and in the azimuth from the plane of incidence, [0, 180] degrees for both of its
-/// halves. Azimuth 0 is that of wi: mirrored and refracted light leaves near 180.
+/// halves. Azimuth 0 is forward: mirrored and refracted light leaves near it, and 180 is that of
+/// wi.
 struct ExitCells {
   int thetas = 45;
   int phis = 18;

@@ -136,9 +136,6 @@ BandOnGrid put_on_grid(const LayerStack& stack, const Angles& angles, int nodes)
   return band;
 }
 
-/// Azimuth of propagation: light travels towards phi + pi of where it comes from.
-double travel_azimuth(double phi_o) { return phi_o - std::numbers::pi; }
-
 void add_mode(BandOnGrid& band, const Angles& angles, const detail::RoughBoundaries& rough,
               double accuracy) {
   const GridStack& stack = band.stack;
@@ -159,8 +156,7 @@ void add_mode(BandOnGrid& band, const Angles& angles, const detail::RoughBoundar
       const double amplitude = (m == 0 ? 1.0 : 2.0) * radiance_factor(side.ior) * rest;
       mode_largest = std::max(mode_largest, std::abs(amplitude));
       for (std::size_t j = 0; j < phis; ++j)
-        band.values(side)[i * phis + j] +=
-            amplitude * std::cos(m * travel_azimuth(angles.phi_o[j]));
+        band.values(side)[i * phis + j] += amplitude * std::cos(m * angles.phi_o[j]);
     }
   }
   band.largest = std::max(band.largest, mode_largest);
@@ -177,7 +173,7 @@ void add_single(BandOnGrid& band, const LayerStack& layers, const Angles& angles
         const double phi = angles.phi_o[j];
         band.values(side)[i * phis + j] +=
             radiance_factor(side.ior) / std::sqrt(extra_node_etendue) *
-                single_exact(layers, stack, side, i, std::cos(travel_azimuth(phi))) +
+                single_exact(layers, stack, side, i, std::cos(phi)) +
             detail::facet_radiance(stack, side.facet[i], beam, side.nodes[i], side.is_above, phi);
       }
   const auto unscattered = detail::unscattered_flux(stack, beam, detail::Unscattered::by_medium);

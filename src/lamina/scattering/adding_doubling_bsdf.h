@@ -44,8 +44,8 @@ struct StackBsdf {
 ///
 /// @param theta_i  angle of incidence outside [rad], in [0, pi/2).
 /// @param theta_o  angles from the normal of the side that light leaves on [rad], in [0, pi/2).
-/// @param phi_o    azimuths from that of the light [rad]: 0 looks along the incident beam, pi is
-///                 the side of the mirror direction.
+/// @param phi_o    azimuths of the leaving light [rad]: 0 goes on, in the mirror direction and
+///                 straight through; pi turns back to where the light comes from.
 /// @throws InvalidInput for angles out of range, and for rough boundaries whose lobes are too
 ///         narrow for the finest grid; Interrupted if progress asks to stop.
 ///

@@ -88,7 +88,8 @@ double facet_radiance(const GridStack& stack, const SingleFacet& facet, std::siz
     const double sine = stack.grid.p[node] / ior;
     return Vec3{sine * std::cos(azimuth), sine * std::sin(azimuth), cosine(stack.grid, node, ior)};
   };
-  const Vec3 from = direction(beam, before, 0.0);
+  Vec3 from = direction(beam, before, 0.0);
+  from.x = -from.x;  // light that comes from there goes on towards azimuth 0
   Vec3 to = direction(out, leaves_above ? before : behind, phi);
   if (!leaves_above) to.z = -to.z;
   return facet.weight * bsdf(interface, from, to);

@@ -33,7 +33,8 @@ StackBsdf layered_bsdf(const LayerStack& stack, ScatteringOrders which, double t
   const FirstOrderStack<double> first = make_first_order(stack);
   HigherOrders higher;
   if (which == ScatteringOrders::all) higher = make_higher_orders(stack);
-  const StackBeam<double> in = make_beam(first, direction(theta_i, 0.0, true));
+  const StackBeam<double> in =
+      make_beam(first, {-std::sin(theta_i), 0.0, std::cos(theta_i)});  // goes on to azimuth 0
 
   const std::size_t count = theta_o.size() * phi_o.size();
   StackBsdf result{.brdf = std::vector<double>(count),
