@@ -83,6 +83,16 @@ TEST(McmlInput, SaysWhatIsWrongInTheUsersWords) {
   EXPECT_EQ(bad("cut_after_9_lines"), "x.mci:10: run 1: n below is missing: the file ends");
 }
 
+// g of 1 does not turn light, and MCML reads no further than the last run.
+TEST(McmlInput, TakesWhatMcmlTakes) {
+  const auto straight = load_mcml(corpus / "mcml_good/g_one.mci");
+  const LayerStack stack = layer_stack(straight[0]);
+  EXPECT_DOUBLE_EQ(stack.layers()[0].medium.sigma_a, 1.0);
+  EXPECT_EQ(stack.layers()[0].medium.sigma_s, 0.0);
+  EXPECT_EQ(load_mcml(corpus / "mcml_good/goes_on.mci").size(), 1u);
+  EXPECT_NE(complaint("1\n1\na\x01.mco A\n"), "");
+}
+
 // Every file that starts like a good one and ends anywhere is refused, or taken whole.
 TEST(McmlInput, SurvivesTextCutAndSpoiltAnywhere) {
   const std::string text = read(corpus / "mcml_good/two_runs.mci");

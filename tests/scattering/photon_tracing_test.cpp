@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -127,6 +128,56 @@ TEST(MonteCarlo, ResultDoesNotDependOnThreads) {
   EXPECT_EQ(one.volume_first, all.volume_first);
   EXPECT_EQ(one.volume_second, all.volume_second);
   EXPECT_EQ(one.photons, 30'000u);
+}
+
+/// The sums of two runs are the same, bit for bit.
+void expect_equal(const PhotonCounts& a, const PhotonCounts& b) {
+  EXPECT_EQ(a.first, b.first);
+  EXPECT_EQ(a.second, b.second);
+  EXPECT_EQ(a.volume_first, b.volume_first);
+  EXPECT_EQ(a.volume_second, b.volume_second);
+  EXPECT_EQ(a.photons, b.photons);
+  EXPECT_EQ(a.batches, b.batches);
+  EXPECT_EQ(a.events, b.events);
+  EXPECT_EQ(a.was_stopped, b.was_stopped);
+}
+
+// Stopped after each report of progress, from any thread, and gone on with.
+TEST(MonteCarlo, StoppedRunGoesOnToTheSameEnd) {
+  const LayerStack stack = reference::stack_table()[25].stack;
+  for (const double relative_error : {0.0, 0.05}) {
+    MonteCarloOptions options = {.photons = 40'000,
+                                 .seed = 7,
+                                 .tallies = {.r = {20, 0.05}, .depth = {10, 0.1}},
+                                 .relative_error = relative_error,
+                                 .shard = {.index = 1, .count = 2}};
+    const PhotonCounts whole = count_photons(stack, options);
+    EXPECT_FALSE(whole.was_stopped);
+    int kept = 0;
+    PhotonCounts last;
+    options.keep = [&](const PhotonCounts& counts) {
+      last = counts;
+      ++kept;
+    };
+    std::atomic<int> reports = 0;
+    options.progress = [&](double) { return ++reports % 3 != 0; };
+    PhotonCounts counts = count_photons(stack, options);
+    while (counts.was_stopped) {
+      expect_equal(last, counts);
+      const std::uint64_t before = counts.batches;
+      counts = continue_photons(stack, options, counts);
+      ASSERT_GT(counts.batches, before);
+    }
+    EXPECT_GT(kept, 1);
+    expect_equal(counts, whole);
+    expect_equal(continue_photons(stack, options, whole), whole);
+    MonteCarloOptions other = options;
+    other.seed = 8;
+    EXPECT_THROW((void)continue_photons(stack, other, whole), InvalidInput);
+    other = options;
+    other.tallies.r.count = 21;
+    EXPECT_THROW((void)continue_photons(stack, other, whole), InvalidInput);
+  }
 }
 
 TEST(MonteCarlo, ShardsAddUpToTheRunBitForBit) {

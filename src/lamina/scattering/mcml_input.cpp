@@ -46,17 +46,6 @@ class Lines {
                        " is missing: the file ends");
   }
 
-  /// Whether only comments and blank lines are left.
-  [[nodiscard]] bool at_end() const {
-    Lines copy = *this;
-    try {
-      copy.next("");
-    } catch (const InvalidInput&) {
-      return true;
-    }
-    return false;
-  }
-
   [[nodiscard]] int number() const { return number_; }
 
   [[noreturn]] void fail(const std::string& message) const {
@@ -119,13 +108,17 @@ class Lines {
 
 constexpr auto is_positive = [](double x) { return x > 0.0; };
 constexpr auto is_not_negative = [](double x) { return x >= 0.0; };
-constexpr auto is_mean_cosine = [](double x) { return -1.0 < x && x < 1.0; };
+constexpr auto is_mean_cosine = [](double x) { return -1.0 < x && x <= 1.0; };
 
 McmlRun parse_run(Lines& lines, const std::string& which) {
   McmlRun run;
   lines.next(which + ": the name of the output file");
   run.line = lines.number();
   run.output_file = lines.word();
+  for (const char c : run.output_file)
+    if (static_cast<unsigned char>(c) < 32 || c == 127)
+      lines.fail(which + ": the name of the output file must be of printable characters, but is " +
+                 quoted(std::string_view(run.output_file)));
   if (const std::string_view format = lines.word(); format != "A" && format != "a")
     lines.fail(which + ": the format of the output file must be A (text), but is " +
                quoted(format));
@@ -156,7 +149,7 @@ McmlRun parse_run(Lines& lines, const std::string& which) {
     values.n = lines.number(layer + ": n", "> 0", is_positive);
     values.mua = lines.number(layer + ": mua", ">= 0 [1/cm]", is_not_negative);
     values.mus = lines.number(layer + ": mus", ">= 0 [1/cm]", is_not_negative);
-    values.g = lines.number(layer + ": g", "in (-1, 1)", is_mean_cosine);
+    values.g = lines.number(layer + ": g", "in (-1, 1]", is_mean_cosine);
     values.d = lines.number(layer + ": d", "> 0 [cm]", is_positive);
     lines.end(layer);
     run.layers.push_back(values);
@@ -182,11 +175,7 @@ std::vector<McmlRun> parse_mcml(std::string_view text, const std::string& name) 
   std::vector<McmlRun> runs;
   for (std::int64_t i = 1; i <= count; ++i)
     runs.push_back(parse_run(lines, "run " + std::to_string(i)));
-  if (!lines.at_end()) {
-    lines.next("");
-    lines.fail("the file must end after " + std::to_string(count) + " runs, but goes on");
-  }
-  return runs;
+  return runs;  // MCML does not read on, either
 }
 
 std::vector<McmlRun> load_mcml(const std::filesystem::path& file, MemoryBudget memory) {
@@ -199,10 +188,11 @@ LayerStack layer_stack(const McmlRun& run) {
   for (std::size_t i = 0; i < run.layers.size(); ++i) {
     const McmlRun::Layer& given = run.layers[i];
     const bool is_endless = i + 1 == run.layers.size() && given.d >= 1e7;
+    const bool is_turned = given.g < 1.0;  // else light goes straight on, as if not scattered
     layers.push_back(
         {.medium = {.sigma_a = given.mua / 10.0,
-                    .sigma_s = given.mus / 10.0,
-                    .g = given.g,
+                    .sigma_s = is_turned ? given.mus / 10.0 : 0.0,
+                    .g = is_turned ? given.g : 0.0,
                     .ior = given.n},
          .thickness = is_endless ? std::numeric_limits<double>::infinity() : given.d * 10.0});
   }

@@ -19,7 +19,7 @@ struct McmlRun {
     double n = 1.0;    ///< refractive index
     double mua = 0.0;  ///< absorption coefficient [1/cm]
     double mus = 0.0;  ///< scattering coefficient [1/cm]
-    double g = 0.0;    ///< in (-1, 1); MCML itself refuses g < 0
+    double g = 0.0;    ///< in (-1, 1], where 1 does not turn light; MCML itself refuses g < 0
     double d = 0.0;    ///< thickness [cm]; 1e7 and more at the bottom means without end
   };
   std::string output_file;
@@ -33,7 +33,8 @@ struct McmlRun {
 };
 
 /// Reads the text of an MCML 1.x input file (.mci): the version, the number of runs, the runs. A
-/// `#` starts a comment; words after the numbers of a line are passed over, as MCML does.
+/// `#` starts a comment; words after the numbers of a line and all after the last run are passed
+/// over, as MCML does.
 ///
 /// @param name  the file, as messages name it.
 /// @throws InvalidInput `FILE:LINE: FIELD must ..., but is ...`.

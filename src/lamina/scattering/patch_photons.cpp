@@ -221,10 +221,9 @@ PatchPhotons trace_patch_photons(const Patch& patch, const PatchPhotonOptions& o
   for (std::size_t t = 0; t < texels; ++t) {
     double weight = 0.0, square = 0.0;
     for (const Sums& part : sums) weight += part.weights[t], square += part.squares[t];
-    const double mean = weight / n;
-    result.exitance.push_back(
-        {.value = mean * tracer.flux(),
-         .standard_error = std::sqrt(std::max(0.0, square / n - mean * mean) / n) * tracer.flux()});
+    const Estimate mean = sample_mean(n, weight, square);
+    result.exitance.push_back({.value = mean.value * tracer.flux(),
+                               .standard_error = mean.standard_error * tracer.flux()});
   }
   return result;
 }

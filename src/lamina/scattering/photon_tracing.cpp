@@ -92,62 +92,122 @@ PhotonCounts make_counts(const LayerStack& stack, const MonteCarloOptions& optio
   return counts;
 }
 
+/// A run taken apart: what it traces, and in which batches.
+struct Run {
+  Scene scene;
+  TallyPlan plan;
+  std::uint64_t batch_size = 0;
+  std::uint64_t batches = 0;  ///< of this shard
+
+  /// Number of the first photon of the shard's batch i.
+  [[nodiscard]] std::uint64_t first_photon(std::uint64_t i, const Shard& shard) const {
+    return (static_cast<std::uint64_t>(shard.index) + i * static_cast<std::uint64_t>(shard.count)) *
+           batch_size;
+  }
+};
+
+Run make_run(const LayerStack& stack, const MonteCarloOptions& options) {
+  photon::check_tallies(options.tallies);
+  Run run{.scene = photon::make_scene(stack, options)};
+  run.plan = photon::make_tally_plan(options.tallies, stack.layers().size(), run.scene.length_unit);
+  check_memory(run.plan.layout, static_cast<std::size_t>(thread_count()));
+  run.batch_size = batch_size(options.photons);
+  const std::uint64_t all = (options.photons + run.batch_size - 1) / run.batch_size;
+  const auto shards = static_cast<std::uint64_t>(options.shard.count);
+  const auto shard = static_cast<std::uint64_t>(options.shard.index);
+  run.batches = all > shard ? (all - shard + shards - 1) / shards : 0;
+  return run;
+}
+
+/// Whether a run is precise enough is asked between rounds only, which double, so that the answer
+/// does not depend on the order in which batches finish.
+std::uint64_t end_of_round(std::uint64_t batches) {
+  std::uint64_t end = 16;
+  while (end < batches) end *= 2;
+  return end;
+}
+
+bool is_done(const Run& run, const MonteCarloOptions& options, const PhotonCounts& counts) {
+  if (counts.batches >= run.batches) return true;
+  return options.relative_error > 0.0 && counts.batches == end_of_round(counts.batches) &&
+         is_precise(counts, options.relative_error);
+}
+
+/// Traces the batches from counts.batches on. All that are begun are finished, so that the counts
+/// are always those of the first so many.
+void trace_batches(const Run& run, const MonteCarloOptions& options, PhotonCounts& counts) {
+  constexpr double keep_seconds = 30.0;
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  const Clock::time_point start = Clock::now();
+  Clock::time_point kept = start;
+  std::mutex mutex;
+  bool is_over = is_done(run, options, counts);
+  for (std::atomic<bool> stopped = false; !is_over && !stopped;) {
+    const std::uint64_t from = counts.batches;
+    const std::uint64_t end =
+        options.relative_error > 0.0 ? std::min(run.batches, end_of_round(from + 1)) : run.batches;
+    std::atomic<std::uint64_t> next = from;
+    std::atomic<bool> pauses = false;  // for what there is to be kept
+    const auto workers = static_cast<std::size_t>(
+        std::min<std::uint64_t>(static_cast<std::uint64_t>(thread_count()), end - from));
+    // Threads take batches in runs, each with its own memory for the sums.
+    parallel_for(workers, [&](std::size_t) {
+      BatchSums sums;
+      while (!stopped && !pauses) {
+        const std::uint64_t i = next++;
+        if (i >= end) break;
+        sums.cells.assign(run.plan.layout.cells, {});
+        sums.volume.assign(run.plan.layout.volume_cells, 0);
+        sums.events = 0;
+        const std::uint64_t first = run.first_photon(i, options.shard);
+        const std::uint64_t count = std::min(run.batch_size, options.photons - first);
+        if (run.scene.weight > 0.0f) photon::trace_batch(run.scene, run.plan, first, count, sums);
+        const std::scoped_lock lock(mutex);
+        add_batch(sums, count, counts);
+        const double spent = static_cast<double>(counts.batches) / static_cast<double>(run.batches);
+        const double past = options.seconds > 0.0 ? since(start) / options.seconds : 0.0;
+        if (!report(options.progress, std::min(1.0, std::max(spent, past))) || past >= 1.0)
+          stopped = true;
+        if (options.keep && since(kept) > keep_seconds) pauses = true;
+      }
+    });
+    is_over = is_done(run, options, counts);
+    counts.was_stopped = !is_over;
+    if (options.keep && !is_over && (stopped || pauses)) {
+      options.keep(counts);
+      kept = Clock::now();
+    }
+  }
+  counts.was_stopped = !is_over;
+}
+
 }  // namespace
 
 PhotonCounts count_photons(const LayerStack& stack, const MonteCarloOptions& options) {
-  photon::check_tallies(options.tallies);
-  const Scene scene = photon::make_scene(stack, options);
-  const TallyPlan plan =
-      photon::make_tally_plan(options.tallies, stack.layers().size(), scene.length_unit);
-  check_memory(plan.layout, static_cast<std::size_t>(thread_count()));
-  PhotonCounts counts = make_counts(stack, options, scene, plan);
+  const Run run = make_run(stack, options);
+  PhotonCounts counts = make_counts(stack, options, run.scene, run.plan);
+  trace_batches(run, options, counts);
+  return counts;
+}
 
-  const std::uint64_t size = batch_size(options.photons);
-  const std::uint64_t batches = (options.photons + size - 1) / size;
-  const auto shards = static_cast<std::uint64_t>(options.shard.count);
-  const auto shard = static_cast<std::uint64_t>(options.shard.index);
-  const std::uint64_t mine = batches > shard ? (batches - shard + shards - 1) / shards : 0;
-
-  const auto start = std::chrono::steady_clock::now();
-  const auto elapsed = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
-  std::mutex mutex;
-  std::atomic<bool> stopped = false;
-  // Whether the run is precise enough is asked between rounds only, which double, so that the
-  // answer does not depend on the order in which batches finish.
-  std::uint64_t done = 0;
-  std::uint64_t round = options.relative_error > 0.0 ? std::min<std::uint64_t>(mine, 16) : mine;
-  while (done < mine && !stopped) {
-    const std::uint64_t from = done;
-    // Threads take batches in runs, each with its own memory for the sums.
-    std::atomic<std::uint64_t> next = from;
-    const auto workers = static_cast<std::size_t>(
-        std::min<std::uint64_t>(static_cast<std::uint64_t>(thread_count()), round));
-    parallel_for(workers, [&](std::size_t) {
-      BatchSums sums;
-      for (std::uint64_t i = next++; i < from + round && !stopped; i = next++) {
-        sums.cells.assign(plan.layout.cells, {});
-        sums.volume.assign(plan.layout.volume_cells, 0);
-        sums.events = 0;
-        const std::uint64_t first = (shard + i * shards) * size;
-        const std::uint64_t count = std::min(size, options.photons - first);
-        if (scene.weight > 0.0f) photon::trace_batch(scene, plan, first, count, sums);
-        const std::scoped_lock lock(mutex);
-        add_batch(sums, count, counts);
-        const double spent = static_cast<double>(counts.batches) / static_cast<double>(mine);
-        const double past = options.seconds > 0.0 ? elapsed() / options.seconds : 0.0;
-        if (!report(options.progress, std::min(1.0, std::max(spent, past)))) stopped = true;
-        if (past >= 1.0) stopped = true;
-      }
-    });
-    done += round;
-    if (options.relative_error > 0.0) {
-      if (done < mine && is_precise(counts, options.relative_error)) break;
-      round = std::min(done, mine - done);
-    }
-  }
-  counts.was_stopped = stopped && counts.batches < mine;
+PhotonCounts continue_photons(const LayerStack& stack, const MonteCarloOptions& options,
+                              PhotonCounts counts) {
+  const Run run = make_run(stack, options);
+  const PhotonCounts none = make_counts(stack, options, run.scene, run.plan);
+  check_counts(counts);
+  static_cast<void>(merge(none, counts));  // throws if they are of another run
+  const std::uint64_t last = counts.batches == 0 ? 0 : counts.batches - 1;
+  const std::uint64_t end =
+      std::min(run.first_photon(last, options.shard) + run.batch_size, options.photons);
+  const std::uint64_t photons =
+      counts.batches == 0 ? 0
+                          : last * run.batch_size + (end - run.first_photon(last, options.shard));
+  if (counts.batches > run.batches || counts.photons != photons)
+    throw InvalidInput("counts to go on from must be of this shard, but are of another");
+  trace_batches(run, options, counts);
   return counts;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "lamina/core/progress.h"
@@ -61,6 +62,10 @@ struct MonteCarloOptions {
   bool clear_top_is_specular = false;
 
   Progress progress;  ///< asked after every batch; may stop the run, which keeps what it has
+
+  /// If not empty: is given, about every half minute and when the run is stopped, counts that
+  /// continue_photons goes on from.
+  std::function<void(const PhotonCounts&)> keep;
 };
 
 /// Follows photons through a stack of layers.
@@ -78,7 +83,14 @@ struct MonteCarloOptions {
 /// @throws InvalidInput if an option is out of range, or if the grids would not fit in memory.
 [[nodiscard]] PhotonCounts count_photons(const LayerStack& stack, const MonteCarloOptions& options);
 
-/// The same, as fractions with standard errors.
+/// Goes on from the counts of a run with equal options that was stopped. The end is bit for bit
+/// that of a run that was not.
+/// @throws InvalidInput also if the counts are of another run, or of more batches than this one
+/// has.
+[[nodiscard]] PhotonCounts continue_photons(const LayerStack& stack,
+                                            const MonteCarloOptions& options, PhotonCounts counts);
+
+/// What count_photons counts, as fractions with standard errors.
 [[nodiscard]] MonteCarloResult trace_photons(const LayerStack& stack,
                                              const MonteCarloOptions& options);
 
