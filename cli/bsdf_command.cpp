@@ -111,7 +111,8 @@ void add_bsdf_command(CLI::App& app) {
                    {"--orders", {"monte_carlo"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
-                   {"--time", {"monte_carlo"}}});
+                   {"--time", {"monte_carlo"}},
+                   {"--independent-bands", {"monte_carlo"}}});
     options->method == "monte_carlo" ? run_monte_carlo_bsdf(*options) : run_material_bsdf(*options);
   });
 }

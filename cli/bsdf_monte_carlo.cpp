@@ -71,8 +71,8 @@ BandResult trace(const LayerStack& stack, const MonteCarloOptions& options, cons
 }
 
 /// [plane][theta][phi][band]; without planes [theta][phi][band].
-ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::*member,
-                      SideOf side, double Estimate::*part, std::size_t planes, const Cells& cells) {
+ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::* member,
+                      SideOf side, double Estimate::* part, std::size_t planes, const Cells& cells) {
   ordered_json all = ordered_json::array();
   for (std::size_t plane = 0; plane < planes; ++plane) {
     ordered_json rows = ordered_json::array();
@@ -99,6 +99,7 @@ ordered_json totals_json(const std::vector<BandResult>& bands, double Estimate::
   add("transmittance", &MonteCarloResult::transmittance);
   add("unscattered_reflectance", &MonteCarloResult::unscattered_reflectance);
   add("unscattered_transmittance", &MonteCarloResult::unscattered_transmittance);
+  add("unfinished", &MonteCarloResult::unfinished);
   return json;
 }
 
@@ -284,17 +285,21 @@ void run_monte_carlo_bsdf(const BsdfOptions& options) {
   const Material material = find_material(options.material, options.common.memory);
   const Cells cells{static_cast<std::size_t>(options.cosines),
                     static_cast<std::size_t>(options.azimuths / 2)};
-  MonteCarloOptions photons = monte_carlo_options(options.effort, options.common);
-  photons.incidence.theta = options.theta_i_deg * degree;
-  photons.tallies.bsdf_cosines = options.cosines;
-  photons.tallies.bsdf_azimuths = options.azimuths;
-  photons.tallies.orders = options.orders;
-  photons.seconds /= static_cast<double>(material.bands.size());
   std::vector<BandResult> bands;
   for (std::size_t band = 0; band < material.bands.size(); ++band) {
+    MonteCarloOptions photons = monte_carlo_options(options.effort, options.common, band);
+    photons.incidence.theta = options.theta_i_deg * degree;
+    photons.tallies.bsdf_cosines = options.cosines;
+    photons.tallies.bsdf_azimuths = options.azimuths;
+    photons.tallies.orders = options.orders;
+    photons.seconds /= static_cast<double>(material.bands.size());
     photons.progress = make_progress("photons of band " + band_name(material.bands, band));
     bands.push_back(trace(layer_stack(material, band), photons, cells));
   }
+  double unfinished = 0.0;
+  for (const BandResult& band : bands)
+    unfinished = std::max(unfinished, band.totals.unfinished.value);
+  if (unfinished > 0.0) say("note: " + unfinished_remark(unfinished));
   write_plot(options, material, cells, bands);
   write_json(to_json(options, material, cells, bands), options.common);
   print(options.common, to_text(options, material, cells, bands));

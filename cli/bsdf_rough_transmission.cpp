@@ -23,6 +23,8 @@ std::int64_t rays(const BsdfOptions& options) {
   if (options.effort.relative_error > 0.0 || options.effort.seconds > 0.0)
     throw InvalidInput(
         "--relative-error and --time: are for materials; this model takes --photons");
+  if (options.effort.has_independent_bands)
+    throw InvalidInput("--independent-bands: is for materials; this model has one band");
   return static_cast<std::int64_t>(monte_carlo_options(options.effort, options.common).photons);
 }
 

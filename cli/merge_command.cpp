@@ -18,23 +18,25 @@ struct MergeOptions {
   std::string plot;
 };
 
-/// Adds the runs of one file to the sum. `done` holds the shards that the sum has.
+/// Adds the runs of one file to the sum.
 void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
-              const std::string& file, std::set<int>& done) {
+              const std::string& file) {
   if (runs.size() != sum.size())
     throw InvalidInput(fmt::format("{}: must have {} runs, as the files before it, but has {}",
                                    file, sum.size(), runs.size()));
-  if (runs[0].shards != sum[0].shards)
+  if (runs[0].of != sum[0].of)
     throw InvalidInput(
         fmt::format("{}: must be a shard of {}, as the files before it, but is of {}", file,
-                    sum[0].shards, runs[0].shards));
-  if (!done.insert(runs[0].shard).second)
-    throw InvalidInput(fmt::format("{}: shard {}/{} must be given once, but is given twice", file,
-                                   runs[0].shard, runs[0].shards));
+                    sum[0].of, runs[0].of));
+  for (const int shard : runs[0].shards)
+    if (sum[0].shards.contains(shard))
+      throw InvalidInput(fmt::format("{}: shard {}/{} must be given once, but is given twice", file,
+                                     shard, runs[0].of));
   for (std::size_t i = 0; i < sum.size(); ++i) {
-    if (runs[i].counts.size() != sum[i].counts.size())
-      throw InvalidInput(fmt::format("{}: must have {} bands, but has {}", file,
-                                     sum[i].counts.size(), runs[i].counts.size()));
+    if (runs[i].bands != sum[i].bands || runs[i].name != sum[i].name)
+      throw InvalidInput(fmt::format("{}: must be of the bands {} of {}, but is of {} of {}", file,
+                                     fmt::join(sum[i].bands, " "), sum[i].name,
+                                     fmt::join(runs[i].bands, " "), runs[i].name));
     for (std::size_t band = 0; band < sum[i].counts.size(); ++band) {
       try {
         sum[i].counts[band] = merge(sum[i].counts[band], runs[i].counts[band]);
@@ -42,28 +44,25 @@ void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
         throw InvalidInput(file + ": " + error.what());
       }
     }
+    sum[i].shards.insert(runs[i].shards.begin(), runs[i].shards.end());
   }
 }
 
 void run_merge(const MergeOptions& options) {
   std::vector<PhotonRun> sum = load_photon_runs(options.files[0], options.common.memory);
-  std::set<int> done = {sum[0].shard};
   for (std::size_t i = 1; i < options.files.size(); ++i)
-    add_runs(sum, load_photon_runs(options.files[i], options.common.memory), options.files[i],
-             done);
-  const int shards = sum[0].shards;
-  const bool is_whole = static_cast<int>(done.size()) == shards;
-  if (!is_whole) {
+    add_runs(sum, load_photon_runs(options.files[i], options.common.memory), options.files[i]);
+  const std::set<int>& done = sum[0].shards;
+  const int of = sum[0].of;
+  const std::size_t absent = static_cast<std::size_t>(of) - done.size();
+  if (absent > 0) {
     std::vector<std::string> missing;
-    for (int i = 0; i < shards && missing.size() < 20; ++i)
-      if (!done.contains(i)) missing.push_back(fmt::format("{}/{}", i, shards));
-    const std::size_t absent = static_cast<std::size_t>(shards) - done.size();
-    say(fmt::format("warning: {} of {} shards are missing: {}{}", absent, shards,
+    for (int i = 0; i < of && missing.size() < 20; ++i)
+      if (!done.contains(i)) missing.push_back(fmt::format("{}/{}", i, of));
+    say(fmt::format("warning: {} of {} shards are missing: {}{}", absent, of,
                     fmt::join(missing, ", "), absent > missing.size() ? ", ..." : ""));
-  }
-  for (PhotonRun& run : sum) {
-    if (is_whole) run.shard = 0, run.shards = 1;
-    if (!is_whole) run.name += fmt::format(" ({} of {} shards)", done.size(), shards);
+  } else {
+    for (PhotonRun& run : sum) run.shards = {0}, run.of = 1;
   }
   print_photon_runs(sum, "merge", options.common, true, options.plot);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
+#include "lamina/core/random.h"
 
 namespace lamina::cli {
 
@@ -24,9 +25,21 @@ void add_effort_options(const Command& command, MonteCarloEffort& effort) {
       .type_name("S")
       .range(1e-3, 1e9)
       .group(group);
+  command
+      .add_flag("--independent-bands", effort.has_independent_bands,
+                "other random numbers in each band; else the errors of all bands go together, and "
+                "differences of bands are smoother")
+      .group(group);
 }
 
-MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const CommonOptions& common) {
+std::string unfinished_remark(double part) {
+  if (!(part > 0.0)) return "";
+  return fmt::format("{:.2g} of the light was given up unfinished, after {} events", part,
+                     MonteCarloOptions{}.max_events);
+}
+
+MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const CommonOptions& common,
+                                      std::size_t band) {
   MonteCarloOptions options;
   // With a precision or a time to reach, photons are without limit unless one is given.
   if (effort.relative_error > 0.0 || effort.seconds > 0.0) options.photons = 1'000'000'000'000;
@@ -38,6 +51,9 @@ MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const Comm
     options.photons = static_cast<std::uint64_t>(n);
   }
   options.seed = common.seed;
+  if (effort.has_independent_bands)
+    for (std::uint64_t state = common.seed, i = 0; i < band; ++i)
+      options.seed = Random::splitmix(state);
   options.relative_error = effort.relative_error;
   options.seconds = effort.seconds;
   return options;
@@ -45,14 +61,14 @@ MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const Comm
 
 MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands, const Incidence& incidence,
                                     const MonteCarloEffort& effort, const CommonOptions& common) {
-  MonteCarloOptions options = monte_carlo_options(effort, common);
-  options.incidence = incidence;
-  options.seconds /= static_cast<double>(bands.size());
-  options.progress = make_progress("photons");
   MonteCarloTotals result;
-  for (const LayerStack& stack : bands) {
-    const MonteCarloResult band = trace_photons(stack, options);
-    const auto read = [&](double Estimate::*part) {
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    MonteCarloOptions options = monte_carlo_options(effort, common, i);
+    options.incidence = incidence;
+    options.seconds /= static_cast<double>(bands.size());
+    options.progress = make_progress("photons");
+    const MonteCarloResult band = trace_photons(bands[i], options);
+    const auto read = [&](double Estimate::* part) {
       SlabTotals totals{.specular_reflectance = band.specular_reflectance.*part,
                         .diffuse_reflectance = band.diffuse_reflectance.*part,
                         .transmittance = band.transmittance.*part};
@@ -73,12 +89,8 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
     throw InvalidInput(fmt::format(
         "--r-min, --r-max, --radii: must be 0 < r-min < r-max and at least 2, but are {}, {}, {}",
         first, last, size));
-  MonteCarloOptions options = monte_carlo_options(effort, common);
-  options.seconds /= static_cast<double>(bands.size());
-  options.progress = make_progress("photons");
   const double ratio = std::pow(last / first, 1.0 / (size - 1));  // bins around the radii
-  options.tallies.log_r = {size, first * std::pow(ratio, -0.5), last * std::pow(ratio, 0.5)};
-
+  const LogBins bins = {size, first * std::pow(ratio, -0.5), last * std::pow(ratio, 0.5)};
   MonteCarloProfile result;
   const auto n = static_cast<std::size_t>(size);
   for (Profile* profile : {&result.profile, &result.standard_error}) {
@@ -89,8 +101,13 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
     profile->transmittance_profile.resize(n * bands.size());
   }
   for (std::size_t band = 0; band < bands.size(); ++band) {
+    MonteCarloOptions options = monte_carlo_options(effort, common, band);
+    options.tallies.log_r = bins;
+    options.seconds /= static_cast<double>(bands.size());
+    options.progress = make_progress("photons");
     const MonteCarloResult traced = trace_photons(bands[band], options);
-    const auto fill = [&](Profile& profile, double Estimate::*part) {
+    result.unfinished.push_back(traced.unfinished.value);
+    const auto fill = [&](Profile& profile, double Estimate::* part) {
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t at = i * bands.size() + band;
         profile.reflectance_profile[at] = traced.log_radial.reflection[i].*part;

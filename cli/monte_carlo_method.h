@@ -12,19 +12,26 @@
 
 namespace lamina::cli {
 
-/// How much work a Monte Carlo method does: --photons, --relative-error, --time.
+/// What a Monte Carlo method spends, and on what: --photons, --relative-error, --time,
+/// --independent-bands.
 struct MonteCarloEffort {
   std::optional<double> photons;  ///< per band; as typed, so that 1e6 will do
   double relative_error = 0.0;
   double seconds = 0.0;
+  bool has_independent_bands = false;  ///< else all bands have the same random numbers
 };
 
-/// Adds the three options; `effort` must outlive the parse.
+/// Adds these options; `effort` must outlive the parse.
 void add_effort_options(const Command& command, MonteCarloEffort& effort);
 
+/// For a band, or a run of several.
 /// @throws InvalidInput if --photons is no number of photons.
 [[nodiscard]] MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort,
-                                                    const CommonOptions& common);
+                                                    const CommonOptions& common,
+                                                    std::size_t band = 0);
+
+/// A remark on light that was given up after very many events; empty if there is none.
+[[nodiscard]] std::string unfinished_remark(double part);
 
 /// Totals with their standard errors, [band].
 struct MonteCarloTotals {
@@ -41,6 +48,7 @@ struct MonteCarloTotals {
 /// Light that leaves unscattered is in the totals, but not in the profile.
 struct MonteCarloProfile {
   Profile profile, standard_error;
+  std::vector<double> unfinished;  ///< [band] light given up after very many events
 };
 
 /// @param first, last, size  radii in a geometric series, as RadialGrid has them; size >= 2.

@@ -3,51 +3,22 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <set>
 
 #include "commands.h"
 #include "console.h"
+#include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/nearest_name.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/mcml_input.h"
-#include "lamina/scattering/mcml_output.h"
-#include "monte_carlo_method.h"
-#include "photons_report.h"
+#include "photons_options.h"
 
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
 constexpr double degree = std::numbers::pi / 180.0;
-
-struct PhotonsOptions {
-  CommonOptions common;
-  std::string material;
-  MonteCarloEffort effort;
-  std::string shard = "0/1";
-  std::string incidence = "normal";
-  std::string beam = "pencil";
-  double beam_radius = 0.0;
-  std::vector<std::string> tallies;
-  int r_bins = 100, z_bins = 100, angles = 30, cosines = 10, azimuths = 18, path_bins = 100;
-  double dr = 0.05, dz = 0.02, dl = 1.0;
-  std::vector<double> log_r = {1e-3, 1e2};
-  int log_bins = 100;
-  std::vector<double> detectors;
-  double detector_width = 0.1;
-  std::vector<double> directions;
-  std::uint32_t max_events = MonteCarloOptions{}.max_events;
-  std::string output = ".";
-  std::string plot;
-  bool with_counts = false;
-};
 
 constexpr std::string_view tally_names[] = {"r",     "angle", "rz",     "fluence",
                                             "log_r", "bsdf",  "orders", "path"};
@@ -104,22 +75,8 @@ Incidence read_incidence(const std::string& text) {
   return {.theta = degrees * degree};
 }
 
-Shard read_shard(const std::string& text) {
-  Shard shard;
-  const char* end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  if (index.ec == std::errc() && index.ptr != end && *index.ptr == '/') {
-    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
-    if (count.ec == std::errc() && count.ptr == end && shard.count >= 1 && shard.index >= 0 &&
-        shard.index < shard.count)
-      return shard;
-  }
-  throw InvalidInput(
-      fmt::format("--shard: must be I/N with 0 <= I < N, such as 0/4, but is \"{}\"", text));
-}
-
-MonteCarloOptions read_options(const PhotonsOptions& options) {
-  MonteCarloOptions o = monte_carlo_options(options.effort, options.common);
+MonteCarloOptions read_options(const PhotonsOptions& options, std::size_t band) {
+  MonteCarloOptions o = monte_carlo_options(options.effort, options.common, band);
   o.incidence = read_incidence(options.incidence);
   if (options.beam == "gaussian") o.beam = {Beam::Shape::gaussian, options.beam_radius};
   if (options.beam == "flat") o.beam = {Beam::Shape::flat, options.beam_radius};
@@ -164,87 +121,50 @@ void check_options(const Command& command, const PhotonsOptions& options) {
       std::ranges::count(options.tallies, "angle") == 0)
     refuse("--plot", "needs --tally r or angle, which is not given");
   if (options.detectors.empty()) refuse("--detector-width", "needs --detector, which is not given");
+  if (options.checkpoint.empty()) refuse("--resume", "needs --checkpoint FILE, which is not given");
   if (options.beam == "pencil") refuse("--beam-radius", "needs --beam gaussian or flat");
 }
 
 /// The bands of a material, one after the other.
-PhotonRun trace_material(const PhotonsOptions& options) {
+std::vector<PhotonRun> trace_material(const PhotonsOptions& options) {
   const Material material = find_material(options.material, options.common.memory);
-  MonteCarloOptions o = read_options(options);
-  PhotonRun run{.name = material.name,
-                .bands = {},
-                .counts = {},
-                .shard = o.shard.index,
-                .shards = o.shard.count};
-  if (o.seconds > 0.0) o.seconds /= static_cast<double>(material.bands.size());
-  for (std::size_t band = 0; band < material.bands.size() && !was_interrupted(); ++band) {
-    run.bands.push_back(band_name(material.bands, band));
-    o.progress = make_progress(fmt::format("band {}", run.bands.back()));
-    run.counts.push_back(count_photons(layer_stack(material, band), o));
+  const std::size_t bands = material.bands.size();
+  const PhotonTallies tallies = read_options(options, 0).tallies;
+  require_readable(options, checked_product("the sums of all bands",
+                                            {bands, cells_of(tallies, material.layers.size())}));
+  PhotonWork work(options);
+  for (std::size_t band = 0; band < bands && !was_interrupted(); ++band) {
+    const std::string name = band_name(material.bands, band);
+    MonteCarloOptions photons = read_options(options, band);
+    photons.seconds /= static_cast<double>(bands);
+    photons.progress = make_progress(fmt::format("band {}", name));
+    work.count({.run = 0, .name = material.name, .band = band, .band_name = name},
+               layer_stack(material, band), photons);
   }
-  return run;
-}
-
-/// The runs of an MCML file, each with its output file.
-std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
-  std::vector<PhotonRun> runs;
-  const std::filesystem::path folder = options.output;
-  const std::vector<McmlRun> asked_for = load_mcml(options.material, options.common.memory);
-  const auto place = [&](const McmlRun& mcml) {
-    return fmt::format("{}:{}: ", options.material, mcml.line);
-  };
-  std::set<std::string> files;
-  for (const McmlRun& mcml : asked_for) {  // before the work
-    const std::string file = (folder / mcml.output_file).string();
-    require_writable(file);
-    if (!files.insert(file).second)
-      throw InvalidInput(place(mcml) + "each run must have its own output file, but " +
-                         mcml.output_file + " is that of an earlier one");
-  }
-  for (const McmlRun& mcml : asked_for) {
-    if (was_interrupted()) break;
-    MonteCarloOptions o = monte_carlo_options(mcml);
-    const MonteCarloOptions asked = monte_carlo_options(options.effort, options.common);
-    if (options.effort.photons) o.photons = asked.photons;
-    o.seed = asked.seed;
-    o.relative_error = asked.relative_error;
-    o.seconds = asked.seconds;
-    o.max_events = options.max_events;
-    o.shard = read_shard(options.shard);
-    o.progress = make_progress(mcml.output_file);
-    const std::clock_t start = std::clock();
-    PhotonRun run{.name = mcml.output_file,
-                  .bands = {""},
-                  .counts = {},
-                  .shard = o.shard.index,
-                  .shards = o.shard.count};
-    try {
-      run.counts.push_back(count_photons(layer_stack(mcml), o));
-    } catch (const InvalidInput& error) {
-      throw InvalidInput(place(mcml) + error.what());
-    }
-    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    McmlRun counted = mcml;
-    counted.photons = run.counts[0].photons;
-    if (o.shard.count == 1)
-      write_file((folder / mcml.output_file).string(),
-                 format_mcml(counted, summarize(run.counts[0]), seconds));
-    runs.push_back(std::move(run));
-  }
-  return runs;
+  work.finish();
+  return work.runs();
 }
 
 void run_photons(const PhotonsOptions& options) {
-  std::vector<PhotonRun> runs;
-  if (is_mcml(options))
-    runs = trace_mcml(options);
-  else
-    runs.push_back(trace_material(options));
-  print_photon_runs(runs, "photons", options.common,
-                    options.with_counts || read_shard(options.shard).count > 1, options.plot);
+  print_photon_runs(is_mcml(options) ? trace_mcml(options) : trace_material(options), "photons",
+                    options.common, writes_counts(options), options.plot);
 }
 
 }  // namespace
+
+Shard read_shard(const std::string& text) {
+  Shard shard;
+  const char* end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  if (index.ec == std::errc() && index.ptr != end && *index.ptr == '/') {
+    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
+    if (count.ec == std::errc() && count.ptr == end && shard.count >= 1 && shard.index >= 0 &&
+        shard.index < shard.count)
+      return shard;
+  }
+  throw InvalidInput(
+      fmt::format("--shard: must be I/N with 0 <= I < N, such as 0/4, but is \"{}\"", text));
+}
 
 void add_photons_command(CLI::App& app) {
   auto options = std::make_shared<PhotonsOptions>();
@@ -314,7 +234,9 @@ void add_photons_command(CLI::App& app) {
                   "THETA PHI in degrees: radiance there by next-event estimation; THETA > 90 below")
       .group(tallies);
   const std::string output = "Output";
-  command.add_option("-o,--output", options->output, "folder of the .mco files of a .mci file")
+  command
+      .add_option("-o,--output", options->output,
+                  "folder of the .mco files of a .mci file, made if it is not there")
       .type_name("DIR")
       .group(output)
       .show_default();
@@ -323,6 +245,16 @@ void add_photons_command(CLI::App& app) {
   command
       .add_flag("--counts", options->with_counts,
                 "put the raw sums into the JSON, for `lamina merge`; --shard does so too")
+      .group(output);
+  command
+      .add_output_file(
+          "--checkpoint", options->checkpoint,
+          "keep the sums in FILE every half minute and when stopped, until all is done")
+      .group(output);
+  command
+      .add_flag("--resume", options->resumes,
+                "go on from the file of --checkpoint, if there is one; the result is that of a run "
+                "that was not stopped")
       .group(output);
   add_common_options(command, options->common);
   command.footer(

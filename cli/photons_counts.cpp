@@ -2,11 +2,17 @@
 // Raw sums of photon runs in files: written by `photons`, read by `merge`.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "lamina/core/checked_size.h"
+#include "lamina/core/error.h"
+#include "lamina/core/hash.h"
 #include "lamina/core/json_input.h"
-#include "photons_report.h"
+#include "lamina/spectrum/band_set.h"
+#include "photons_options.h"
 
 namespace lamina::cli {
 namespace {
@@ -58,6 +64,41 @@ ordered_json tallies_json(const PhotonTallies& t) {
           {"directions", directions}};
 }
 
+ordered_json counts_json(const PhotonCounts& counts) {
+  return {{"run", counts.run},
+          {"tallies", tallies_json(counts.tallies)},
+          {"layers", counts.layers},
+          {"specular", counts.specular},
+          {"random_specular", counts.has_random_specular},
+          {"length_unit", counts.length_unit},
+          {"photons", counts.photons},
+          {"batches", counts.batches},
+          {"events", fmt::format("{:x}", counts.events)},
+          {"was_stopped", counts.was_stopped},
+          {"first", hexadecimal(counts.first)},
+          {"second", hexadecimal(counts.second)},
+          {"volume_first", hexadecimal(counts.volume_first)},
+          {"volume_second", hexadecimal(counts.volume_second)}};
+}
+
+/// A run without its checksum.
+ordered_json run_json(const PhotonRun& run) {
+  ordered_json counts = ordered_json::array();
+  for (const PhotonCounts& band : run.counts) counts.push_back(counts_json(band));
+  return {{"name", run.name},
+          {"bands", run.bands},
+          {"shards", run.shards},
+          {"of", run.of},
+          {"bands_counts", counts}};
+}
+
+/// Of the text of a run, which is the same for the same run.
+std::uint64_t checksum(const ordered_json& run) {
+  Hash hash;
+  hash.add_text(run.dump());
+  return hash.value();
+}
+
 constexpr std::int64_t most_bins = 1'000'000'000;
 
 int count_of(const JsonInput& input) { return static_cast<int>(input.integer(0, most_bins)); }
@@ -96,10 +137,29 @@ PhotonTallies read_tallies(const JsonInput& input) {
   return t;
 }
 
+std::uint64_t word(const JsonInput& input) {
+  const std::string text = input.string();
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (error != std::errc() || end != text.data() + text.size())
+    input.refuse("must be 1 to 16 hexadecimal digits");
+  return value;
+}
+
+/// What a check without a place refuses is refused here.
+template <class Check>
+auto at(const JsonInput& input, const Check& check) {
+  try {
+    return check();
+  } catch (const InvalidInput& error) {
+    input.fail(error.what());
+  }
+}
+
 PhotonCounts read_counts(const JsonInput& input) {
-  const JsonObject object =
-      input.object({"run", "tallies", "layers", "specular", "length_unit", "photons", "batches",
-                    "events", "was_stopped", "first", "second", "volume_first", "volume_second"});
+  const JsonObject object = input.object(
+      {"run", "tallies", "layers", "specular", "random_specular", "length_unit", "photons",
+       "batches", "events", "was_stopped", "first", "second", "volume_first", "volume_second"});
   constexpr std::int64_t most = std::int64_t{1} << 53;
   const auto whole = [&](const char* key) {
     return static_cast<std::uint64_t>(object.required(key).integer(0, most));
@@ -109,49 +169,77 @@ PhotonCounts read_counts(const JsonInput& input) {
   counts.tallies = read_tallies(object.required("tallies"));
   counts.layers = static_cast<std::size_t>(object.required("layers").integer(1, 100'000));
   counts.specular = object.required("specular").number(between(0.0, 1.0));
+  counts.has_random_specular = object.required("random_specular").boolean();
   counts.length_unit = object.required("length_unit").number(above(0.0, "mm"));
   counts.photons = whole("photons");
   counts.batches = whole("batches");
-  counts.events = whole("events");
+  counts.events = word(object.required("events"));
   counts.was_stopped = object.required("was_stopped").boolean();
-  const PhotonLayout layout = make_photon_layout(counts.tallies, counts.layers);
+  const PhotonLayout layout =
+      at(input, [&] { return make_photon_layout(counts.tallies, counts.layers); });
   counts.first = sums(object.required("first"), layout.cells);
   counts.second = sums(object.required("second"), layout.cells);
   counts.volume_first = sums(object.required("volume_first"), layout.volume_cells);
   counts.volume_second = sums(object.required("volume_second"), layout.volume_cells);
+  at(input, [&] { check_counts(counts); });
   return counts;
 }
 
+/// Channels, wavelengths, or one without a name; the first of them, if a run was stopped.
+void check_bands(const JsonInput& input, const std::vector<std::string>& bands) {
+  constexpr std::array<std::string_view, 3> channels = {"R", "G", "B"};
+  const bool are_channels =
+      bands.size() <= 3 && std::equal(bands.begin(), bands.end(), channels.begin());
+  if (are_channels || bands == std::vector<std::string>{""}) return;
+  std::vector<double> wavelengths;
+  for (const std::string& band : bands) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(band.data(), band.data() + band.size(), value);
+    if (error != std::errc() || end != band.data() + band.size())
+      input.fail("must be channels or wavelengths, but has \"" + band + "\"");
+    wavelengths.push_back(value);
+  }
+  at(input, [&] { static_cast<void>(BandSet(wavelengths)); });
+}
+
 PhotonRun read_run(const JsonInput& input) {
-  const JsonObject object = input.object({"name", "bands", "shard", "bands_counts"});
-  PhotonRun run;
-  run.name = object.required("name").string();
-  for (const JsonInput& band : object.required("bands").array()) run.bands.push_back(band.string());
-  const auto shard = object.required("shard").array(2, 2);
-  run.shard = static_cast<int>(shard[0].integer(0, 1'000'000));
-  run.shards = static_cast<int>(shard[1].integer(1, 1'000'000));
+  const JsonObject object =
+      input.object({"name", "bands", "shards", "of", "bands_counts", "checksum"});
+  PhotonRun run{.name = object.required("name").string(), .bands = {}, .counts = {}, .shards = {}};
+  for (const JsonInput& band : object.required("bands").array(1))
+    run.bands.push_back(band.string());
+  check_bands(object.required("bands"), run.bands);
+  run.of = static_cast<int>(object.required("of").integer(1, 1'000'000));
+  for (const JsonInput& shard : object.required("shards").array(1))
+    if (!run.shards.insert(static_cast<int>(shard.integer(0, run.of - 1))).second)
+      shard.fail("must be named once, but is named twice");
   for (const JsonInput& counts :
-       object.required("bands_counts").array(run.bands.size(), run.bands.size()))
+       object.required("bands_counts").array(run.bands.size(), run.bands.size())) {
     run.counts.push_back(read_counts(counts));
+    if (run.counts.back().tallies != run.counts[0].tallies ||
+        run.counts.back().layers != run.counts[0].layers)
+      counts.fail("must have the tallies and layers of the first band, but has others");
+  }
+  if (word(object.required("checksum")) != checksum(run_json(run)))
+    object.required("checksum").fail("must be that of the run, but is not: the file was changed");
   return run;
 }
 
 }  // namespace
 
-ordered_json counts_json(const PhotonCounts& counts) {
-  return {{"run", counts.run},
-          {"tallies", tallies_json(counts.tallies)},
-          {"layers", counts.layers},
-          {"specular", counts.specular},
-          {"length_unit", counts.length_unit},
-          {"photons", counts.photons},
-          {"batches", counts.batches},
-          {"events", counts.events},
-          {"was_stopped", counts.was_stopped},
-          {"first", hexadecimal(counts.first)},
-          {"second", hexadecimal(counts.second)},
-          {"volume_first", hexadecimal(counts.volume_first)},
-          {"volume_second", hexadecimal(counts.volume_second)}};
+ordered_json counts_json(const std::vector<PhotonRun>& runs) {
+  ordered_json list = ordered_json::array();
+  for (const PhotonRun& run : runs) {
+    ordered_json& json = list.emplace_back(run_json(run));
+    json["checksum"] = fmt::format("{:016x}", checksum(json));
+  }
+  return list;
+}
+
+void save_photon_runs(const std::vector<PhotonRun>& runs, const std::string& file) {
+  ordered_json result = make_result("photons");
+  result["counts"] = counts_json(runs);
+  write_file(file, result.dump(1) + "\n");
 }
 
 std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file, MemoryBudget memory) {
@@ -161,8 +249,27 @@ std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file, Memor
   if (!list)
     document.root().fail("must hold \"counts\", as `lamina photons --counts --json` writes them");
   std::vector<PhotonRun> runs;
-  for (const JsonInput& run : list->array(1)) runs.push_back(read_run(run));
+  for (const JsonInput& run : list->array(1)) {
+    runs.push_back(read_run(run));
+    if (runs.back().shards != runs[0].shards || runs.back().of != runs[0].of)
+      run.fail("must be of the shards of the first run, but is of others");
+  }
   return runs;
+}
+
+std::size_t cells_of(const PhotonTallies& tallies, std::size_t layers) {
+  const PhotonLayout layout = make_photon_layout(tallies, layers);
+  return checked_sum("tallies: all cells", {layout.cells, layout.volume_cells});
+}
+
+void require_readable(const PhotonsOptions& options, std::size_t cells) {
+  if (options.checkpoint.empty() && !writes_counts(options)) return;
+  const double bytes = 2.0 * digits * static_cast<double>(cells);
+  if (bytes > 0.9 * static_cast<double>(json_max_bytes))
+    throw InvalidInput(
+        fmt::format("--checkpoint, --counts and --shard: a file of sums must have less than {} "
+                    "MiB, but would have {:.0f}; take fewer bins",
+                    json_max_bytes >> 20, bytes / (1 << 20)));
 }
 
 }  // namespace lamina::cli

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/image/plot.h"
 #include "photons_report.h"
 
@@ -15,12 +16,12 @@ namespace {
 BandSet band_set(const std::vector<std::string>& bands) {
   std::vector<double> wavelengths;
   for (const std::string& band : bands)
-    if (band.size() > 1) wavelengths.push_back(std::stod(band));
+    if (band.size() > 1) wavelengths.push_back(rounded_number(band));
   return wavelengths.empty() ? BandSet::rgb() : BandSet(wavelengths);
 }
 
 void add_curves(const PhotonRun& run, const std::vector<double>& x,
-                TwoSided MonteCarloResult::*member, Panel& panel) {
+                TwoSided MonteCarloResult::* member, Panel& panel) {
   const BandSet bands = band_set(run.bands);
   for (std::size_t band = 0; band < run.counts.size(); ++band) {
     const MonteCarloResult result = summarize(run.counts[band]);
@@ -56,7 +57,7 @@ void plot_photons(const PhotonRun& run, const std::string& file) {
   if (t.r.count == 0 && t.angles == 0)
     throw InvalidInput("--plot: needs --tally r or angle, but neither is given");
   Plot plot;
-  plot.title = run.name;
+  plot.title = title_of(run);
   plot.caption = fmt::format("Photon Monte Carlo, {} photons per band; shaded: one standard error",
                              run.counts[0].photons);
   if (t.r.count > 0) {

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "lamina/core/number_text.h"
+
 namespace lamina::cli {
 namespace {
 
@@ -60,7 +62,7 @@ void add_grid(ordered_json& to, const std::string& name, const Results& results,
 
 /// Reflected and transmitted light as two tallies.
 void add_sides(ordered_json& to, const std::string& name, const Results& results,
-               TwoSided MonteCarloResult::*member, const std::vector<std::size_t>& sizes) {
+               TwoSided MonteCarloResult::* member, const std::vector<std::size_t>& sizes) {
   add(
       to, name + "_reflected", results,
       [member](const MonteCarloResult& r, std::size_t i) -> const Estimate& {
@@ -152,9 +154,9 @@ void add_tallies(ordered_json& to, const PhotonTallies& t, const Results& result
 ordered_json band_list(const std::vector<std::string>& bands) {
   ordered_json list = ordered_json::array();
   for (const std::string& band : bands) {
-    const bool is_wavelength = !band.empty() && band.find_first_not_of("0123456789.") == band.npos;
+    const bool is_wavelength = band.size() > 1;
     if (is_wavelength)
-      list.push_back(std::stod(band));
+      list.push_back(rounded_number(band));
     else
       list.push_back(band);
   }
@@ -169,11 +171,17 @@ Results summaries(const PhotonRun& run) {
 
 }  // namespace
 
-ordered_json photon_json(const PhotonRun& run, bool with_counts) {
+std::string title_of(const PhotonRun& run) {
+  const bool is_whole = static_cast<int>(run.shards.size()) == run.of;
+  return is_whole ? run.name
+                  : fmt::format("{} ({} of {} shards)", run.name, run.shards.size(), run.of);
+}
+
+ordered_json photon_json(const PhotonRun& run) {
   const Results results = summaries(run);
   ordered_json to;
   to["method"] = "monte_carlo";
-  to["material"] = run.name;
+  to["material"] = title_of(run);
   to["bands"] = band_list(run.bands);
   ordered_json photons = ordered_json::array(), stopped = ordered_json::array(),
                events = ordered_json::array();
@@ -194,14 +202,6 @@ ordered_json photon_json(const PhotonRun& run, bool with_counts) {
   add_grid(to, "absorptance", results, &MonteCarloResult::absorptance, {run.counts[0].layers});
   add_total(to, "unfinished", results, &MonteCarloResult::unfinished);
   add_tallies(to, run.counts[0].tallies, results);
-  if (with_counts) {
-    ordered_json counts = ordered_json::array();
-    for (const PhotonCounts& band : run.counts) counts.push_back(counts_json(band));
-    to["counts"] = {{{"name", run.name},
-                     {"bands", run.bands},
-                     {"shard", {run.shard, run.shards}},
-                     {"bands_counts", counts}}};
-  }
   // Errors last: people read the values first.
   ordered_json errors = to["standard_error"];
   to.erase("standard_error");
@@ -211,7 +211,7 @@ ordered_json photon_json(const PhotonRun& run, bool with_counts) {
 
 std::string photon_text(const PhotonRun& run) {
   const Results results = summaries(run);
-  std::string text = run.name + "\n" + fmt::format("{:<26}", "");
+  std::string text = title_of(run) + "\n" + fmt::format("{:<26}", "");
   for (const std::string& band : run.bands) text += fmt::format("  {:>20}", band);
   text += "\n";
   const auto row = [&](const std::string& name, const Pick& pick, std::size_t index = 0) {
@@ -222,7 +222,7 @@ std::string photon_text(const PhotonRun& run) {
     }
     text += "\n";
   };
-  const auto total = [&](const std::string& name, Estimate MonteCarloResult::*member) {
+  const auto total = [&](const std::string& name, Estimate MonteCarloResult::* member) {
     row(name,
         [member](const MonteCarloResult& r, std::size_t) -> const Estimate& { return r.*member; });
   };
@@ -252,22 +252,14 @@ void print_photon_runs(const std::vector<PhotonRun>& runs, const std::string& co
   for (const PhotonRun& run : runs) text += (text.empty() ? "" : "\n") + photon_text(run);
   if (!options.json.empty()) {
     ordered_json result = make_result(command);
-    ordered_json counts = ordered_json::array();
     ordered_json list = ordered_json::array();
-    for (const PhotonRun& run : runs) {
-      ordered_json one = photon_json(run, with_counts);
-      if (with_counts) {
-        counts.push_back(one["counts"][0]);
-        one.erase("counts");
-      }
-      list.push_back(std::move(one));
-    }
+    for (const PhotonRun& run : runs) list.push_back(photon_json(run));
     // One material: its fields stand at the top, as in the other commands. Runs of MCML: a list.
     if (list.size() == 1)
       result.update(list[0]);
     else
       result["runs"] = list;
-    if (with_counts) result["counts"] = counts;
+    if (with_counts) result["counts"] = counts_json(runs);
     write_json(result, options);
   }
   if (!plot.empty() && !runs.empty()) plot_photons(runs[0], plot);

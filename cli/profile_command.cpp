@@ -111,8 +111,9 @@ ProfileResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Profil
   MonteCarloProfile result =
       monte_carlo_profile(stacks, options.grid.first, options.grid.last,
                           static_cast<int>(options.grid.size), options.effort, options.common);
+  const std::string remark = unfinished_remark(std::ranges::max(result.unfinished));
   return {.profile = std::move(result.profile),
-          .remarks = {},
+          .remarks = remark.empty() ? std::vector<std::string>() : std::vector{remark},
           .standard_error = std::move(result.standard_error)};
 }
 
@@ -465,7 +466,8 @@ void add_profile_command(CLI::App& app) {
                    {"--no-cache", {"exact"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
-                   {"--time", {"monte_carlo"}}});
+                   {"--time", {"monte_carlo"}},
+                   {"--independent-bands", {"monte_carlo"}}});
     if (options->domain == "frequency" && command.is_given("--accuracy"))
       throw InvalidInput(
           "--accuracy: is read by --domain radius only; frequencies come with the error of 10 "

@@ -81,11 +81,8 @@ SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence
   SlabResult slab{.totals = std::move(result.totals),
                   .standard_error = std::move(result.standard_error)};
   slab.more["unfinished"] = result.unfinished;
-  const double most = std::ranges::max(result.unfinished);
-  if (most > 0.0)
-    slab.remarks.push_back(
-        fmt::format("{:.2g} of the light was given up unfinished, after {} events", most,
-                    MonteCarloOptions{}.max_events));
+  const std::string remark = unfinished_remark(std::ranges::max(result.unfinished));
+  if (!remark.empty()) slab.remarks.push_back(remark);
   return slab;
 }
 
@@ -232,7 +229,8 @@ void add_slab_command(CLI::App& app) {
                   {{"--accuracy", {"adding_doubling"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
-                   {"--time", {"monte_carlo"}}});
+                   {"--time", {"monte_carlo"}},
+                   {"--independent-bands", {"monte_carlo"}}});
     run_slab(*options);
   });
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,11 +13,14 @@
 #include "lamina/scattering/layered_diffusion.h"
 #include "lamina/scattering/photon_tracing.h"
 #include "material_bands.h"
+#include "monte_carlo_method.h"
 
 namespace lamina::cli {
 namespace {
 
 using nlohmann::ordered_json;
+
+constexpr double exact_accuracy = 1e-6;
 
 /// One fraction of the light as three methods have it, in one band.
 struct Row {
@@ -25,9 +29,9 @@ struct Row {
   double exact;
   Estimate photons;
   double diffusion;  ///< nan where it refuses the stack
+  /// Of both: what the photons know, and what adding-doubling was asked for.
   [[nodiscard]] double in_standard_errors() const {
-    const double error = photons.standard_error;
-    return error > 0.0 ? (photons.value - exact) / error : 0.0;
+    return (photons.value - exact) / std::hypot(photons.standard_error, exact_accuracy);
   }
 };
 
@@ -78,22 +82,27 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
                          const CommonOptions& options) {
   const auto exact = adding_doubling(
       stacks, incidence,
-      {.accuracy = 1e-6, .progress = make_progress("adding-doubling", Keeps::nothing)});
+      {.accuracy = exact_accuracy, .progress = make_progress("adding-doubling", Keeps::nothing)});
   std::vector<Row> rows;
+  std::vector<double> unfinished;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
     MonteCarloOptions effort{.photons = static_cast<std::uint64_t>(photons), .seed = options.seed};
     effort.incidence = incidence;
     effort.progress = make_progress("photons of band " + band_name(material.bands, band));
     const MonteCarloResult traced = trace_photons(stacks[band], effort);
+    unfinished.push_back(traced.unfinished.value);
     const SlabTotals diffusion = diffusion_or_nan(stacks[band], incidence);
     for (Row& row : rows_of(material, band, exact[band].totals, traced, diffusion))
       rows.push_back(std::move(row));
   }
+  const std::string remark = unfinished_remark(std::ranges::max(unfinished));
+  if (!remark.empty()) say("note: " + remark);
   ordered_json json = make_result("slab");
   json["method"] = "compare";
   json["material"] = material.name;
   json["bands"] = bands_json(material.bands);
   json["photons"] = photons;
+  json["unfinished"] = unfinished;
   json["rows"] = ordered_json::array();
   for (const Row& row : rows)
     json["rows"].push_back(

@@ -50,4 +50,10 @@ refuses "tallies: " $skin --tally bsdf,orders,path --bsdf-cosines 900000013 --bs
 refuses "incidence: must be normal" $skin --incidence 90
 refuses "d_zero.mci:9: run 1, layer 1: d must be" photons "$source/tests/reference/mcml_bad/d_zero.mci"
 refuses "is given twice" merge 0.json 0.json
+refuses "is given twice" merge part.json 0.json
+"$lamina" merge part.json 1.json --json late.json > /dev/null
+cmp late.json merged.json || { echo "parts that were merged must merge on"; exit 1; }
+refuses "seed: must be a whole number" photons donner_jensen_skin --seed 18446744073709551616
+refuses "a file of sums must have less than" $skin --tally rz,fluence --r-bins 2000 --z-bins 1000 --counts
+refuses "needs --checkpoint" $skin --resume
 refuses "must hold \"counts\"" merge "$source/CMakePresets.json"

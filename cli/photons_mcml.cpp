@@ -1,0 +1,112 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+// Runs of MCML's input files.
+#include <fmt/format.h>
+
+#include <ctime>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "lamina/core/error.h"
+#include "lamina/scattering/mcml_input.h"
+#include "lamina/scattering/mcml_output.h"
+#include "photons_options.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where a run is in its file, for messages.
+std::string place_of(const PhotonsOptions& options, const McmlRun& run) {
+  return fmt::format("{}:{}: ", options.material, run.line);
+}
+
+/// Before the work: where the runs write. The file that names the places may come from anywhere, so
+/// that they stay inside the folder of --output, which is made if need be.
+std::vector<std::string> output_files(const PhotonsOptions& options,
+                                      const std::vector<McmlRun>& runs) {
+  const fs::path folder = options.output;
+  const auto made = [](const fs::path& wanted) {
+    std::error_code error;
+    fs::create_directories(wanted, error);
+    if (error) throw WriteError(wanted.string() + ": cannot be made: " + error.message());
+  };
+  made(folder);
+  const fs::path inside = fs::canonical(folder);
+  std::vector<std::string> files;
+  std::vector<NamedFile> named = {{"the input", options.material},
+                                  {"--json", options.common.json},
+                                  {"--plot", options.plot},
+                                  {"--checkpoint", options.checkpoint}};
+  for (const McmlRun& run : runs) {
+    const fs::path file = folder / run.output_file;
+    const fs::path real = fs::weakly_canonical(inside / run.output_file);
+    const fs::path relative = real.lexically_relative(inside);
+    if (fs::path(run.output_file).is_absolute() || relative.empty() || *relative.begin() == ".." ||
+        relative == ".")
+      throw InvalidInput(
+          fmt::format("{}the output file must be inside the folder of --output, {}, but is {}",
+                      place_of(options, run), folder.string(), run.output_file));
+    try {
+      static_cast<void>(nlohmann::json(run.output_file).dump());
+    } catch (const nlohmann::json::exception&) {
+      throw InvalidInput(place_of(options, run) + "the name of the output file must be UTF-8");
+    }
+    named.push_back({fmt::format("the output of line {}", run.line), file.string()});
+    try {
+      require_different(named);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(place_of(options, run) + error.what());
+    }
+    made(file.parent_path());
+    require_writable(file.string());
+    files.push_back(file.string());
+  }
+  return files;
+}
+
+MonteCarloOptions options_of(const PhotonsOptions& options, const McmlRun& run, std::size_t index) {
+  MonteCarloOptions photons = monte_carlo_options(run);
+  const MonteCarloOptions asked = monte_carlo_options(options.effort, options.common, index);
+  if (options.effort.photons) photons.photons = asked.photons;
+  photons.seed = asked.seed;
+  photons.relative_error = asked.relative_error;
+  photons.seconds = asked.seconds;
+  photons.max_events = options.max_events;
+  photons.shard = read_shard(options.shard);
+  return photons;
+}
+
+}  // namespace
+
+std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
+  const std::vector<McmlRun> asked_for = load_mcml(options.material, options.common.memory);
+  const std::vector<std::string> files = output_files(options, asked_for);
+  std::size_t cells = 0;
+  for (const McmlRun& run : asked_for)
+    cells += cells_of(monte_carlo_options(run).tallies, run.layers.size());
+  require_readable(options, cells);
+  PhotonWork work(options);
+  for (std::size_t i = 0; i < asked_for.size() && !was_interrupted(); ++i) {
+    const McmlRun& run = asked_for[i];
+    MonteCarloOptions photons = options_of(options, run, i);
+    photons.progress = make_progress(run.output_file);
+    const std::clock_t start = std::clock();
+    try {
+      work.count({.run = i, .name = run.output_file, .band = 0, .band_name = ""}, layer_stack(run),
+                 photons);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(place_of(options, run) + error.what());
+    }
+    if (photons.shard.count > 1) continue;
+    const PhotonCounts& counts = work.runs()[i].counts[0];
+    McmlRun counted = run;
+    counted.photons = counts.photons;
+    write_file(files[i], format_mcml(counted, summarize(counts),
+                                     static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC));
+  }
+  work.finish();
+  return work.runs();
+}
+
+}  // namespace lamina::cli
