@@ -100,6 +100,12 @@ TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
   folded.uvs[2] = {0.4f, 0.9f};
   folded.uvs[0] = {0.6f, 0.0f};
   EXPECT_NE(message_of(folded).find("overlap"), std::string::npos);
+  Mesh far = make_square(5.0f);
+  for (Vec2f& uv : far.uvs) uv.x -= 1e6f;  // where single precision still tells its corners apart
+  EXPECT_NE(message_of(far).find("lie too far from 0"), std::string::npos) << message_of(far);
+  Mesh sliver = make_square(5.0f);
+  sliver.uvs = {{0, 0}, {1e-6f, 0}, {1, 1}, {1, 1}};
+  EXPECT_NE(message_of(sliver).find("spread too far"), std::string::npos) << message_of(sliver);
 }
 
 // The far corner of the second triangle leans back over the first: on a fifth of the texels.

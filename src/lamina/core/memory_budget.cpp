@@ -36,7 +36,7 @@ void take(MemoryBudget& budget, std::size_t count, std::size_t size, std::string
 std::string memory_size_text(std::size_t bytes) {
   std::size_t unit = 0;
   double value = static_cast<double>(bytes);
-  for (; value >= 1024.0 && unit + 1 < units.size(); ++unit) value /= 1024.0;
+  for (; value >= 1023.5 && unit + 1 < units.size(); ++unit) value /= 1024.0;
   const bool has_fraction = value < 10.0 && value != std::floor(value);
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,

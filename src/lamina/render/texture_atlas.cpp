@@ -125,12 +125,18 @@ void TextureAtlas::fill_chart(const std::vector<Mesh>& meshes, std::uint32_t cha
   const auto count = [&](float low, float high) {
     return static_cast<std::int32_t>(std::ceil((high - low) * chart.density)) + 5;
   };
-  constexpr double most = 1e9;
-  if (static_cast<double>(high_x - low_x) * chart.density * static_cast<double>(high_y - low_y) *
-          chart.density >
-      most)
+  const auto refuse = [&](const std::string& why) {
     throw InvalidInput("mesh \"" + meshes[faces_[chart_number].front().mesh].name +
-                       "\": its texture coordinates are spread too far to be filled with texels");
+                       "\": its texture coordinates " + why + " to be filled with texels");
+  };
+  constexpr double most = 2.5e8;  // 1 GiB of them
+  grid_size_ += (static_cast<double>(high_x - low_x) * static_cast<double>(chart.density) + 5.0) *
+                (static_cast<double>(high_y - low_y) * static_cast<double>(chart.density) + 5.0);
+  if (!(grid_size_ <= most)) refuse("are spread too far");
+  // Beyond, numbers of single precision have no halves of a texel.
+  constexpr float farthest = 1 << 22;
+  for (const float end : {low_x, low_y, high_x, high_y})
+    if (!(std::abs(end * chart.density) < farthest)) refuse("lie too far from 0");
   chart.x0 = first(low_x), chart.y0 = first(low_y);
   chart.width = count(low_x, high_x), chart.height = count(low_y, high_y);
   chart.index.assign(static_cast<std::size_t>(chart.width) * static_cast<std::size_t>(chart.height),

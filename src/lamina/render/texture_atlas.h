@@ -43,8 +43,8 @@ inline constexpr std::uint32_t no_texel = 0xffffffff;
 class TextureAtlas {
  public:
   /// @param spacing  square root of a texel's mean area [mm], > 0.
-  /// @throws InvalidInput if a mesh has no texture coordinates, or most of a chart lies on several
-  ///         faces.
+  /// @throws InvalidInput if a mesh has no texture coordinates, if they are spread too far or lie
+  ///         too far from 0 to be filled with texels, or if most of a chart lies on several faces.
   TextureAtlas(const std::vector<Mesh>& meshes, std::uint32_t material, float spacing);
 
   [[nodiscard]] std::span<const AtlasTexel> texels() const { return texels_; }
@@ -95,6 +95,7 @@ class TextureAtlas {
   std::vector<std::vector<std::uint32_t>> chart_of_;  ///< [mesh][triangle]
   std::vector<Border> borders_;
   std::vector<std::string> warnings_;
+  double grid_size_ = 0.0;  ///< of all charts, texels or not
 };
 
 }  // namespace lamina
