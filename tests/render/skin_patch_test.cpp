@@ -14,6 +14,8 @@
 #include "lamina/materials/skin_features.h"
 #include "lamina/render/skin_colors.h"
 #include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/layered_diffusion.h"
+#include "lamina/scattering/patch_photons.h"
 
 namespace lamina {
 namespace {
@@ -47,6 +49,7 @@ SkinPatch uniform_patch(int size) {
   patch.width = patch.height = size;
   patch.bands = BandSet({470.0, 645.0});
   patch.skin.skin.junction_absorption = 0.0;
+  patch.totals = OperatorTotals::exact;  // tables in less time
   patch.light = make_image(size, size, {"Y"});
   std::ranges::fill(patch.light.pixels, 1.0f);
   return patch;
@@ -68,6 +71,54 @@ TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoes) {
         EXPECT_NEAR(result.bands[b].mean_reflectance, slab, sheet == 0.0 ? 2e-4 : 0.01 * slab);
       }
     }
+  }
+}
+
+// By diffusion, too: the same model, but for the junction, which is a sheet here. There it is a
+// layer of 1 µm, of which a multipole makes half the absorption.
+TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoesByDiffusion) {
+  SkinPatch patch = uniform_patch(16);
+  patch.totals = OperatorTotals::diffusion;
+  patch.transport.terms = 20;
+  for (const double melanin : {0.005, 0.1})
+    for (const double sheet : {0.0, 0.0175}) {
+      patch.skin.skin.melanin = melanin;
+      patch.skin.skin.junction_absorption = sheet;
+      const SkinPatchResult result = render_skin_patch(patch);
+      for (std::size_t b = 0; b < 2; ++b) {
+        const LayerStack stack = skin_layer_stack(patch.skin.skin, patch.bands.wavelengths()[b]);
+        const double slab = diffusion_totals(stack, {}).diffuse_reflectance;
+        EXPECT_NEAR(result.bands[b].mean_reflectance, slab, sheet == 0.0 ? 1e-4 : 0.025 * slab);
+        EXPECT_LT(result.bands[b].mean_reflectance, slab + 1e-4);
+      }
+    }
+}
+
+// Light on one half: photons count what leaves in the shade of the other.
+TEST_F(PatchFiles, ShadeBesideAnEdgeOfLightIsThatOfPhotonsUnlessToldOtherwise) {
+  constexpr int size = 64;
+  SkinPatch patch = load(R"("width": 64, "height": 64, "mm_per_pixel": 0.05, "bands": [540],
+      "skin": {"melanin": 0.01, "hemoglobin_dermis": 0.005, "junction_absorption": 0},
+      "transport": {"terms": 4})");
+  for (int y = 0; y < size; ++y)
+    for (int x = size / 2; x < size; ++x)
+      patch.light.pixels[static_cast<std::size_t>(y * size + x)] = 0.0f;
+  const SkinPatchResult seen = render_skin_patch(patch);
+  Patch twice{.stack = skin_layer_stack(patch.skin.skin, 540.0),
+              .columns = 2 * size,
+              .rows = 1,
+              .texel = 0.05,
+              .irradiance = std::vector<double>(2 * size, 0.0)};
+  std::fill_n(twice.irradiance.begin(), size, 1.0);
+  const PatchPhotons photons = trace_patch_photons(twice, {.photons = 1'000'000, .seed = 3});
+  for (const int from_edge : {5, 6, 8, 10, 12}) {
+    const auto k = static_cast<std::size_t>(from_edge);
+    const Estimate a = photons.exitance[size + k], b = photons.exitance[2 * size - 1 - k];
+    const double truth = 0.5 * (a.value + b.value);
+    const double noise = 0.5 * std::hypot(a.standard_error, b.standard_error);
+    const auto at =
+        (32 * static_cast<std::size_t>(size) + size / 2 + k) * seen.image.channel_count();
+    EXPECT_NEAR(seen.image.pixels[at], truth, 0.03 * truth + 2.5 * noise) << from_edge;
   }
 }
 
@@ -98,7 +149,7 @@ TEST(SkinPatch, FoldsOfSkinLetRedLightThrough) {
 TEST_F(PatchFiles, TakeTheirSizeFromTheFirstMapAndResampleTheOthers) {
   save_exr(make_image(20, 10, {"Y"}), folder_ / "a.exr");
   save_exr(make_image(8, 8, {"Y"}), folder_ / "b.exr");
-  const SkinPatch patch = load(R"("mm_per_pixel": 0.1,
+  const SkinPatch patch = load(R"("mm_per_pixel": 0.1, "totals": "exact",
     "skin": {"melanin": {"map": "a.exr"}, "carotene": {"map": "b.exr", "offset": 0.001}})");
   EXPECT_EQ(patch.width, 20);
   EXPECT_EQ(patch.height, 10);
@@ -114,10 +165,12 @@ TEST_F(PatchFiles, JunctionsAbsorbByTheirSpectrum) {
   std::ranges::fill(ink.pixels, 1.0f);
   save_exr(ink, folder_ / "ink.exr");
   const auto reflectance = [&](double absorption, const std::string& more) {
-    const auto bands = render_skin_patch(load(R"("mm_per_pixel": 0.1, "bands": [450, 650], "skin": {
+    const auto bands =
+        render_skin_patch(
+            load(R"("mm_per_pixel": 0.1, "totals": "exact", "bands": [450, 650], "skin": {
       "junction_absorption": {"map": "ink.exr", "scale": )" +
-                                              std::to_string(absorption) + "}" + more + "}"))
-                           .bands;
+                 std::to_string(absorption) + "}" + more + "}"))
+            .bands;
     return std::array{bands[0].mean_reflectance, bands[1].mean_reflectance};
   };
   const auto none = reflectance(0.0, ""), black = reflectance(0.6, "");
@@ -134,7 +187,8 @@ TEST_F(PatchFiles, TexturesOfAlbedoShowTheirReflectanceInEvenLight) {
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) texture.at(x, y)[0] = x < 16 ? 0.4f : 0.2f;
   save_exr(texture, folder_ / "albedo.exr");
-  const std::string patch = R"("mm_per_pixel": 0.1, "width": 32, "height": 32, "bands": [645],
+  const std::string patch =
+      R"("totals": "exact", "mm_per_pixel": 0.1, "width": 32, "height": 32, "bands": [645],
     "skin": {}, "albedo": "albedo.exr")";
   const Image even = render_skin_patch(load(patch)).image;
   for (int x = 0; x < 32; ++x) EXPECT_NEAR(even.at(x, 5)[0], x < 16 ? 0.4 : 0.2, 2e-4);

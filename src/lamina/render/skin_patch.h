@@ -27,7 +27,7 @@ struct SkinPatch {
   SkinMaps skin;       ///< maps of any size
   Image light;         ///< [y][x] irradiance that arrives, one channel, of the patch's size
   double theta = 0.0;  ///< angle of incidence [rad], in [0, pi/2)
-  OperatorTotals totals = OperatorTotals::exact;
+  OperatorTotals totals = OperatorTotals::exact_profile;
   TransportOptions transport;
   /// [y][x] by band, of the patch's size: a texture of the reflectances that skin is to have in
   /// even light. What leaves is multiplied by them over those that it has. Empty: none

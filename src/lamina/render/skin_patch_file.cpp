@@ -153,7 +153,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
       bands->fail(error.what());
     }
   }
-  patch.totals = patch.skin.constants == SkinConstants::calibrated ? OperatorTotals::exact
+  patch.totals = patch.skin.constants == SkinConstants::calibrated ? OperatorTotals::exact_profile
                                                                    : OperatorTotals::diffusion;
   if (const auto totals = object.optional("totals"))
     patch.totals = totals->choice<OperatorTotals>({{"exact", OperatorTotals::exact},
