@@ -41,6 +41,13 @@ TEST_F(DiskCacheTest, GivesBackWhatItKept) {
   EXPECT_EQ(files().size(), 1u);
 }
 
+// Whoever may write into the folder could have whole disks read into memory.
+TEST_F(DiskCacheTest, TakesFilesLargerThanItselfForMissing) {
+  ASSERT_TRUE(store(cache, "key", std::string(1000, 'x')));
+  EXPECT_EQ(load({.folder = cache.folder, .most_bytes = 999}, "key"), std::nullopt);
+  EXPECT_TRUE(load({.folder = cache.folder, .most_bytes = 2000}, "key").has_value());
+}
+
 // Every cut and every flipped byte must be seen; then the value can be kept again.
 TEST_F(DiskCacheTest, TakesDamagedFilesForMissing) {
   ASSERT_TRUE(store(cache, "key", "a value"));

@@ -1,5 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,6 +45,35 @@ std::string scene_text(const std::string& mm_per_unit, const std::string& meshes
                          "aperture_diameter": 0.5},
              "materials": {"wall": {"diffuse": 0.5}}, "meshes": [)" +
          meshes + R"(], "lights": [)" + lights + "]}";
+}
+
+// An image of n bytes, and smaller copies of it that take as much again where it is grey.
+TEST(SceneFile, ImagesAndWhatIsMadeOfThemAreTakenFromOneBudget) {
+  const std::filesystem::path folder =
+      fs::path(testing::TempDir()) / ("scene_budget." + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const auto map = [&](const std::string& name) {
+    save_png(make_image(512, 512, {"Y"}), folder / (name + ".png"));
+    return "\"" + name + R"(": { "diffuse": { "map": ")" + name +
+           R"(.png", "encoding": "linear" } })";
+  };
+  std::ofstream(folder / "scene.json") << R"({ "lamina": "scene", "version": 1, "mm_per_unit": 1,
+              "camera": { "position": [0, 0, 9], "look_at": [0, 0, 0] },
+              "materials": { )" << map("a")
+                                       << ", " << map("b") << R"( },
+              "meshes": [{ "shape": "box", "material": "a" }],
+              "lights": [{ "type": "environment", "radiance": 1 }] })";
+  const auto refusal = [&](double mebibytes) {
+    return message_of([&] {
+      (void)load_scene(folder / "scene.json", {static_cast<std::size_t>(mebibytes * (1 << 20))});
+    });
+  };
+  EXPECT_EQ(refusal(4.5), "");
+  EXPECT_NE(refusal(3.8).find("b.png: its smaller copies would take"), std::string::npos);
+  EXPECT_NE(refusal(2.5).find("b.png: 512 x 512 pixels of 1 channel would take 1"),
+            std::string::npos);
+  EXPECT_NE(refusal(1.8).find("a.png: its smaller copies would take"), std::string::npos);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(SceneFile, ReadsEveryKey) {

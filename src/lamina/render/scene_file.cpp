@@ -1,11 +1,26 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace lamina {
 namespace scene_file {
+
+namespace {
+
+/// Of the smaller copies of an image that a TextureStore makes.
+std::size_t bytes_of_smaller_copies(const Image& image) {
+  std::size_t texels = 0;
+  for (int w = image.width, h = image.height; w > 1 || h > 1;) {
+    w = std::max(w / 2, 1), h = std::max(h / 2, 1);
+    texels += static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  }
+  return texels * sizeof(Vec3f);
+}
+
+}  // namespace
 
 std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
   const std::filesystem::path path = file.file_path().lexically_normal();
@@ -13,6 +28,8 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
   if (found != index_of_.end()) return found->second;
   Image image = load_for(file, [&] {
     Image loaded = load_image(path, encoding, file.memory());
+    lamina::take(file.memory(), bytes_of_smaller_copies(loaded),
+                 path.string() + ": its smaller copies");
     require_finite(loaded, path);
     return loaded;
   });
@@ -22,8 +39,14 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
 std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding) {
   const std::size_t whole = load(file, encoding);
   if (!channel_index(images_[whole], "A")) return whole;
-  const auto [found, is_new] = coverage_of_.try_emplace(whole, images_.size());
-  return is_new ? add(select_channels(images_[whole], {"A"})) : found->second;
+  const auto found = coverage_of_.find(whole);
+  if (found != coverage_of_.end()) return found->second;
+  const Image& image = images_[whole];
+  lamina::take(
+      file.memory(),
+      image.pixels.size() / image.channel_count() * sizeof(float) + bytes_of_smaller_copies(image),
+      file.where() + ": its alpha");
+  return coverage_of_[whole] = add(select_channels(image, {"A"}));
 }
 
 std::size_t Images::add(Image image) {
