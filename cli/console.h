@@ -81,8 +81,9 @@ enum class Keeps {
   nothing,        ///< before its end: it is ended at once
 };
 
-/// A bar with the time left on standard error, shown if that is a terminal and the work lasts over
-/// a second. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
+/// A bar with the time left on standard error, as long as the result or a copy of it lives; shown if
+/// that is a terminal and the work lasts over a second. Until the work reports, it is the time that
+/// has passed. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
 [[nodiscard]] Progress make_progress(std::string label, Keeps keeps = Keeps::what_there_is);
 
 /// Whether work was asked to stop; main then exits with 130. Without work that keeps something, the

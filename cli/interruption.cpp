@@ -8,9 +8,13 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <stop_token>
+#include <string>
 #include <string_view>
+#include <thread>
 
 #include "console.h"
 
@@ -42,42 +46,49 @@ void on_signal(int) {
   errno = before;
 }
 
+/// Shown and kept up to date by a thread of its own, whether or not the work reports.
 class Bar {
  public:
-  Bar(std::string label, Keeps keeps) : label_(std::move(label)), keeps_(keeps) {}
-  ~Bar() {
-    if (shown_) write_error(erase_line);
+  Bar(std::string label, Keeps keeps) : label_(std::move(label)), keeps_(keeps) {
+    if (is_terminal) painter_ = std::jthread([this](const std::stop_token& end) { paint(end); });
   }
-  Bar(const Bar&) = delete;
-  Bar& operator=(const Bar&) = delete;
 
   bool operator()(double finished) {
     if (keeps_ == Keeps::what_there_is && finished > 0.0) has_something_to_keep = true;
-    if (interrupted) return false;
-    if (!is_terminal) return true;
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return true;
-    const auto now = std::chrono::steady_clock::now();
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
-    if (elapsed < 1.0 || std::chrono::duration<double>(now - last_).count() < 0.1) return true;
-    last_ = now;
-    shown_ = true;
-    constexpr int width = 32;
-    const int filled = static_cast<int>(finished * width);
-    const std::string time =
-        finished > 0.0 ? fmt::format("{:.0f} s left", elapsed * (1.0 - finished) / finished)
-                       : fmt::format("{:.0f} s so far", elapsed);
-    write_error(fmt::format("\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {}\033[K", label_, "", filled, "",
-                            width - filled, 100.0 * finished, time));
-    return true;
+    finished_ = finished;
+    return !interrupted;
   }
 
  private:
+  void paint(const std::stop_token& end) {
+    using namespace std::chrono_literals;
+    const auto start = std::chrono::steady_clock::now();
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any until_end;
+    const auto is_over_after = [&](std::chrono::milliseconds time) {
+      return until_end.wait_for(lock, end, time, [&] { return end.stop_requested(); });
+    };
+    if (is_over_after(1s)) return;
+    do {
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      write_error(line(finished_, elapsed.count()));
+    } while (!is_over_after(100ms));
+    write_error(erase_line);
+  }
+
+  [[nodiscard]] std::string line(double finished, double elapsed) const {
+    if (finished <= 0.0) return fmt::format("\r{}: {:.0f} s so far\033[K", label_, elapsed);
+    constexpr int width = 32;
+    const int filled = static_cast<int>(finished * width);
+    return fmt::format("\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {:.0f} s left\033[K", label_, "", filled,
+                       "", width - filled, 100.0 * finished, elapsed * (1.0 - finished) / finished);
+  }
+
   std::string label_;
   Keeps keeps_;
-  bool shown_ = false;
-  std::mutex mutex_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
+  std::atomic<double> finished_ = 0.0;
+  std::jthread painter_;  // last: it reads the others
 };
 
 }  // namespace

@@ -99,7 +99,7 @@ void run_maps(const MapsOptions& options) {
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
   const bool has_seed = options.seed.is_given();
-  const Progress progress = make_progress("features", Keeps::nothing);
+  const Progress progress = make_progress("making maps", Keeps::nothing);
   std::vector<SkinMap> maps;
   nlohmann::ordered_json json = make_result("maps");
   json["warnings"] = nlohmann::ordered_json::array();

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // What is said to people, whatever bytes the files have that it is about.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 
@@ -52,6 +53,7 @@ void say(std::string_view message) {
   constexpr std::size_t longest = 2000, end = 500;  // its end says what is wrong, as a rule
   std::string line(message);
   if (line.size() > longest) line.replace(longest - end, line.size() - longest, " ... ");
+  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);  // the bar may be there
   // Where this cannot be written there is nowhere else to say so.
   std::fputs(fmt::format("lamina: {}\n", printable(line, "")).c_str(), stderr);
 }

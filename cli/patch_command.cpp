@@ -75,7 +75,10 @@ std::array<double, 3> mean_color(const Image& image) {
 }
 
 void run_patch(const PatchOptions& options) {
-  const SkinPatch patch = load_skin_patch(options.patch, options.common.memory);
+  const SkinPatch patch = [&] {
+    const Progress loading = make_progress("loading the patch", Keeps::nothing);
+    return load_skin_patch(options.patch, options.common.memory);
+  }();
   for (const std::string& warning : patch.warnings) say("warning: " + warning);
   const PictureFiles files = picture_files(options.output, options.patch);
   require_different({{"--output", files.exr},

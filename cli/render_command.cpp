@@ -120,7 +120,10 @@ void run_render(const RenderCommandOptions& options) {
                      {"--json", options.common.json},
                      {"--cache", options.cache},
                      {"the scene", options.scene}});
-  Scene scene = load_scene(options.scene, options.common.memory);
+  Scene scene = [&] {
+    const Progress loading = make_progress("loading the scene", Keeps::nothing);
+    return load_scene(options.scene, options.common.memory);
+  }();
   for (const std::string& warning : scene.warnings) say("warning: " + warning);
   apply(options, scene);
   if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
@@ -151,7 +154,10 @@ void run_render(const RenderCommandOptions& options) {
     say_how_to_go_on();
     throw;
   }
-  if (options.denoises) result.image = denoise(result.image);
+  if (options.denoises) {
+    const Progress denoising = make_progress("denoising");
+    result.image = denoise(result.image);
+  }
   std::string written;
   if (!files.exr.empty()) {
     save_exr(result.image, files.exr);
