@@ -83,16 +83,20 @@ expect 1 'there is no folder' "$scene" --method hierarchy --cache no/such/folder
 expect 2 'profile' "$scene" --profile guessed
 
 # Ctrl-C keeps the picture as far as it got.
-"$lamina" render "$scene" --samples 1000000 --width 64 -o stopped >stopped.txt 2>&1 &
+"$lamina" render "$scene" --samples 1000000 --width 16 -o stopped >stopped.txt 2>&1 &
 pid=$!
 sleep 2
+for _ in $(seq 60); do  # until it has had two seconds of a busy machine
+  [ "$(ps -o times= -p "$pid")" -lt 2 ] || break
+  sleep 1
+done
 kill -INT "$pid"
 got=0; wait "$pid" || got=$?
 [ "$got" = 130 ] || fail "interrupted: exit code $got instead of 130"
 [ -s stopped.exr ] && [ -s stopped.png ] || fail "interrupted: no picture"
 [ -s stopped.unfinished ] || fail "interrupted: nothing to go on from"
 grep -q 'once more ends at once' stopped.txt || fail "interrupted: $(cat stopped.txt)"
-expect 2 'other settings' "$scene" --samples 1000 --width 64 -o stopped --resume
+expect 2 'other settings' "$scene" --samples 1000 --width 16 -o stopped --resume
 expect 0 '' "$scene" "${small[@]}" -o resumed.exr --resume
 cmp -s resumed.exr one.exr || fail "--resume without a start differs"
 [ ! -e resumed.unfinished ] || fail "a finished picture leaves its checkpoint"
