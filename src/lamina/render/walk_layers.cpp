@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/optics/same_ior.h"
 #include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
 #include "lamina/scattering/layered_diffusion.h"
@@ -15,7 +16,6 @@
 namespace lamina {
 namespace {
 
-constexpr float same_ior = 1e-6f;
 constexpr float beyond_measure = 1e9f;
 
 /// Nothing but an index, in the bands of the scene.
@@ -102,7 +102,7 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
       layer.ior += static_cast<float>(ior) / static_cast<float>(bands_);
     if (i > 0) {
       const Layer& above = layers_[i - 1];
-      if (std::abs(layer.ior - above.ior) < same_ior) layer.ior = above.ior;
+      if (is_same_ior(layer.ior, above.ior)) layer.ior = above.ior;
       layer.sees_out = above.sees_out && layer.ior == above.ior;
     }
     if (i > 0)

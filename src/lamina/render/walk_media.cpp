@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "lamina/optics/rough_interface.h"
+#include "lamina/optics/same_ior.h"
 
 namespace lamina {
 namespace {
 
-constexpr float same_ior = 1e-5f;
 constexpr int most_bodies = 1000;  // on one way
 
 template <int N>
@@ -68,7 +68,7 @@ typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& way,
   surface.crossing = bodies_.cross(start.holders, surface.point, way.direction);
   if (surface.crossing.is_blocked) return surface;
   surface.beyond = place(surface.crossing.beyond, surface.point.position);
-  surface.passes = surface.beyond.medium && std::abs(ior(surface.beyond) - ior(start)) < same_ior;
+  surface.passes = surface.beyond.medium && is_same_ior(ior(surface.beyond), ior(start));
   return surface;
 }
 
