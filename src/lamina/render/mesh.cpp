@@ -215,7 +215,9 @@ class TriangleBuilder {
 
 /// Sees whether there is memory for what a mesh becomes and for all on the way to it.
 void take_memory(const PolygonMesh& polygons, const MeshOptions& options) {
-  constexpr std::size_t per_corner = 130, per_subdivided_corner = 130;  // measured
+  // Measured, of faces that share no vertices and have flat normals: 210 and 89 bytes; of smooth
+  // ones that share them 69 and 56.
+  constexpr std::size_t per_corner = 212, per_subdivided_corner = 92;
   const std::size_t growth = std::size_t{1} << (2 * options.subdivision);
   const std::size_t corners = checked_product(polygons.name, {polygons.corners.size(), growth});
   MemoryBudget memory = options.memory;
