@@ -126,13 +126,12 @@ void check_options(const Command& command, const PhotonsOptions& options) {
 }
 
 /// The bands of a material, one after the other.
-std::vector<PhotonRun> trace_material(const PhotonsOptions& options) {
+void trace_material(const PhotonsOptions& options, PhotonWork& work) {
   const Material material = find_material(options.material, options.common.memory);
   const std::size_t bands = material.bands.size();
   const PhotonTallies tallies = read_options(options, 0).tallies;
   require_readable(options, checked_product("the sums of all bands",
                                             {bands, cells_of(tallies, material.layers.size())}));
-  PhotonWork work(options);
   for (std::size_t band = 0; band < bands && !was_interrupted(); ++band) {
     const std::string name = band_name(material.bands, band);
     MonteCarloOptions photons = read_options(options, band);
@@ -141,13 +140,13 @@ std::vector<PhotonRun> trace_material(const PhotonsOptions& options) {
     work.count({.run = 0, .name = material.name, .band = band, .band_name = name},
                layer_stack(material, band), photons);
   }
-  work.finish();
-  return work.runs();
 }
 
 void run_photons(const PhotonsOptions& options) {
-  print_photon_runs(is_mcml(options) ? trace_mcml(options) : trace_material(options), "photons",
-                    options.common, writes_counts(options), options.plot);
+  PhotonWork work(options);
+  is_mcml(options) ? trace_mcml(options, work) : trace_material(options, work);
+  print_photon_runs(work.runs(), "photons", options.common, writes_counts(options), options.plot);
+  work.finish();  // not before the result is written
 }
 
 }  // namespace

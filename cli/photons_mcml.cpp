@@ -79,14 +79,13 @@ MonteCarloOptions options_of(const PhotonsOptions& options, const McmlRun& run, 
 
 }  // namespace
 
-std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
+void trace_mcml(const PhotonsOptions& options, PhotonWork& work) {
   const std::vector<McmlRun> asked_for = load_mcml(options.material, options.common.memory);
   const std::vector<std::string> files = output_files(options, asked_for);
   std::size_t cells = 0;
   for (const McmlRun& run : asked_for)
     cells += cells_of(monte_carlo_options(run).tallies, run.layers.size());
   require_readable(options, cells);
-  PhotonWork work(options);
   for (std::size_t i = 0; i < asked_for.size() && !was_interrupted(); ++i) {
     const McmlRun& run = asked_for[i];
     MonteCarloOptions photons = options_of(options, run, i);
@@ -105,8 +104,6 @@ std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options) {
     write_file(files[i], format_mcml(counted, summarize(counts),
                                      static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC));
   }
-  work.finish();
-  return work.runs();
 }
 
 }  // namespace lamina::cli

@@ -80,6 +80,6 @@ class PhotonWork {
 };
 
 /// The runs of an MCML file, each with its output file.
-[[nodiscard]] std::vector<PhotonRun> trace_mcml(const PhotonsOptions& options);
+void trace_mcml(const PhotonsOptions& options, PhotonWork& work);
 
 }  // namespace lamina::cli

@@ -189,6 +189,12 @@ class Checkpoints(unittest.TestCase):
             self.assertGreater(part["photons"][0], 0)
             self.resume()
 
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs a full disk")
+    def test_is_kept_until_the_result_is_written(self):
+        result = run("photons", "jade", "--photons", "1e3", "--checkpoint", "full.json", "--json", "/dev/full")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertTrue(os.path.exists("full.json"))
+
     def test_what_time_stops_goes_on_to_the_same_end(self):
         result = run(*self.MEDIUM, "--time", "0.2", "--checkpoint", "kept.json")
         self.assertEqual(result.returncode, 0, result.stderr)
