@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "lamina/image/denoise.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
+#include "lamina/render/method_settings.h"
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
 #include "picture_files.h"
@@ -42,16 +42,9 @@ fs::path checkpoint_file(const PictureFiles& files) {
 }
 
 using Method = RenderSettings::Method;
-constexpr std::array<std::pair<const char*, Method>, 6> methods = {
-    {{"profile", Method::profile},
-     {"layered_bsdf", Method::layered_bsdf},
-     {"hierarchy", Method::hierarchy},
-     {"shadow_map", Method::shadow_map},
-     {"texture_space", Method::texture_space},
-     {"random_walk", Method::random_walk}}};
 
 Method method_named(const std::string& name) {
-  for (const auto& [known, method] : methods)
+  for (const auto& [known, method] : named_methods)
     if (name == known) return method;
   throw InvalidInput(
       "--method: must be profile, layered_bsdf, hierarchy, shadow_map, texture_space or "
@@ -59,29 +52,41 @@ Method method_named(const std::string& name) {
       name);
 }
 
-std::string name_of(Method method) {
-  for (const auto& [name, known] : methods)
-    if (method == known) return name;
-  return {};
-}
+std::string name_of(Method method) { return std::string(method_name(method)); }
 
 RenderSettings::Profile profile_named(const std::string& name) {
   using Profile = RenderSettings::Profile;
   return name == "exact" ? Profile::exact : name == "dipole" ? Profile::dipole : Profile::multipole;
 }
 
+void warn(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) say("warning: " + line);
+}
+
+/// What the command line asks for in place of the scene file; another method leaves out what it
+/// does not honour of the file's settings, with a warning.
 void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
   if (options.noise >= 0.0f) scene.render.noise = options.noise;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
-  if (!options.method.empty()) scene.render.method = method_named(options.method);
+  if (!options.method.empty()) {
+    scene.render.method = method_named(options.method);
+    const std::vector<std::string> left_out = leave_out_unhonoured(scene);
+    warn(left_out);
+    scene.warnings.insert(scene.warnings.end(), left_out.begin(), left_out.end());
+  }
   using SingleScattering = RenderSettings::SingleScattering;
-  if (!options.single_scattering.empty())
+  if (!options.single_scattering.empty()) {
+    scene.places["render.single_scattering"] = "--single-scattering";
     scene.render.single_scattering = options.single_scattering == "none" ? SingleScattering::none
                                      : options.single_scattering == "straight"
                                          ? SingleScattering::straight
                                          : SingleScattering::refracted;
-  if (!options.profile.empty()) scene.render.profile = profile_named(options.profile);
+  }
+  if (!options.profile.empty()) {
+    scene.places["render.profile"] = "--profile";
+    scene.render.profile = profile_named(options.profile);
+  }
   if (options.seed.is_given()) scene.render.seed = options.common.seed;
   if (options.exposure_given.is_given()) scene.film.exposure = options.exposure;
   // One side alone keeps the proportions.
@@ -124,7 +129,7 @@ void run_render(const RenderCommandOptions& options) {
     const Progress loading = make_progress("loading the scene", Keeps::nothing);
     return load_scene(options.scene, options.common.memory);
   }();
-  for (const std::string& warning : scene.warnings) say("warning: " + warning);
+  warn(scene.warnings);
   apply(options, scene);
   if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
       scene.render.method != Method::texture_space)
@@ -202,10 +207,11 @@ void run_render(const RenderCommandOptions& options) {
   json["warnings"] = scene.warnings;
   for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
   write_json(json, options.common);
-  print(options.common,
-        fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
-                    s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
-                    s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
+  print(
+      options.common,
+      fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                  s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
+                  s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/image/picture_sheet.h"
 #include "lamina/image/tone.h"
+#include "lamina/render/method_settings.h"
 #include "lamina/render/render.h"
 
 namespace lamina::cli {
@@ -87,8 +88,13 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
 
   std::vector<MethodResult> results;
   std::size_t refused = 0;
+  const RenderSettings asked = scene.render;
+  const auto places = scene.places;
   for (const auto& [method, chosen] : methods) {
+    scene.render = asked;
+    scene.places = places;
     scene.render.method = chosen;
+    for (const std::string& line : leave_out_unhonoured(scene)) say("warning: " + line);
     try {
       MethodResult result{method, render(scene, {}, make_progress(method))};
       if (!result.render.statistics.is_complete) break;

@@ -226,15 +226,8 @@ TEST(LayeredMaterial, WhatItCannotDoIsRefused) {
     return std::string();
   };
   Scene scene = plate(skin(0.02), 0.7, 0.5);
-  surface_of(scene).color_use = SubsurfaceSurface::ColorUse::invert;
-  EXPECT_NE(refusal(scene).find("\"invert\" is not for method \"layered_bsdf\""),
-            std::string::npos);
-  scene = plate(skin(0.02), 0.7, 0.5);
   surface_of(scene).maps.resize(5, {.terms = {{.value = 0.1f}}});
   EXPECT_NE(refusal(scene).find("at most 4"), std::string::npos);
-  surface_of(scene).maps.resize(1);
-  scene.render.method = RenderSettings::Method::profile;
-  EXPECT_NE(refusal(scene).find("maps are for method \"layered_bsdf\""), std::string::npos);
   scene = plate(skin(0.02), 0.7, 0.5);
   surface_of(scene).material.layers[1].top.roughness = 0.2;
   EXPECT_NE(refusal(scene).find("material \"skin\": layer 1: first order needs smooth boundaries"),

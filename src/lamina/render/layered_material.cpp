@@ -7,6 +7,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/render/colored_transport.h"
 #include "lamina/render/map_range.h"
 
 namespace lamina {
@@ -57,8 +58,6 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
       throw InvalidInput("material \"" + scene.scene->materials[material].name + "\": " + rule);
   };
   require(surface_.maps.size() <= most_mapped, "at most 4 of its parameters can be mapped");
-  require(surface_.color_use != SubsurfaceSurface::ColorUse::invert,
-          "color_use \"invert\" is not for method \"layered_bsdf\"");
   for (const LayerMap& map : surface_.maps) {
     const auto [least, most] = limits(map);
     auto [low, high] = range_of(scene.scene->images, map.terms);
@@ -66,13 +65,8 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
     high = std::clamp(high, low, most);
     parameters_.push_back({&map, low, high});
   }
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale && surface_.color.map)
-    if (const auto* image = std::get_if<ImageMap>(&surface_.color.map->source)) {
-      const Vec3f mean = scene.textures.mean_color(image->image);
-      for (int c = 0; c < 3; ++c)
-        mean_color_[c] =
-            std::max(surface_.color.map->offset + surface_.color.map->scale * mean[c], 1e-4f);
-    }
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale)
+    mean_color_ = mean_of_map(scene.textures, surface_.color);
   try {
     make_stack();
   } catch (const InvalidInput& error) {

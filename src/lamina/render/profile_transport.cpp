@@ -8,6 +8,8 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/render/colored_transport.h"
+#include "lamina/render/exact_totals.h"
 
 namespace lamina {
 namespace {
@@ -27,19 +29,6 @@ double thickness_of_upper_layers(const Material& material) {
 
 bool is_half_space(const Material& material) {
   return !std::isfinite(material.layers.back().thickness);
-}
-
-/// The material with every absorption coefficient times a factor. Where there is none, a thousandth
-/// of the reduced scattering stands in, so that it can be made darker.
-Material with_absorption(Material material, double factor) {
-  for (MaterialLayer& layer : material.layers) {
-    for (std::size_t b = 0; b < layer.sigma_a.size(); ++b)
-      layer.sigma_a[b] =
-          factor * std::max(layer.sigma_a[b], 1e-3 * layer.sigma_s[b] * (1.0 - layer.g[b]));
-    for (MixturePart& part : layer.mixture)
-      for (double& sigma_a : part.sigma_a) sigma_a *= factor;
-  }
-  return material;
 }
 
 /// What turns a profile into one per flux that entered. A profile per flux arriving along the
@@ -101,7 +90,7 @@ ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConver
   const std::size_t slabs = variants.size();
   if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
     for (double factor = 1.0 / 64.0; factor < 3000.0; factor *= 2.0) {
-      variants.push_back(with_absorption(layers, factor));
+      variants.push_back(with_absorption(layers, std::vector<double>(layers.bands.size(), factor)));
       profiles.push_back(make_profile(variants.back()));
     }
   // Of the material itself; inversion may need one of an eighth of its absorption.
@@ -113,13 +102,8 @@ ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConver
   for (std::size_t i = 0; i < variants.size(); ++i)
     (i < slabs ? by_thickness_ : by_absorption_)
         .emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale && surface_.color.map)
-    if (const auto* image = std::get_if<ImageMap>(&surface_.color.map->source)) {
-      const TextureMap& map = *surface_.color.map;
-      const Vec3f mean = scene.textures.mean_color(image->image);
-      for (int c = 0; c < 3; ++c)
-        mean_color_[c] = std::max(map.offset + map.scale * mean[c], 1e-4f);
-    }
+  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale)
+    mean_color_ = mean_of_map(scene.textures, surface_.color);
 }
 
 template <int N>

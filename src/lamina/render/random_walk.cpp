@@ -8,9 +8,10 @@
 #include <variant>
 
 #include "lamina/optics/henyey_greenstein.h"
+#include "lamina/render/colored_transport.h"
+#include "lamina/render/exact_totals.h"
 #include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
-#include "lamina/scattering/layered_diffusion.h"
 
 namespace lamina {
 namespace {
@@ -30,8 +31,7 @@ constexpr float least_reference = 5e-4f;
 template <int N>
 RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& conversion,
                           std::uint32_t material) {
-  const SurfaceMaterial& surface = scene.scene->materials[material];
-  const Material& layers = std::get<SubsurfaceSurface>(surface.surface).material;
+  const Material layers = colored_medium<N>(scene, conversion, material);
   require_closed_meshes(*scene.scene, material);
   bands_ = static_cast<int>(layers.bands.size());
   std::vector<LayerStack> stacks;
@@ -41,8 +41,7 @@ RandomWalk<N>::RandomWalk(const RenderScene& scene, const BandConversion<N>& con
     phases_.push_back(phase_function(stacks[b].layers()[0]));
     is_same_phase_ = is_same_phase_ && phases_[b] == phases_[0];
     ior += layers.layers[0].ior[b] / layers.ior_above[b] / static_cast<double>(bands_);
-    reflectance_[static_cast<int>(b)] =
-        static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
+    reflectance_[static_cast<int>(b)] = static_cast<float>(exact_totals(layers, b).reflectance);
   }
   is_isotropic_ = is_same_phase_ && phases_[0] == PhaseFunction(HenyeyGreenstein{.g = 0.0});
   stack_ = make_first_order<N>(stacks);

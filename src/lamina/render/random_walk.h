@@ -51,7 +51,7 @@ class RandomWalk final : public SubsurfaceTransport<N> {
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override;
-  /// By diffusion: for light on its way between objects.
+  /// That of flat layers: for light on its way between objects.
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
     (void)point;
     return reflectance_;

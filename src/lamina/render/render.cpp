@@ -13,10 +13,12 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/render/camera_rays.h"
+#include "lamina/render/colored_transport.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/layered_material.h"
 #include "lamina/render/media_walk.h"
+#include "lamina/render/method_settings.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_maker.h"
 #include "lamina/render/profile_transport.h"
@@ -125,21 +127,11 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   const ProfileMaker make_profile =
       profile_maker(scene.scene->render.profile, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
-  for (const SurfaceMaterial& material : materials) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
-    if (surface && surface->material.skin && !surface->material.skin->maps.empty() &&
-        scene.scene->render.method != Method::texture_space)
-      throw InvalidInput("material \"" + material.name +
-                         "\": maps of skin are for method \"texture_space\"");
-  }
   if (scene.scene->render.method == Method::layered_bsdf) return transports;
   std::shared_ptr<const WalkMedia<N>> media;  // of all that share it
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
     if (!surface) continue;
-    if (!surface->maps.empty())
-      throw InvalidInput("material \"" + materials[i].name +
-                         "\": maps are for method \"layered_bsdf\"");
     auto& transport = transports.of_material[i];
     switch (scene.scene->render.method) {
       case Method::profile:
@@ -180,9 +172,12 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
       case Method::layered_bsdf:
         break;  // has no transport between points
     }
+    if (scene.scene->render.method == Method::random_walk &&
+        surface->color_use != SubsurfaceSurface::ColorUse::none)
+      transport = std::make_unique<ColoredTransport<N>>(scene, conversion, i, std::move(transport));
     using SingleScattering = RenderSettings::SingleScattering;
     const auto single = scene.scene->render.single_scattering;
-    if (single != SingleScattering::none && scene.scene->render.method != Method::random_walk)
+    if (single != SingleScattering::none)
       transport = std::make_unique<lamina::SingleScattering<N>>(
           scene, conversion, i, single == SingleScattering::refracted, std::move(transport));
   }
@@ -266,6 +261,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           scene.render.max_bounces);
   require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
+  require_honoured(scene);
   const BandSet bands = common_bands(scene);
   const RenderScene prepared(scene);
   FilmAccumulator film(scene.film.width, scene.film.height);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -111,8 +112,9 @@ struct SubsurfaceSurface {
     scale,   ///< the map over its mean scales the light leaving: [DonnerJensen2005] §3.1
     invert,  ///< the map is the diffuse reflectance wanted; albedo inversion: [Hery2003] §2
   } color_use = ColorUse::none;
-  ScalarParameter thickness;  ///< of the object [mm] where it is thin; value 0: taken from geometry
-  std::vector<LayerMap> maps;  ///< for method layered_bsdf
+  ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
+                                             ///< taken from geometry
+  std::vector<LayerMap> maps;                ///< for method layered_bsdf
 };
 
 struct DiffuseSurface {
@@ -272,6 +274,9 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<std::string>
       warnings;  ///< of loading, one line each: flipped normals, zero-area faces
+  /// Where a file says what some methods do not honour, by its path such as "render.orders", as
+  /// messages name it.
+  std::map<std::string, std::string> places;
 };
 
 /// Reads a scene file and all that it names; paths in it are relative to it.

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+
+#include "lamina/render/method_settings.h"
 
 namespace lamina {
 namespace scene_file {
@@ -230,6 +233,26 @@ std::vector<std::string> map_warnings(const SkinMaps& skin) {
   return warnings;
 }
 
+/// The value at a path such as "subsurface.skin" below an object, if it is there.
+std::optional<JsonInput> value_at(const JsonInput& object, std::string_view path) {
+  std::optional<JsonInput> value = object;
+  while (value && !path.empty()) {
+    const std::size_t dot = std::min(path.find('.'), path.size());
+    value = value->is_object() ? value->peek(path.substr(0, dot)) : std::nullopt;
+    path.remove_prefix(std::min(dot + 1, path.size()));
+  }
+  return value;
+}
+
+/// Remembers where a file gives what some methods do not honour.
+template <class Settings>
+void note_places(const JsonInput& value, const std::string& path, const Settings& settings,
+                 Scene& scene) {
+  for (const auto& setting : settings)
+    if (const auto given = value_at(value, setting.key))
+      scene.places[path + "." + std::string(setting.key)] = given->where();
+}
+
 Scene decode_scene(const JsonInput& root) {
   const JsonObject file = root.file_object("scene", 1,
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
@@ -242,10 +265,14 @@ Scene decode_scene(const JsonInput& root) {
   scene.camera = decode_camera(file.required("camera"), mm_per_unit);
   if (const auto film = file.optional("film")) scene.film = decode_film(*film);
   if (const auto render = file.optional("render")) scene.render = decode_render_settings(*render);
+  if (const auto render = file.optional("render"))
+    note_places(*render, "render", render_settings, scene);
   scene_file::Images images;
   std::vector<DecodedMaterial> materials;
-  for (const auto& [name, value] : file.required("materials").entries())
+  for (const auto& [name, value] : file.required("materials").entries()) {
     materials.push_back(decode_surface_material(name, value, images));
+    note_places(value, "materials." + name, material_settings, scene);
+  }
   for (const JsonInput& light : file.required("lights").array(0, 100'000))
     scene.lights.push_back(decode_light(light, images, mm_per_unit));
   for (const JsonInput& mesh : file.required("meshes").array(1, 100'000)) {

@@ -79,16 +79,19 @@ class MaterialDecoder {
     }
   }
 
+  /// Oil on skin, as the recipe says, unless a coat says more.
+  void decode_oiliness(const Material& layers) {
+    if (layers.oiliness > 0.0)
+      result_.material.coat = Coat{.weight = {.value = static_cast<float>(layers.oiliness)}};
+  }
+
   void decode_subsurface(const JsonInput& value) {
     const JsonObject object = value.object(
         {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface{.material = decode_layers_of(object.required("subsurface"))};
     if (const auto& skin = surface.material.skin; skin && !skin->maps.empty())
       result_.mapped = "subsurface.skin." + std::string(skin->maps.front().name);
-    // Oil on skin, as the recipe says, unless a coat says more.
-    if (surface.material.oiliness > 0.0)
-      result_.material.coat =
-          Coat{.weight = {.value = static_cast<float>(surface.material.oiliness)}};
+    decode_oiliness(surface.material);
     using ColorUse = SubsurfaceSurface::ColorUse;
     if (const auto color = object.optional("color")) {
       surface.color = decode_color_parameter(*color);
@@ -100,8 +103,13 @@ class MaterialDecoder {
       if (!object.has("color")) use->fail("there is no \"color\" that it could be the use of");
     }
     surface.thickness.value = 0.0F;
-    if (const auto thickness = object.optional("thickness"))
+    if (const auto thickness = object.optional("thickness")) {
       surface.thickness = decode_scalar_parameter(*thickness, between(0.0, longest, "mm"));
+      if (std::isfinite(surface.material.layers.back().thickness))
+        thickness->fail(
+            "the layers of the material say how thick it is: leave it out, or make the last one "
+            "infinite");
+    }
     if (const auto maps = object.optional("maps"))
       for (const auto& [key, given] : maps->entries()) {
         LayerMap map = find_quantity(given, key, surface.material);
@@ -128,7 +136,8 @@ class MaterialDecoder {
     const JsonObject object =
         value.object({"thin", "color", "thickness", "opacity", "coat", "bump", "normal_map"});
     const JsonInput layers = object.required("thin");
-    ThinSurface surface{.material = decode_layers_of(layers)};
+    ThinSurface surface{.material = decode_layers_of(layers, RecipeMaps::refused)};
+    decode_oiliness(surface.material);
     if (std::isinf(surface.material.layers.back().thickness))
       layers.fail("must be a material of finite layers, but its last one is infinitely thick");
     if (const auto color = object.optional("color")) surface.color = decode_color_parameter(*color);
@@ -194,9 +203,9 @@ class MaterialDecoder {
   }
 
   /// A built-in material by name, a material file by path, or a material file as an object.
-  static Material decode_layers_of(const JsonInput& value) {
+  static Material decode_layers_of(const JsonInput& value, RecipeMaps maps = RecipeMaps::allowed) {
     if (value.is_object() && value.peek("diffuse_color")) return decode_look(value);
-    if (value.is_object()) return decode_material(value, RecipeMaps::allowed);
+    if (value.is_object()) return decode_material(value, maps);
     if (!value.is_string())
       value.refuse("must be a built-in material, a material file, or what one says");
     const std::string name = value.string();
@@ -208,9 +217,7 @@ class MaterialDecoder {
     if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
       value.fail("there is no built-in material and no file \"" + name + "\"" +
                  did_you_mean(name, names));
-    return load_for(value, [&] {
-      return load_material(value.file_path(), RecipeMaps::allowed, value.memory());
-    });
+    return load_for(value, [&] { return load_material(value.file_path(), maps, value.memory()); });
   }
 
   ColorParameter decode_color_parameter(const JsonInput& value) {

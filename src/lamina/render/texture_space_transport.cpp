@@ -51,15 +51,9 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
       material_(material),
       is_printed_exit_(is_printed_exit) {
-  const auto refuse = [&](const std::string& why) {
+  if (!surface_.material.skin)
     throw InvalidInput("material \"" + scene.scene->materials[material].name +
-                       "\": method texture_space " + why);
-  };
-  if (!surface_.material.skin) refuse("needs a material of recipe \"skin\"");
-  if (surface_.color_use != SubsurfaceSurface::ColorUse::none)
-    refuse("takes no \"color\": maps of skin's parameters are its colors");
-  if (std::isfinite(surface_.material.skin->skin.dermis_thickness))
-    refuse("takes the thickness of thin parts from the mesh: leave out \"dermis_thickness\"");
+                       "\": method texture_space needs a material of recipe \"skin\"");
 }
 
 template <int N>

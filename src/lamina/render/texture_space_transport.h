@@ -29,7 +29,7 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
   using Bands = BandValues<N>;
 
   /// @param material  index of a translucent material; the scene must outlive the transport.
-  /// @throws InvalidInput if the material is no recipe of skin, or has a color.
+  /// @throws InvalidInput if the material is no recipe of skin.
   TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
 
   /// The width of texels that the settings ask for, never more than `max_texels` of them [mm].

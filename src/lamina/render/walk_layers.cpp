@@ -9,9 +9,10 @@
 
 #include "lamina/core/error.h"
 #include "lamina/optics/same_ior.h"
+#include "lamina/render/colored_transport.h"
+#include "lamina/render/exact_totals.h"
 #include "lamina/render/walk_turn.h"
 #include "lamina/scattering/first_order-inl.h"
-#include "lamina/scattering/layered_diffusion.h"
 
 namespace lamina {
 namespace {
@@ -36,19 +37,13 @@ Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
 }
 
 /// The layers of a material as they lie inside a mesh.
-Material inside_mesh(const Scene& scene, const SurfaceMaterial& surface) {
-  if (const auto* glass = std::get_if<DielectricSurface>(&surface.surface))
-    return clear_medium(scene, *glass);
-  Material inside = std::get<SubsurfaceSurface>(surface.surface).material;
-  inside.layers.back().thickness = std::numeric_limits<double>::infinity();
-  inside.ior_below = inside.layers.back().ior;
-  inside.ground = {};
-  return inside;
-}
-
-bool is_diffusing(const LayerStack& stack) {
-  return std::ranges::all_of(stack.layers(),
-                             [](const Layer& layer) { return layer.medium.sigma_s > 0.0; });
+template <int N>
+Material inside_mesh(const RenderScene& scene, const BandConversion<N>& conversion,
+                     std::uint32_t material) {
+  const auto& surface = scene.scene->materials[material].surface;
+  if (const auto* glass = std::get_if<DielectricSurface>(&surface))
+    return clear_medium(*scene.scene, *glass);
+  return colored_medium<N>(scene, conversion, material);
 }
 
 std::vector<float> thickness_of_layers(const Material& material) {
@@ -68,8 +63,9 @@ NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
 }  // namespace
 
 template <int N>
-WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material)
-    : WalkLayers(scene, material, inside_mesh(*scene.scene, scene.scene->materials[material])) {}
+WalkLayers<N>::WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion,
+                          std::uint32_t material)
+    : WalkLayers(scene, material, inside_mesh<N>(scene, conversion, material)) {}
 
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
@@ -83,9 +79,7 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
     stacks.push_back(layer_stack(smooth, b));
     ior_ += static_cast<float>(inside.layers[0].ior[b] / inside.ior_above[b]) /
             static_cast<float>(bands_);
-    if (is_diffusing(stacks[b]))
-      reflectance_[static_cast<int>(b)] =
-          static_cast<float>(diffusion_totals(stacks[b], {.is_diffuse = true}).diffuse_reflectance);
+    reflectance_[static_cast<int>(b)] = static_cast<float>(exact_totals(smooth, b).reflectance);
   }
   stack_ = make_first_order<N>(stacks);
   least_extinction_ = Bands::filled(std::numeric_limits<float>::infinity());

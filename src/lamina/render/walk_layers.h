@@ -8,6 +8,7 @@
 #include "lamina/core/band_values.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/phase_function.h"
+#include "lamina/render/band_conversion.h"
 #include "lamina/render/depth_layers.h"
 #include "lamina/render/walk_space.h"
 #include "lamina/scattering/first_order.h"
@@ -21,7 +22,7 @@ class WalkLayers {
  public:
   using Bands = BandValues<N>;
 
-  WalkLayers(const RenderScene& scene, std::uint32_t material);
+  WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material);
 
   [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
   [[nodiscard]] const WalkMedium<N>& medium(std::size_t layer) const {
@@ -35,7 +36,7 @@ class WalkLayers {
   /// The upper boundary of a layer.
   [[nodiscard]] const Interface& boundary(std::size_t layer) const { return layers_[layer].top; }
   [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
-  /// Of the flux that enters, by diffusion.
+  /// Of the flux that enters flat layers.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
   /// Extinction along a straight way inside; beyond measure where a boundary of layers refracts.

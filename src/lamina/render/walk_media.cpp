@@ -23,7 +23,7 @@ float ior(const MediaPlace<N>& place) {
 template <int N>
 BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
                           const WalkBodies& bodies, std::uint32_t material)
-    : layers(scene, material),
+    : layers(scene, conversion, material),
       space(scene, conversion, material, layers.ior(), layers.bands(), layers.shortest_free_path()),
       // Nothing is asked of what lamps send beforehand: a lattice as coarse as can be.
       lamps(space, layers.medium(0).sigma_t, layers.medium(0).sigma_t, 1e6f),
