@@ -204,6 +204,13 @@ void run_render(const RenderCommandOptions& options) {
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
+  for (const BandChange& change : scene.band_changes) {
+    auto& entry = json["band_changes"].emplace_back();
+    entry["material"] = scene.materials[change.material].name;
+    entry["from"] = change.from.is_rgb() ? nlohmann::ordered_json("rgb")
+                                         : nlohmann::ordered_json(change.from.wavelengths());
+    entry["color_error"] = change.color_error;
+  }
   json["warnings"] = scene.warnings;
   for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
   write_json(json, options.common);

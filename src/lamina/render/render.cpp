@@ -14,6 +14,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/colored_transport.h"
+#include "lamina/render/common_bands.h"
 #include "lamina/render/film_accumulator.h"
 #include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/layered_material.h"
@@ -27,7 +28,6 @@
 #include "lamina/render/scene_fingerprint.h"
 #include "lamina/render/shadow_map_transport.h"
 #include "lamina/render/single_scattering.h"
-#include "lamina/render/skin_colors.h"
 #include "lamina/render/texture_space_preparation.h"
 #include "lamina/render/tile_passes.h"
 
@@ -64,7 +64,8 @@ BandSet common_bands(const Scene& scene) {
       bands = own;
     } else if (!(own == bands)) {
       throw InvalidInput("materials \"" + first->name + "\" and \"" + material.name +
-                         "\": all translucent materials of a scene must have the same bands");
+                         "\": all translucent materials of a scene must have the same bands; "
+                         "make_bands_common() sees to it");
     }
   }
   if (bands.size() > 16)
@@ -72,20 +73,6 @@ BandSet common_bands(const Scene& scene) {
                        "\": at most 16 bands can be rendered, but it has " +
                        std::to_string(bands.size()));
   return bands;
-}
-
-/// Weights that turn the bands into colours. Where all that is translucent is skin, those that
-/// know its spectra, as `lamina patch` uses: others would make it too dark by up to 5 % in green.
-BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
-  const SkinMaps* skin = nullptr;
-  for (const SurfaceMaterial& material : scene.materials) {
-    if (std::holds_alternative<ThinSurface>(material.surface)) return make_band_weights(bands);
-    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
-    if (!surface) continue;
-    if (!surface->material.skin) return make_band_weights(bands);
-    skin = &*surface->material.skin;
-  }
-  return skin ? make_skin_band_weights(bands, skin->skin) : make_band_weights(bands);
 }
 
 template <int N>

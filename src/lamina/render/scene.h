@@ -263,6 +263,14 @@ struct RenderSettings {
   ShadowMapSettings shadow_map;
 };
 
+/// A translucent material that was given for other bands than the scene is rendered with.
+struct BandChange {
+  std::uint32_t material = 0;  ///< index into Scene::materials
+  BandSet from = BandSet::rgb();
+  double color_error = 0.0;  ///< largest of R, G, B: of the color of a thick piece in diffuse
+                             ///< light, or of what a thin one reflects and lets through
+};
+
 /// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.
 struct Scene {
   Camera camera;
@@ -272,6 +280,7 @@ struct Scene {
   std::vector<SurfaceMaterial> materials;
   std::vector<Mesh> meshes;
   std::vector<Light> lights;
+  std::vector<BandChange> band_changes;
   std::vector<std::string>
       warnings;  ///< of loading, one line each: flipped normals, zero-area faces
   /// Where a file says what some methods do not honour, by its path such as "render.orders", as

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "lamina/render/common_bands.h"
 #include "lamina/render/method_settings.h"
 
 namespace lamina {
@@ -293,6 +294,9 @@ Scene decode_scene(const JsonInput& root) {
                              " is empty: the picture will be black");
   for (DecodedMaterial& material : materials)
     scene.materials.push_back(std::move(material.material));
+  make_bands_common(scene);
+  for (const BandChange& change : scene.band_changes)
+    scene.warnings.push_back(describe(change, scene));
   scene.images = images.take();
   return scene;
 }
