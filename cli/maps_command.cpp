@@ -14,6 +14,7 @@
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/materials/skin_features.h"
+#include "lamina/render/skin_totals.h"
 #include "lamina/render/surface_skin_maps.h"
 
 namespace lamina::cli {
@@ -33,18 +34,6 @@ Image picture_of(Image map) {
   const auto [low, high] = std::ranges::minmax(map.pixels);
   for (float& value : map.pixels) value = high > low ? (value - low) / (high - low) : 0.0f;
   return map;
-}
-
-std::string_view name_of(SkinConstants constants) {
-  switch (constants) {
-    case SkinConstants::paper:
-      return "paper";
-    case SkinConstants::calibrated_diffusion:
-      return "calibrated_diffusion";
-    case SkinConstants::calibrated:
-      break;
-  }
-  return "calibrated";
 }
 
 /// The recipe "skin" that uses the maps.

@@ -17,6 +17,7 @@
 #include "lamina/render/method_settings.h"
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
+#include "lamina/render/skin_totals.h"
 #include "picture_files.h"
 #include "render_comparison.h"
 
@@ -185,6 +186,8 @@ void run_render(const RenderCommandOptions& options) {
                     light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
                                                100.0 * *light.change)
                                  : "");
+  std::string skins;
+  for (const SkinTotals& totals : skin_totals(scene)) skins += describe(totals, scene) + "\n";
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   nlohmann::ordered_json json = make_result("render");
@@ -204,6 +207,10 @@ void run_render(const RenderCommandOptions& options) {
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
+  for (const SkinTotals& totals : skin_totals(scene))
+    json["skin"].push_back({{"material", scene.materials[totals.material].name},
+                            {"constants", name_of(totals.constants)},
+                            {"totals", totals.is_exact ? "radiative_transfer" : "diffusion"}});
   for (const BandChange& change : scene.band_changes) {
     auto& entry = json["band_changes"].emplace_back();
     entry["material"] = scene.materials[change.material].name;
@@ -216,8 +223,8 @@ void run_render(const RenderCommandOptions& options) {
   write_json(json, options.common);
   print(
       options.common,
-      fmt::format("{}{}\n{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
-                  s.is_complete ? "" : "stopped early: ", written, sampled, s.wall_seconds,
+      fmt::format("{}{}\n{}{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                  s.is_complete ? "" : "stopped early: ", written, skins, sampled, s.wall_seconds,
                   s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
 }
 

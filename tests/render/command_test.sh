@@ -82,6 +82,26 @@ expect 2 'another file' "$scene" --method hierarchy "${small[@]}" --cache mine.p
 expect 1 'there is no folder' "$scene" --method hierarchy --cache no/such/folder/cloud.ply
 expect 2 'profile' "$scene" --profile guessed
 
+# What the method does not honour is refused by its line; another method than the file's leaves out
+# such settings, but not those of the command line.
+cat >walk.json <<'END'
+{ "lamina": "scene", "version": 1, "mm_per_unit": 1,
+  "camera": { "position": [0, 0, 9], "look_at": [0, 0, 0] }, "film": { "width": 8, "height": 8 },
+  "materials": { "ring": { "subsurface": "jade" }, "ear": { "subsurface": "skin_type_3" } },
+  "meshes": [ { "shape": "sphere", "material": "ear" },
+              { "shape": "sphere", "radius": 0.3, "material": "ring", "transform": { "translate": [2, 0, 0] } } ],
+  "lights": [ { "type": "environment", "radiance": 1 } ],
+  "render": { "method": "layered_bsdf", "samples_per_pixel": 1,
+    "orders": "first" } }
+END
+expect 0 'walk.json:8: render.orders: left out, method "hierarchy" does not honour it' walk.json --method hierarchy --json walk_out.json
+grep -q '"band_changes"' walk_out.json && grep -q '"totals": "radiative_transfer"' walk_out.json || fail "bands and skin are not in the JSON"
+expect 0 'material "ring": RGB turned into the 8 wavelengths of the scene; colors differ by up to' walk.json
+expect 0 'ear: skin with the constants "calibrated", totals by radiative transfer' walk.json
+expect 2 '--profile: method "random_walk" does not honour it' walk.json --method random_walk --profile dipole
+sed 's/layered_bsdf/random_walk/' walk.json >refused.json
+expect 2 'refused.json:8: render.orders: method "random_walk" does not honour it' refused.json
+
 # Ctrl-C keeps the picture as far as it got.
 "$lamina" render "$scene" --samples 1000000 --width 16 -o stopped >stopped.txt 2>&1 &
 pid=$!

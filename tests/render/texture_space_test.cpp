@@ -152,7 +152,8 @@ TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
   }
 }
 
-// What `lamina slab` gives for many wavelengths, from eight: through tables, transport and weights.
+// What `lamina slab` gives of even light for many wavelengths, from eight: through tables,
+// transport and weights.
 TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
   constexpr double melanin = 0.012;
   Material skin = parse_material(
@@ -168,13 +169,14 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
   std::vector<double> wavelengths, slab;
   for (int nm = 380; nm <= 780; nm += 10) {
     wavelengths.push_back(nm);
-    slab.push_back(
-        adding_doubling(skin_layer_stack({.melanin = melanin}, nm), {}, {.accuracy = 1e-3})
-            .totals.diffuse_reflectance);
+    const SlabTotals totals = adding_doubling(skin_layer_stack({.melanin = melanin}, nm),
+                                              {.is_diffuse = true}, {.accuracy = 1e-3})
+                                  .totals;
+    slab.push_back(totals.diffuse_reflectance / (1.0 - totals.specular_reflectance));
   }
   const LinearSrgb wanted = linear_srgb(make_band_weights(BandSet(wavelengths)), slab);
-  // Seen from above, where the boundary lets more through than on average.
-  const double seen = (1.0 - fresnel(1.0, 1.4)) / (1.0 - fresnel_diffuse(1.4));
+  // Lit and seen from above, where the boundary lets more through than on average.
+  const double seen = std::pow(1.0 - fresnel(1.0, 1.4), 2) / (1.0 - fresnel_diffuse(1.4));
   for (const std::size_t c : {0, 1, 2})
     EXPECT_NEAR(pi / 3.0 * static_cast<double>(image.at(12, 12)[c]), seen * wanted[c],
                 0.01 * wanted[c])

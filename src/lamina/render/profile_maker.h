@@ -16,9 +16,10 @@ namespace lamina {
 /// flux that entered, all directions of exit together.
 using ProfileMaker = std::function<Profile(const Material&)>;
 
-/// By radiative transfer, to some 2 % from 0.02 mm on; kept in the cache. Boundaries count as
-/// smooth, their roughness being the renderer's business.
-/// @throws InvalidInput if a band does not scatter; Interrupted if progress asks to stop.
+/// By radiative transfer, to some 2 % from 0.02 mm on; kept in the cache. The surface and the
+/// lowest boundary count as smooth, their roughness being the renderer's business.
+/// @throws InvalidInput if a band does not scatter, or a boundary inside is rough; Interrupted if
+///         progress asks to stop.
 [[nodiscard]] Profile exact_diffuse_profile(const Material& material,
                                             const std::optional<DiskCache>& cache,
                                             const Progress& progress = {});
@@ -26,8 +27,10 @@ using ProfileMaker = std::function<Profile(const Material&)>;
 /// By layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);
 
-/// The maker that a scene asks for; what takes long reports to `progress`.
-[[nodiscard]] ProfileMaker profile_maker(RenderSettings::Profile profile,
+/// The maker that a scene asks for; what takes long reports to `progress`. Profiles by diffusion
+/// get the totals of radiative transfer for skin whose constants are made for them, see
+/// skin_totals.h.
+[[nodiscard]] ProfileMaker profile_maker(const RenderSettings& settings,
                                          const Progress& progress = {});
 
 }  // namespace lamina

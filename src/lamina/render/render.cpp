@@ -111,8 +111,7 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
   const auto& materials = scene.scene->materials;
   Transports<N> transports;
   transports.of_material.resize(materials.size());
-  const ProfileMaker make_profile =
-      profile_maker(scene.scene->render.profile, of_unknown_length(progress));
+  const ProfileMaker make_profile = profile_maker(scene.scene->render, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
   if (scene.scene->render.method == Method::layered_bsdf) return transports;
   std::shared_ptr<const WalkMedia<N>> media;  // of all that share it

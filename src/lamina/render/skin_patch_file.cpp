@@ -10,6 +10,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/image/resample.h"
 #include "lamina/render/skin_patch.h"
+#include "lamina/render/skin_totals.h"
 
 namespace lamina {
 namespace {
@@ -153,8 +154,8 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
       bands->fail(error.what());
     }
   }
-  patch.totals = patch.skin.constants == SkinConstants::calibrated ? OperatorTotals::exact_profile
-                                                                   : OperatorTotals::diffusion;
+  patch.totals = are_for_exact_totals(patch.skin.constants) ? OperatorTotals::exact_profile
+                                                            : OperatorTotals::diffusion;
   if (const auto totals = object.optional("totals"))
     patch.totals = totals->choice<OperatorTotals>({{"exact", OperatorTotals::exact},
                                                    {"exact_profile", OperatorTotals::exact_profile},

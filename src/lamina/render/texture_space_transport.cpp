@@ -12,6 +12,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/render/irradiance_specks.h"
 #include "lamina/render/skin_patch.h"
+#include "lamina/render/skin_totals.h"
 #include "lamina/render/surface_cells.h"
 #include "lamina/render/texel_skin.h"
 
@@ -84,8 +85,8 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   const SkinMaps& skin = *surface_.material.skin;
   const TexelSkin at_texels = sample_skin(skin, scene_.scene->meshes, *atlas_);
   const auto wavelengths = surface_.material.bands.wavelengths();
-  const OperatorTotals totals = skin.constants == SkinConstants::calibrated
-                                    ? OperatorTotals::exact
+  const OperatorTotals totals = takes_exact_totals(surface_.material, scene_.scene->render)
+                                    ? OperatorTotals::exact_diffuse
                                     : OperatorTotals::diffusion;
   std::vector<StackTables> tables(wavelengths.size());
   std::vector<CellAbsorption> absorption(wavelengths.size());

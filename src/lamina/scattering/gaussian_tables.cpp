@@ -169,7 +169,8 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     spectra.push_back(closed_form(stack, i, grid, k));
   if (totals != OperatorTotals::diffusion) {
-    const auto exact = detail::exact_operator_totals(stack, reference_sigma_a, grid);
+    const auto exact = detail::exact_operator_totals(stack, reference_sigma_a, grid,
+                                                     totals == OperatorTotals::exact_diffuse);
     for (std::size_t i = 0; i < spectra.size(); ++i) scale_to(exact[i], spectra[i]);
   }
   if (totals == OperatorTotals::exact_profile)

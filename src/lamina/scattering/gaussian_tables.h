@@ -31,7 +31,8 @@ enum class OperatorTotals {
   exact,      ///< adding-doubling
   /// The same, and the first layer's R+ is such that the whole stack has the exact profile, for
   /// every absorption of the first layer and the reference absorption of those below
-  exact_profile
+  exact_profile,
+  exact_diffuse  ///< as `exact`, but of light that arrives evenly from all directions
 };
 
 /// Gaussians whose variances double, and absorptions at equal ratios.
@@ -79,10 +80,11 @@ inline constexpr double highest_fitted_frequency = 200.0;
 /// absorptions in [.01, 30]/mm: below 4e-4 of what an epidermis transmits, below 1e-4 of what it or
 /// the dermis reflects.
 ///
-/// Exact totals are those of each layer alone between its neighbours' indices, lit normally from
-/// above the first and evenly elsewhere. Light between layers is not even, by which the sum over
-/// layers errs by up to 5 %. So a half-space at the bottom gets the reflectance with which the
-/// whole stack is exact, for every absorption of its own and one of the layers above it.
+/// Exact totals are those of each layer alone between its neighbours' indices, lit normally (or
+/// evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light between layers
+/// is not even, by which the sum over layers errs by up to 5 %. So a half-space at the bottom gets
+/// the reflectance with which the whole stack is exact, for every absorption of its own and one of
+/// the layers above it.
 ///
 /// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm]; not used for the
 ///                           totals of diffusion.

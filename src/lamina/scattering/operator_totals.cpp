@@ -26,6 +26,13 @@ Layer solid_layer(const MappedLayer& layer, double sigma_a) {
           .thickness = layer.thickness};
 }
 
+/// Where light comes from.
+enum class From {
+  neighbor,        ///< evenly
+  outside,         ///< normally
+  outside_evenly,  ///< from all directions
+};
+
 /// What light does that arrives on a stack and gets through its first boundary.
 struct Entered {
   double reflection, transmission;
@@ -33,21 +40,21 @@ struct Entered {
 
 /// Light from outside is counted once it has entered; light from a neighbouring layer, whose index
 /// is nearly the same, when it arrives.
-Entered solve(const LayerStack& stack, bool from_outside) {
-  const SlabTotals totals = adding_doubling(stack, {.is_diffuse = !from_outside}).totals;
-  if (!from_outside)
+Entered solve(const LayerStack& stack, From from) {
+  const SlabTotals totals = adding_doubling(stack, {.is_diffuse = from != From::outside}).totals;
+  if (from == From::neighbor)
     return {totals.specular_reflectance + totals.diffuse_reflectance, totals.transmittance};
   const double entered = 1.0 - totals.specular_reflectance;
   return {totals.diffuse_reflectance / entered, totals.transmittance / entered};
 }
 
-LayerResponse solve_layer(const MappedStack& stack, std::size_t i, double sigma_a) {
+LayerResponse solve_layer(const MappedStack& stack, std::size_t i, double sigma_a, From outside) {
   const Layer layer = solid_layer(stack.layers[i], sigma_a);
   const double over = ior_over(stack, i), under = ior_under(stack, i);
-  const Entered above = solve(LayerStack({layer}, over, under), i == 0);
+  const Entered above = solve(LayerStack({layer}, over, under), i == 0 ? outside : From::neighbor);
   if (std::isinf(layer.thickness)) return {above.reflection, 0.0, 0.0, 0.0};
   const bool is_last = i + 1 == stack.layers.size();
-  const Entered below = solve(LayerStack({layer}, under, over), is_last);
+  const Entered below = solve(LayerStack({layer}, under, over), is_last ? outside : From::neighbor);
   return {above.reflection, above.transmission, below.reflection, below.transmission};
 }
 
@@ -85,11 +92,12 @@ double reflection_for(const LayerResponse& cover, double exact) {
 
 std::vector<LayerTotals> exact_operator_totals(const MappedStack& stack,
                                                std::span<const double> reference_sigma_a,
-                                               const GaussianTableGrid& grid) {
+                                               const GaussianTableGrid& grid, bool is_lit_evenly) {
   assert(reference_sigma_a.size() == stack.layers.size());
   constexpr std::size_t nodes = 28;
   const std::vector<double> points = chebyshev_points(nodes);
   const std::size_t size = stack.layers.size();
+  const From outside = is_lit_evenly ? From::outside_evenly : From::outside;
   const bool ends_in_half_space = size > 1 && std::isinf(stack.layers.back().thickness);
 
   // The layers above the last one, at their reference absorption, or at so much less that enough
@@ -100,7 +108,7 @@ std::vector<LayerTotals> exact_operator_totals(const MappedStack& stack,
   for (double share = 1.0; ends_in_half_space && all.empty(); share *= 0.5) {
     cover = LayerResponse{};
     for (std::size_t i = 0; i + 1 < size; ++i) {
-      cover = stacked(cover, solve_layer(stack, i, share * reference_sigma_a[i]));
+      cover = stacked(cover, solve_layer(stack, i, share * reference_sigma_a[i], outside));
       all.push_back(solid_layer(stack.layers[i], share * reference_sigma_a[i]));
     }
     if (cover.transmission_down * cover.transmission_up < enough && share > 1e-3) all.clear();
@@ -117,9 +125,9 @@ std::vector<LayerTotals> exact_operator_totals(const MappedStack& stack,
         std::vector<Layer> layers = all;
         layers.push_back(solid_layer(stack.layers[i], sigma_a));
         r.reflection_above = reflection_for(
-            cover, solve(LayerStack(layers, stack.ior_above, stack.ior_below), true).reflection);
+            cover, solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside).reflection);
       } else {
-        r = solve_layer(stack, i, sigma_a);
+        r = solve_layer(stack, i, sigma_a, outside);
       }
       at_nodes[0].push_back(r.reflection_above), at_nodes[1].push_back(r.transmission_down);
       at_nodes[2].push_back(r.reflection_below), at_nodes[3].push_back(r.transmission_up);

@@ -16,9 +16,11 @@ using LayerTotals = std::array<std::vector<double>, 4>;
 
 /// Totals by adding-doubling as make_stack_tables explains them, [layer]. They are solved at
 /// Chebyshev nodes of the logarithm of absorption and interpolated: to 1e-5 of incident light.
+///
+/// @param is_lit_evenly  from outside, else normally
 [[nodiscard]] std::vector<LayerTotals> exact_operator_totals(
     const MappedStack& stack, std::span<const double> reference_sigma_a,
-    const GaussianTableGrid& grid);
+    const GaussianTableGrid& grid, bool is_lit_evenly);
 
 /// What the top and the bottom boundary of a layer turn back from inside.
 [[nodiscard]] std::pair<double, double> boundary_reflectances(const MappedStack& stack,
