@@ -15,6 +15,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
 #include "lamina/render/method_settings.h"
+#include "lamina/render/method_choice.h"
 #include "lamina/render/render.h"
 #include "lamina/render/scene.h"
 #include "lamina/render/skin_totals.h"
@@ -45,15 +46,14 @@ fs::path checkpoint_file(const PictureFiles& files) {
 using Method = RenderSettings::Method;
 
 Method method_named(const std::string& name) {
+  if (name == name_of(Method::automatic)) return Method::automatic;
   for (const auto& [known, method] : named_methods)
     if (name == known) return method;
   throw InvalidInput(
-      "--method: must be profile, layered_bsdf, hierarchy, shadow_map, texture_space or "
+      "--method: must be auto, profile, layered_bsdf, hierarchy, shadow_map, texture_space or "
       "random_walk, but is " +
       name);
 }
-
-std::string name_of(Method method) { return std::string(method_name(method)); }
 
 RenderSettings::Profile profile_named(const std::string& name) {
   using Profile = RenderSettings::Profile;
@@ -132,8 +132,8 @@ void run_render(const RenderCommandOptions& options) {
   }();
   warn(scene.warnings);
   apply(options, scene);
-  if (!options.cache.empty() && scene.render.method != Method::hierarchy &&
-      scene.render.method != Method::texture_space)
+  if (!options.cache.empty() && scene.render.method != Method::automatic &&
+      scene.render.method != Method::hierarchy && scene.render.method != Method::texture_space)
     throw InvalidInput("--cache: the method must be hierarchy or texture_space, but is " +
                        name_of(scene.render.method));
   if (options.needs_cache && options.cache.empty())
@@ -191,7 +191,9 @@ void run_render(const RenderCommandOptions& options) {
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   nlohmann::ordered_json json = make_result("render");
-  json["method"] = name_of(scene.render.method);
+  json["method"] = name_of(s.method);
+  if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
+  json["expected_cpu_seconds"] = s.expected_cpu_seconds;
   json["wall_seconds"] = s.wall_seconds;
   json["cpu_seconds"] = s.cpu_seconds;
   json["samples_per_pixel"] = s.samples_per_pixel;
@@ -263,7 +265,8 @@ void add_render_command(CLI::App& app) {
       .range(0, 1000);
   command
       .add_option("--method", options->method,
-                  "of light below surfaces: profile draws entry points at random; "
+                  "of light below surfaces: auto, one of the others by what the scene needs and what "
+                  "it costs; profile draws entry points at random; "
                   "hierarchy sums a profile over samples of the light, without noise; "
                   "shadow_map draws them in what lights see, a fast preview; "
                   "texture_space spreads "

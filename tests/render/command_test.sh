@@ -35,6 +35,17 @@ for name in leaves bust rough_plate; do
   ! grep -q ' 0.00 % noise' output || fail "$name: noise measured where there is nothing to measure"
 done
 
+# A method that is left open is chosen, one that is named is not; what it takes is said before.
+expect 0 'lamina: method profile (' "$scenes/arm.json" "${small[@]}" -o open.exr --json open.json
+grep -qE 'method profile \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
+for key in '"method": "profile"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
+  grep -q "$key" open.json || fail "no $key in the JSON"
+done
+expect 0 'lamina: method hierarchy: about ' "$scenes/arm.json" "${small[@]}" -o named.exr --method hierarchy --json named.json
+grep -q '"method": "hierarchy"' named.json || fail "a method that was named was switched"
+! grep -q chosen named.json || fail "a method that was named was chosen"
+expect 0 'method hierarchy (its light can be kept)' "$scenes/arm.json" "${small[@]}" -o open.exr --cache open.ply
+
 expect 0 '' "$scene" "${small[@]}" -o dipole.exr --profile dipole
 cmp -s sphere_skin.exr dipole.exr && fail "--profile does nothing"
 

@@ -284,6 +284,7 @@ TEST(Hierarchy, GivesThePictureOfTheProfileMethod) {
   scene.lights = {
       DirectionalLight{.direction = normalize(Vec3{1, 0.3, 0.2}), .irradiance = {3, 3, 3}}};
   scene.render.samples_per_pixel = 16;
+  scene.render.hierarchy.spacing = 0.11f;  // the thin end is narrow
   const Image summed = render(scene).image;
   scene.render.method = RenderSettings::Method::profile;
   scene.render.samples_per_pixel = 512;

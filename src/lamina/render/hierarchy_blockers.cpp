@@ -50,16 +50,8 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_ins
 }
 
 template <int N>
-std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(
-    float spacing) const {
-  using Patch = typename InnerBlockers<N>::Patch;
-  // A coarse look first: most opaque surfaces of a scene are elsewhere.
-  struct Found {
-    std::vector<Mesh> mesh;
-    std::uint32_t material;
-  };
-  std::vector<Found> inside;
-  double area_inside = 0.0;
+std::vector<typename HierarchyTransport<N>::Inside> HierarchyTransport<N>::objects_inside() const {
+  std::vector<Inside> inside;
   const auto& materials = scene_.scene->materials;
   for (std::uint32_t m = 0; m < materials.size(); ++m) {
     if (!std::holds_alternative<DiffuseSurface>(materials[m].surface) || materials[m].opacity)
@@ -71,20 +63,28 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patch
       const double area = surface_area(alone, m);
       if (!(area > 0.0)) continue;
       double found = 0.0;
-      for (const Patch& patch : patches_inside(alone, m, static_cast<float>(std::sqrt(area / few))))
+      for (const auto& patch : patches_inside(alone, m, static_cast<float>(std::sqrt(area / few))))
         found += static_cast<double>(patch.area);
-      if (!(found > 0.0)) continue;
-      area_inside += found;
-      inside.push_back({alone, m});
+      if (found > 0.0) inside.push_back({alone, m, found, found / area});
     }
   }
+  return inside;
+}
+
+template <int N>
+std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(
+    float spacing) const {
+  using Patch = typename InnerBlockers<N>::Patch;
+  const std::vector<Inside> inside = objects_inside();
+  double area_inside = 0.0;
+  for (const Inside& object : inside) area_inside += object.area;
   std::vector<Patch> patches;
   if (inside.empty()) return patches;
   const double most = 0.7 * static_cast<double>(InnerBlockers<N>::most_patches);
   for (float wide = std::max(spacing, static_cast<float>(std::sqrt(area_inside / most)));;
        wide *= 1.2f) {
     patches.clear();
-    for (const auto& [mesh, material] : inside)
+    for (const auto& [mesh, material, area, share] : inside)
       std::ranges::copy(patches_inside(mesh, material, wide), std::back_inserter(patches));
     if (patches.size() <= InnerBlockers<N>::most_patches) return patches;
   }
@@ -94,6 +94,8 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patch
   template bool HierarchyTransport<N>::is_inside(const Vec3f&, const Vec3f&) const;    \
   template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside( \
       const std::vector<Mesh>&, std::uint32_t, float) const;                           \
+  template std::vector<HierarchyTransport<N>::Inside> HierarchyTransport<N>::objects_inside()     \
+      const;                                                                                      \
   template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(float) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);

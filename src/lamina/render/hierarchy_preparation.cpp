@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/render/light_cache.h"
 #include "lamina/render/nearest_pixel.h"
@@ -59,20 +61,20 @@ double change_between(const std::vector<BandValues<N>>& before,
 }
 
 /// Samples of the light, in use when it returns: nothing if progress asked to stop.
-///
-/// @param spacing  at which to stop, without refinement [mm]
 template <int N>
 std::optional<IrradianceCloud> sampled_light(HierarchyTransport<N>& hierarchy, const Scene& scene,
-                                             const LightGatherer<N>& light, float spacing,
+                                             const LightGatherer<N>& light,
+                                             const LightSampling& sampling,
                                              const Progress& progress, LightSamples& done) {
   const double refine = static_cast<double>(scene.render.hierarchy.refine);
-  const float closest = hierarchy.closest_spacing();
+  const float closest = hierarchy.closest_spacing(), spacing = sampling.field.spacing(0);
   std::vector<SurfacePoint> probes;
   if (refine > 0.0) probes = make_probes(scene, hierarchy.material());
   std::vector<BandValues<N>> before;
   for (float at = refine > 0.0 ? first_spacing * spacing : spacing;;
        at = std::max(0.5f * at, closest)) {
-    auto cloud = hierarchy.sample_light(light, at, scene.render.seed, progress);
+    auto cloud = hierarchy.sample_light(light, refine > 0.0 ? SpacingField(at) : sampling.field,
+                                        sampling.estimates, scene.render.seed, progress);
     if (!cloud) return std::nullopt;
     hierarchy.use(*cloud);
     done.spacing = static_cast<double>(at);
@@ -85,17 +87,63 @@ std::optional<IrradianceCloud> sampled_light(HierarchyTransport<N>& hierarchy, c
   }
 }
 
+double sum(const std::vector<double>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), 0.0);
+}
+
 }  // namespace
+
+template <int N>
+LightSampling plan_sampling(const HierarchyTransport<N>& hierarchy, const RenderScene& scene,
+                            const CameraRays& camera, const SeenSurface& seen,
+                            const RenderOptions& options) {
+  const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
+               max_bounces, seed, settings, texture_space, shadow_map] = scene.scene->render;
+  constexpr int most_estimates = 32, least_estimates = 4;
+  const std::uint32_t material = hierarchy.material();
+  const float nearest = nearest_pixel(*scene.scene, camera, material);
+  const bool is_kept = !options.cache.empty();
+  LightSampling sampling{.field = SpacingField(1.0f), .estimates = most_estimates};
+  std::vector<double> counts;
+  if (is_kept || settings.spacing > 0.0f || settings.refine > 0.0f) {
+    // What is kept serves cameras that come closer, too.
+    sampling.field = SpacingField(std::max(hierarchy.spacing_for((is_kept ? 0.5f : 1.0f) * nearest),
+                                           hierarchy.closest_spacing()));
+    counts = expected_cells(scene.scene->meshes, material, sampling.field);
+  } else {
+    std::vector<Vec3f> places;
+    for (const SurfacePoint& point : seen.points[material]) places.push_back(point.position);
+    const float pixel = places.empty() ? nearest : seen.pixel_size(material);
+    float spacing = hierarchy.spacing_for(pixel);
+    do {
+      sampling.field = SpacingField(places, spacing, 2.0f * seen.pixels_between * pixel);
+      counts = expected_cells(scene.scene->meshes, material, sampling.field);
+      spacing *= 1.2f;
+    } while (sum(counts) > settings.max_points);
+    // Twice as many paths to a pixel as it has samples, as far as that many are of use.
+    const float wide = sampling.field.spacing(0) / pixel;
+    const float wanted = 2.0f * static_cast<float>(samples_per_pixel) * wide * wide;
+    if (!(noise > 0.0f))
+      sampling.estimates =
+          static_cast<int>(std::clamp(wanted, float{least_estimates}, float{most_estimates}));
+  }
+  if (settings.irradiance_samples > 0) sampling.estimates = settings.irradiance_samples;
+  sampling.cells = sum(counts);
+  sampling.close_cells = counts.front();
+  return sampling;
+}
 
 template <int N>
 bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
                          const RenderScene& scene, const CameraRays& camera,
-                         const LightGatherer<N>& light, const RenderOptions& options,
-                         const Progress& progress, std::vector<LightSamples>& sampled) {
+                         const SeenSurface& seen, const LightGatherer<N>& light,
+                         const RenderOptions& options, const Progress& progress,
+                         std::vector<LightSamples>& sampled) {
   if (hierarchies.empty()) return true;
-  const bool is_kept = !options.cache.empty();
   const auto spacing_of = [&](const HierarchyTransport<N>& hierarchy) {
-    return hierarchy.spacing_for(nearest_pixel(*scene.scene, camera, hierarchy.material()));
+    return std::max(
+        hierarchy.spacing_for(nearest_pixel(*scene.scene, camera, hierarchy.material())),
+        hierarchy.closest_spacing());
   };
   const auto misfit = [&](const std::vector<IrradianceCloud>& clouds) -> std::string {
     for (const HierarchyTransport<N>* hierarchy : hierarchies) {
@@ -104,8 +152,8 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
         return "lacks a material of the scene";
       const float wanted = spacing_of(*hierarchy);
       if (!(scene.scene->render.hierarchy.refine > 0.0f) && cloud->spacing > 1.001f * wanted)
-        return "its samples are " + std::to_string(cloud->spacing) +
-               " mm apart, but this camera sees light as fine as " + std::to_string(wanted) + " mm";
+        return "its samples are " + number_text(cloud->spacing) +
+               " mm apart, but this camera sees light as fine as " + number_text(wanted) + " mm";
     }
     return {};
   };
@@ -122,12 +170,10 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
   }
   std::vector<IrradianceCloud> clouds;
   for (HierarchyTransport<N>* hierarchy : hierarchies) {
-    // What is kept serves cameras that come closer, too.
-    const float pixel =
-        (is_kept ? 0.5f : 1.0f) * nearest_pixel(*scene.scene, camera, hierarchy->material());
     auto& done = sampled.emplace_back(LightSamples{.material = hierarchy->material()});
-    auto cloud = sampled_light(*hierarchy, *scene.scene, light, hierarchy->spacing_for(pixel),
-                               progress, done);
+    auto cloud =
+        sampled_light(*hierarchy, *scene.scene, light,
+                      plan_sampling(*hierarchy, scene, camera, seen, options), progress, done);
     if (!cloud) return false;
     clouds.push_back(*std::move(cloud));
   }
@@ -135,10 +181,14 @@ bool prepare_hierarchies(const std::vector<HierarchyTransport<N>*>& hierarchies,
   return true;
 }
 
-#define LAMINA_INSTANTIATE(N)                                                            \
-  template bool prepare_hierarchies<N>(                                                  \
-      const std::vector<HierarchyTransport<N>*>&, const RenderScene&, const CameraRays&, \
-      const LightGatherer<N>&, const RenderOptions&, const Progress&, std::vector<LightSamples>&)
+#define LAMINA_INSTANTIATE(N)                                                                     \
+  template LightSampling plan_sampling<N>(const HierarchyTransport<N>&, const RenderScene&,       \
+                                          const CameraRays&, const SeenSurface&,                  \
+                                          const RenderOptions&);                                  \
+  template bool prepare_hierarchies<N>(const std::vector<HierarchyTransport<N>*>&,                \
+                                       const RenderScene&, const CameraRays&, const SeenSurface&, \
+                                       const LightGatherer<N>&, const RenderOptions&,             \
+                                       const Progress&, std::vector<LightSamples>&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -29,9 +29,11 @@ constexpr float middle_of_profile = 0.6f;
 
 /// Areas that make the sum of samples, each spread by a Gaussian, 1 at each of them: points are not
 /// spaced as evenly as a lattice, and a narrow profile would show by how much. Where the surface
-/// ends or turns the sum is smaller in truth, and left so.
-std::vector<float> balanced_areas(const std::vector<CloudPoint>& points, const PointGrid& grid,
-                                  float blur) {
+/// ends or turns the sum is smaller in truth, and left so, as it is beside samples further apart.
+///
+/// @param wide  those of the samples that are further apart
+std::vector<float> balanced_areas(std::span<const CloudPoint> points, const PointGrid& grid,
+                                  const PointGrid& wide, float blur) {
   std::vector<float> areas, sums(points.size()), wanted(points.size(), 1.0f);
   for (const CloudPoint& point : points) areas.push_back(point.area);
   constexpr int rounds = 4;
@@ -46,16 +48,22 @@ std::vector<float> balanced_areas(const std::vector<CloudPoint>& points, const P
                  std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (blur * blur));
         sums[i] = sum / (2.0f * pi * blur * blur);
         if (round > 0) continue;
+        if (wide.near(points[i].position, points[i].normal).count > 0) {
+          wanted[i] = 0.0f;  // stays as it is
+          continue;
+        }
         const float inside = std::clamp((sums[i] - 0.6f) / 0.2f, 0.0f, 1.0f);
         wanted[i] = sums[i] + inside * (1.0f - sums[i]);
       }
     });
-    for (std::size_t i = 0; i < points.size(); ++i) areas[i] *= wanted[i] / sums[i];
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (wanted[i] > 0.0f) areas[i] *= wanted[i] / sums[i];
   }
   double before = 0.0, after = 0.0;
   for (const CloudPoint& point : points) before += static_cast<double>(point.area);
   for (const float area : areas) after += static_cast<double>(area);
-  for (float& area : areas) area *= static_cast<float>(before / after);
+  if (after > 0.0)
+    for (float& area : areas) area *= static_cast<float>(before / after);
   return areas;
 }
 
@@ -77,9 +85,7 @@ float HierarchyTransport<N>::spacing_for(float pixel_size) const {
   const HierarchySettings& settings = scene_.scene->render.hierarchy;
   const float of_profile =
       smallest_half_radius(profiles_.by_thickness().back()) / samples_per_half_radius;
-  const float wanted =
-      settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
-  return std::max(wanted, closest_spacing());
+  return settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
 }
 
 template <int N>
@@ -89,19 +95,26 @@ float HierarchyTransport<N>::closest_spacing() const {
 }
 
 template <int N>
-std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGatherer<N>& light,
-                                                                   float spacing,
-                                                                   std::uint64_t seed,
-                                                                   const Progress& progress) const {
-  const SurfaceCells surface = make_surface_cells(scene_.scene->meshes, material_, spacing, seed);
+std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(
+    const LightGatherer<N>& light, const SpacingField& field, int estimates, std::uint64_t seed,
+    const Progress& progress) const {
+  const auto levels = make_surface_cells(scene_.scene->meshes, material_, field, seed);
+  struct Patch {
+    const SurfaceCell* cell;
+    std::size_t level;
+  };
+  std::vector<Patch> patches;
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    for (const SurfaceCell& cell : levels[level].cells) patches.push_back({&cell, level});
   IrradianceCloud cloud{.material = material_,
                         .bands = surface_.material.bands.size(),
-                        .spacing = spacing,
-                        .points = std::vector<CloudPoint>(surface.cells.size()),
+                        .spacing = field.spacing(0),
+                        .points = std::vector<CloudPoint>(patches.size()),
+                        .wide_from = levels.front().cells.size(),
                         .irradiance = {}};
   cloud.irradiance.resize(cloud.points.size() * cloud.bands);
   const SurfaceMaterial& material = scene_.scene->materials[material_];
-  const auto point_on = [&](const SurfaceElement& e) {
+  const auto point_on = [&](const SurfaceElement& e, float spacing) {
     SurfacePoint point = make_surface_point(
         scene_.scene->meshes,
         {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle}, spacing);
@@ -110,13 +123,13 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGa
     return point;
   };
   constexpr std::size_t chunk = 64;
-  const int estimates = scene_.scene->render.hierarchy.irradiance_samples;
   std::atomic<bool> is_stopped = false;
-  parallel_for((surface.cells.size() + chunk - 1) / chunk, [&](std::size_t c) {
+  parallel_for((patches.size() + chunk - 1) / chunk, [&](std::size_t c) {
     if (is_stopped) return;
-    for (std::size_t i = c * chunk; i < std::min(surface.cells.size(), (c + 1) * chunk); ++i) {
-      const SurfaceCell& cell = surface.cells[i];
-      const auto elements = surface.elements_of(cell);
+    for (std::size_t i = c * chunk; i < std::min(patches.size(), (c + 1) * chunk); ++i) {
+      const SurfaceCell& cell = *patches[i].cell;
+      const float spacing = field.spacing(static_cast<int>(patches[i].level));
+      const auto elements = levels[patches[i].level].elements_of(cell);
       Bands irradiance;
       std::size_t at = 0;
       float before = 0.0f;  // area of the elements before `at`
@@ -128,12 +141,12 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGa
           before += elements[at++].area;
         PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
                              static_cast<std::uint32_t>(s));
-        irradiance += light.entering_irradiance(point_on(elements[at]), samples);
+        irradiance += light.entering_irradiance(point_on(elements[at], spacing), samples);
       }
       for (std::size_t b = 0; b < cloud.bands; ++b)
         cloud.irradiance[i * cloud.bands + b] =
             irradiance[static_cast<int>(b)] / static_cast<float>(estimates);
-      const SurfacePoint middle = point_on(elements[elements.size() / 2]);
+      const SurfacePoint middle = point_on(elements[elements.size() / 2], spacing);
       cloud.points[i] = {.position = cell.position,
                          .normal = cell.normal,
                          .uv = middle.uv,
@@ -169,11 +182,17 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
       sample.shade = profiles_.shade_of(conversion_.from_rgb(point.albedo));
   }
   points_ = cloud.points;
-  std::vector<PointGrid::Place> places;
-  for (const CloudPoint& point : points_) places.push_back({point.position, point.normal});
-  grid_ = PointGrid(places, reach_of_fit * cloud.spacing);
-  const std::vector<float> areas = balanced_areas(points_, grid_, blur);
-  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].area = areas[i];
+  points_.resize(std::min(points_.size(), cloud.wide_from));
+  const auto grid_of = [](std::span<const CloudPoint> points, float reach) {
+    std::vector<PointGrid::Place> places;
+    for (const CloudPoint& point : points) places.push_back({point.position, point.normal});
+    return PointGrid(places, reach);
+  };
+  grid_ = grid_of(points_, reach_of_fit * cloud.spacing);
+  const PointGrid wide = grid_of(std::span(cloud.points).subspan(points_.size()),
+                                 1.5f * reach_of_fit * cloud.spacing);
+  const std::vector<float> areas = balanced_areas(points_, grid_, wide, blur);
+  for (std::size_t i = 0; i < areas.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);
   blockers_ =
       InnerBlockers<N>(inner_patches(cloud.spacing), make_diffusion_medium<N>(surface_.material),
@@ -234,7 +253,7 @@ BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, cons
                  const float near2 = std::max(d2 - bent, 0.5f * d2);
                  total += spread_.spread(exit, offset, near2, node.normal, shade) * node.power;
                });
-  if (!blockers_.empty()) total *= blockers_.share(position, n, tree_);
+  if (blockers_.may_reach(position, reach_)) total *= blockers_.share(position, n, tree_);
   return total * local.scale;
 }
 

@@ -13,13 +13,14 @@
 #include "lamina/render/lazy_values.h"
 #include "lamina/render/point_grid.h"
 #include "lamina/render/profile_transport.h"
+#include "lamina/render/spacing_field.h"
 
 namespace lamina {
 
 /// Subsurface transport by summing a profile over samples of the light on the surface.
 ///
-/// First the surface is cut into patches, narrower than the profile, and the light that enters each
-/// is found. Then the light that leaves at a point is a sum over all patches within reach, those
+/// First the surface is cut into patches, narrower than the profile where they are seen, and the
+/// light that enters each is found. Then the light that leaves at a point is a sum over all patches within reach, those
 /// far away many at a time. The sum has no noise, and the samples serve any camera. It is as smooth
 /// as the profile is wide, so it is taken at the patches that are seen, once, and between them
 /// interpolated.
@@ -46,16 +47,18 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
 
   /// The spacing of samples that the settings ask for, never more than `max_points` of them [mm].
   ///
-  /// @param pixel_size  what a pixel sees at least [mm]: samples need not be closer
+  /// @param pixel_size  what a pixel sees [mm]: samples need not be closer
   [[nodiscard]] float spacing_for(float pixel_size) const;
-  /// That of `max_points` samples [mm].
+  /// That of `max_points` samples all over the surface [mm].
   [[nodiscard]] float closest_spacing() const;
 
   /// Samples the light on the surface.
   ///
-  /// @return nothing if progress asked to stop
+  /// @param estimates  of the light at each sample, at random
+  /// @return           nothing if progress asked to stop
   [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
-                                                            float spacing, std::uint64_t seed,
+                                                            const SpacingField& field,
+                                                            int estimates, std::uint64_t seed,
                                                             const Progress& progress) const;
 
   /// Makes the samples ready to be summed. Comes before leaving_radiance.
@@ -69,6 +72,14 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
 
   [[nodiscard]] std::uint32_t material() const { return material_; }
 
+  /// An opaque object inside, bones say, by a coarse look: most of a scene are elsewhere.
+  struct Inside {
+    std::vector<Mesh> mesh;
+    std::uint32_t material;
+    double area, share;  ///< of it that lies inside, about [mm²], and over all of it
+  };
+  [[nodiscard]] std::vector<Inside> objects_inside() const;
+
   /// Flux per area that leaves at a point.
   [[nodiscard]] Bands exitance(const SurfacePoint& point) const;
 
@@ -77,7 +88,7 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   /// By a sum over all samples within reach.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;
-  /// The surface of opaque objects inside, bones say.
+  /// The surface of opaque objects inside.
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> inner_patches(float spacing) const;
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
       const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;

@@ -69,6 +69,12 @@ InnerBlockers<N>::InnerBlockers(std::span<const Patch> patches, const DiffusionM
       source.power_inner[b] = -dipole - 0.5f * absorbed;
       source.power_outer[b] = dipole - 0.5f * absorbed;
     }
+    const Vec3f& p = patch.position;
+    if (sources_.empty()) box_low_ = box_high_ = p;
+    for (int k = 0; k < 3; ++k) {
+      box_low_[k] = std::min(box_low_[k], p[k]);
+      box_high_[k] = std::max(box_high_[k], p[k]);
+    }
     sources_.push_back(source);
   }
 }

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -69,6 +70,16 @@ class InnerBlockers {
 
   [[nodiscard]] bool empty() const { return sources_.empty(); }
 
+  /// Whether an object may lie within the reach of light that leaves at a position [mm].
+  [[nodiscard]] bool may_reach(const Vec3f& position, float reach) const {
+    float distance2 = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      const float apart = std::max({box_low_[k] - position[k], position[k] - box_high_[k], 0.0f});
+      distance2 += apart * apart;
+    }
+    return !empty() && distance2 <= reach * reach;
+  }
+
  private:
   /// Two sources of fluence, apart along the normal of a patch: together its source and dipole.
   struct Source {
@@ -85,6 +96,7 @@ class InnerBlockers {
   DiffusionMedium<N> medium_;
   float error_ = 0.0f, reach_ = 0.0f;
   std::vector<Source> sources_;
+  Vec3f box_low_, box_high_;  ///< around all patches [mm]
 };
 
 }  // namespace lamina

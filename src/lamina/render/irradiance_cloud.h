@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lamina/core/vec.h"
@@ -25,6 +26,8 @@ struct IrradianceCloud {
   std::size_t bands = 0;
   float spacing = 0.0f;  ///< square root of the mean area of a patch [mm]
   std::vector<CloudPoint> points;
+  std::size_t wide_from = std::numeric_limits<std::size_t>::max();  ///< points from there on are
+                                                                    ///< further apart: none sees them
   /// [point][band], flux per area that has passed the boundary, mean over the patch; empty once it
   /// has spread
   std::vector<float> irradiance;

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <iomanip>
 #include <limits>
 #include <locale>
 #include <span>
@@ -26,9 +25,7 @@ static_assert(std::endian::native == std::endian::little, "the file is written a
 constexpr std::size_t fixed_numbers = 14;  // of a vertex, before those of its bands
 
 std::string hexadecimal(std::uint64_t value) {
-  PlainTextStream text;
-  text << std::hex << std::setw(16) << std::setfill('0') << value;
-  return text.str();
+  return printf_text("%016llx", static_cast<unsigned long long>(value));
 }
 
 /// What a file says before its numbers, but for the number of vertices and the comments.

@@ -28,7 +28,10 @@ class MethodSet {
   constexpr MethodSet(std::initializer_list<Method> methods) {
     for (const Method method : methods) bits_ |= bit(method);
   }
-  [[nodiscard]] constexpr bool has(Method method) const { return (bits_ & bit(method)) != 0; }
+  /// A method that is left open becomes one that honours what is asked.
+  [[nodiscard]] constexpr bool has(Method method) const {
+    return method == Method::automatic || (bits_ & bit(method)) != 0;
+  }
 
  private:
   static constexpr std::uint32_t bit(Method method) { return 1u << static_cast<unsigned>(method); }

@@ -20,12 +20,15 @@
 #include "lamina/render/layered_material.h"
 #include "lamina/render/media_walk.h"
 #include "lamina/render/method_settings.h"
+#include "lamina/render/method_choice.h"
 #include "lamina/render/path_tracer.h"
 #include "lamina/render/profile_maker.h"
 #include "lamina/render/profile_transport.h"
 #include "lamina/render/random_walk.h"
+#include "lamina/render/render_cost.h"
 #include "lamina/render/render_scene.h"
 #include "lamina/render/scene_fingerprint.h"
+#include "lamina/render/seen_surface.h"
 #include "lamina/render/shadow_map_transport.h"
 #include "lamina/render/single_scattering.h"
 #include "lamina/render/texture_space_preparation.h"
@@ -156,7 +159,8 @@ Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>&
         break;
       }
       case Method::layered_bsdf:
-        break;  // has no transport between points
+      case Method::automatic:
+        break;  // has no transport between points; is one of the others by now
     }
     if (scene.scene->render.method == Method::random_walk &&
         surface->color_use != SubsurfaceSurface::ColorUse::none)
@@ -183,17 +187,50 @@ LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
   return layered;
 }
 
-/// @return whether it was completed
+/// The method, in place of one that the scene leaves open.
 template <int N>
-bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOptions& options,
-                  const Progress& progress, FilmAccumulator& film, RenderStatistics& statistics) {
-  const RenderSettings& settings = scene.scene->render;
+void choose(RenderScene& scene, const BandConversion<N>& conversion, const CameraRays& camera,
+            const SeenSurface& seen, const RenderOptions& options, const Progress& progress,
+            Scene& chosen, RenderStatistics& statistics) {
+  if (scene.scene->render.method == RenderSettings::Method::automatic) {
+    const MethodChoice choice =
+        choose_method<N>(scene, conversion, camera, seen, options, of_unknown_length(progress));
+    chosen = *scene.scene;
+    chosen.render.method = choice.method;
+    require_honoured(chosen);
+    scene.scene = &chosen;
+    statistics.why_method = choice.why;
+  }
+  statistics.method = scene.scene->render.method;
+}
+
+/// "method profile, as hierarchy would take 5 times its work: about 12 CPU-s".
+std::string describe(const RenderStatistics& statistics, bool may_end_early) {
+  const double expected = statistics.expected_cpu_seconds;
+  const std::string seconds =
+      printf_text("%.*f", expected < 0.95 ? 2 : expected < 9.5 ? 1 : 0, expected);
+  return "method " + name_of(statistics.method) +
+         (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
+         (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s";
+}
+
+/// @param cpu_before  time before all that was done for the picture [CPU s]
+/// @return            whether it was completed
+template <int N>
+bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions& options,
+                  const Progress& progress, double cpu_before, FilmAccumulator& film,
+                  RenderStatistics& statistics) {
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
+  const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
+  const CameraRays camera(scene.scene->camera, width, height);
+  const SeenSurface seen = look_at_surfaces<N>(scene, conversion, sheets, camera);
+  Scene chosen;
+  choose<N>(scene, conversion, camera, seen, options, progress, chosen, statistics);
+  const RenderSettings& settings = scene.scene->render;
   const Transports<N> transports = make_transports<N>(scene, conversion, options, progress);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
-  const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
   const PathTracer<N> tracer({scene,
                               conversion,
                               transports.of_material,
@@ -201,8 +238,13 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
                               sheets,
                               {.max_bounces = settings.max_bounces,
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
-  const CameraRays camera(scene.scene->camera, width, height);
-  if (!prepare_hierarchies(transports.hierarchies, scene, camera, tracer, options, progress,
+  statistics.expected_cpu_seconds =
+      cpu_seconds() - cpu_before +
+      expected_cpu_seconds<N>({scene, camera, tracer, seen, options, transports.hierarchies,
+                               transports.texture_spaces, transports.shadow_maps,
+                               static_cast<double>(transports.random_walks.size())});
+  if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
+  if (!prepare_hierarchies(transports.hierarchies, scene, camera, seen, tracer, options, progress,
                            statistics.light_samples))
     return false;
   if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options, progress))
@@ -249,14 +291,15 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
   require_honoured(scene);
   const BandSet bands = common_bands(scene);
-  const RenderScene prepared(scene);
+  RenderScene prepared(scene);
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;
   statistics.is_complete =
-      bands.size() <= 4   ? trace_passes<4>(prepared, bands, options, progress, film, statistics)
-      : bands.size() <= 8 ? trace_passes<8>(prepared, bands, options, progress, film, statistics)
-                          : trace_passes<16>(prepared, bands, options, progress, film, statistics);
+      (bands.size() <= 4   ? trace_passes<4>
+       : bands.size() <= 8 ? trace_passes<8>
+                           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film,
+                                               statistics);
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();

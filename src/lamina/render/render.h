@@ -56,6 +56,9 @@ struct LightSamples {
 };
 
 struct RenderStatistics {
+  RenderSettings::Method method = RenderSettings::Method::automatic;  ///< that was used
+  std::string why_method;             ///< a phrase, if the scene left it open; else empty
+  double expected_cpu_seconds = 0.0;  ///< as it seemed before the work
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;                 ///< of all threads of the process while rendering
   double samples_per_pixel = 0.0;           ///< mean; fewer than asked for after an early stop

@@ -202,9 +202,11 @@ struct Film {
 struct HierarchySettings {
   float spacing = 0.0f;         ///< of samples [mm]; 0: from the profile and the size of a pixel
   int max_points = 1'000'000;   ///< of a material, whatever the spacing
-  int irradiance_samples = 32;  ///< random estimates of the light at each sample
-  float error = 0.06f;          ///< solid angle up to which samples are summed as one [sr]
+  int irradiance_samples = 0;  ///< random estimates of the light at each sample; 0: as many as the
+                               ///< samples of a pixel are worth, at most 32
+  float error = 0.06f;         ///< solid angle up to which samples are summed as one [sr]
   float refine = 0.0f;  ///< change of the light up to which samples are made closer; 0: at once
+  friend bool operator==(const HierarchySettings&, const HierarchySettings&) = default;
 };
 
 /// How the method `texture_space` samples light on a surface and spreads it.
@@ -213,6 +215,7 @@ struct TextureSpaceSettings {
   int max_texels = 1'000'000;  ///< of a material, whatever the width
   int irradiance_samples = 4;  ///< random estimates of the light at each texel that is seen
   int terms = 2;  ///< times that light comes back from the dermis before the series is closed
+  friend bool operator==(const TextureSpaceSettings&, const TextureSpaceSettings&) = default;
 };
 
 /// How the method `shadow_map` sees surfaces from lights and draws points on them.
@@ -221,6 +224,7 @@ struct ShadowMapSettings {
   int lamp_views = 16;   ///< points of a rectangle that light is seen from
   int dome_views = 64;   ///< directions of an environment
   int lookups = 16;      ///< points drawn for each sample of a pixel
+  friend bool operator==(const ShadowMapSettings&, const ShadowMapSettings&) = default;
 };
 
 /// What the method layered_bsdf follows inside the layers.
@@ -241,8 +245,16 @@ struct LayeredFactors {
 };
 
 struct RenderSettings {
-  enum class Method { profile, layered_bsdf, hierarchy, shadow_map, texture_space, random_walk };
-  Method method = Method::hierarchy;
+  enum class Method {
+    profile,
+    layered_bsdf,
+    hierarchy,
+    shadow_map,
+    texture_space,
+    random_walk,
+    automatic,  ///< one of these, by what the scene needs and what it costs
+  };
+  Method method = Method::automatic;
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
   /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the

@@ -132,7 +132,7 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
   if (const auto points = object.optional("max_points"))
     settings.max_points = static_cast<int>(points->integer(1000, 20'000'000));
   if (const auto samples = object.optional("irradiance_samples"))
-    settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
+    settings.irradiance_samples = static_cast<int>(samples->integer(0, 1 << 20));
   if (const auto error = object.optional("error"))
     settings.error = static_cast<float>(error->number(between(1e-4, 1.0, "sr")));
   if (const auto refine = object.optional("refine"))
@@ -175,7 +175,8 @@ RenderSettings decode_render_settings(const JsonInput& value) {
   using Method = RenderSettings::Method;
   RenderSettings settings;
   if (const auto method = object.optional("method"))
-    settings.method = method->choice<Method>({{"profile", Method::profile},
+    settings.method = method->choice<Method>({{"auto", Method::automatic},
+                                              {"profile", Method::profile},
                                               {"layered_bsdf", Method::layered_bsdf},
                                               {"hierarchy", Method::hierarchy},
                                               {"shadow_map", Method::shadow_map},
@@ -281,11 +282,9 @@ Scene decode_scene(const JsonInput& root) {
     scene.meshes.push_back(std::move(decoded));
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   }
-  const bool has_method = file.has("render") && file.required("render").peek("method").has_value();
   for (const DecodedMaterial& material : materials) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&material.material.surface);
     if (!surface || !surface->material.skin || surface->material.skin->maps.empty()) continue;
-    if (!has_method) scene.render.method = RenderSettings::Method::texture_space;
     for (const std::string& warning : map_warnings(*surface->material.skin))
       scene.warnings.push_back("material \"" + material.material.name + "\": " + warning);
   }

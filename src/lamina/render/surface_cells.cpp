@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
@@ -36,19 +37,30 @@ struct Place {
   Vec3f position, normal;
 };
 
-/// A triangle to cut, and where its elements go.
+/// A triangle, or a part of one, to cut, and where its elements go.
 struct Piece {
   std::uint32_t mesh = 0, triangle = 0;
+  std::array<Vec2f, 3> place = {Vec2f{0, 0}, {1, 0}, {0, 1}};  // of its corners: u, v
+  std::uint32_t part = 0;                                      // which of the triangle's
   std::uint32_t cuts = 0;  // of each edge: into cuts² congruent elements
   std::size_t first = 0;
 };
 
+Corners corners(const std::vector<Mesh>& meshes, const Piece& piece) {
+  const Corners c = corners(meshes[piece.mesh], piece.triangle);
+  const auto at = [&](Vec2f uv) { return c.p0 + uv.x * (c.p1 - c.p0) + uv.y * (c.p2 - c.p0); };
+  return {at(piece.place[0]), at(piece.place[1]), at(piece.place[2])};
+}
+
+float longest_edge(const Corners& c) {
+  return std::max({length(c.p1 - c.p0), length(c.p2 - c.p1), length(c.p0 - c.p2)});
+}
+
 std::uint32_t count_cuts(const Corners& c, float spacing) {
   const float area = area_of(c);
   if (!(area > 0.0f)) return 0;
-  const float longest = std::max({length(c.p1 - c.p0), length(c.p2 - c.p1), length(c.p0 - c.p2)});
   const float wanted = std::max(std::sqrt(elements_per_cell * area) / spacing,  // small enough,
-                                longest / spacing);                             // slivers too
+                                longest_edge(c) / spacing);                     // slivers too
   return static_cast<std::uint32_t>(std::clamp(std::ceil(wanted), 1.0f, 4096.0f));
 }
 
@@ -56,16 +68,19 @@ std::uint32_t count_cuts(const Corners& c, float spacing) {
 void cut(const Corners& c, const Piece& piece, std::uint64_t seed, SurfaceElement* element) {
   const int n = static_cast<int>(piece.cuts);
   const float step = 1.0f / static_cast<float>(n), area = area_of(c) * step * step;
-  Random random = make_random(seed, (std::uint64_t{piece.mesh} << 32) | piece.triangle);
+  Random random = make_random(seed + (std::uint64_t{piece.part} << 32),
+                              (std::uint64_t{piece.mesh} << 32) | piece.triangle);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < 2 * (n - i) - 1; ++j) {
       float a = random.uniform_float(), b = random.uniform_float();
       if (a + b > 1.0f) a = 1.0f - a, b = 1.0f - b;
       // Even ones point as the whole does, odd ones the other way.
       const bool is_upright = j % 2 == 0;
-      const float u = static_cast<float>(j / 2) + (is_upright ? a : 1.0f - a);
-      const float v = static_cast<float>(i) + (is_upright ? b : 1.0f - b);
-      *element++ = {piece.mesh, piece.triangle, u * step, v * step, area};
+      const float u = step * (static_cast<float>(j / 2) + (is_upright ? a : 1.0f - a));
+      const float v = step * (static_cast<float>(i) + (is_upright ? b : 1.0f - b));
+      const auto& [p0, p1, p2] = piece.place;
+      const Vec2f at = p0 + u * (p1 - p0) + v * (p2 - p0);
+      *element++ = {piece.mesh, piece.triangle, at.x, at.y, area};
     }
 }
 
@@ -196,19 +211,46 @@ double surface_area(const std::vector<Mesh>& meshes, std::uint32_t material) {
 
 namespace {
 
-std::vector<SurfaceElement> cut_surface(const std::vector<Mesh>& meshes, std::uint32_t material,
-                                        float spacing, std::uint64_t seed) {
-  std::vector<Piece> pieces;
-  std::size_t count = 0;
-  for_triangles(meshes, material, [&](const Corners& c, std::uint32_t mesh, std::uint32_t t) {
-    const std::uint32_t cuts = count_cuts(c, spacing);
-    if (cuts > 0) pieces.push_back({mesh, t, cuts, count});
-    count += std::size_t{cuts} * cuts;
+/// All triangles of a material, those that are wide against the field in parts: [level].
+std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                            const SpacingField& field) {
+  std::vector<std::vector<Piece>> pieces(field.is_even() ? 1 : SpacingField::levels);
+  std::vector<Piece> open;
+  for_triangles(meshes, material, [&](const Corners&, std::uint32_t mesh, std::uint32_t t) {
+    open.push_back({.mesh = mesh, .triangle = t});
+    for (std::uint32_t parts = 0; !open.empty();) {
+      const Piece piece = open.back();
+      open.pop_back();
+      const Corners c = corners(meshes, piece);
+      int level = field.level((1.0f / 3.0f) * (c.p0 + c.p1 + c.p2));
+      if (level > 0 && longest_edge(c) > field.width(level)) {
+        const auto& [a, b, d] = piece.place;
+        const Vec2f ab = 0.5f * (a + b), bd = 0.5f * (b + d), da = 0.5f * (d + a);
+        for (const std::array<Vec2f, 3>& place :
+             {std::array{a, ab, da}, std::array{ab, b, bd}, std::array{da, bd, d},
+              std::array{ab, bd, da}})
+          open.push_back({.mesh = mesh, .triangle = t, .place = place, .part = ++parts});
+        continue;
+      }
+      for (const Vec3f& corner : {c.p0, c.p1, c.p2}) level = std::min(level, field.level(corner));
+      pieces[static_cast<std::size_t>(level)].push_back(piece);
+    }
   });
+  return pieces;
+}
+
+std::vector<SurfaceElement> cut_pieces(const std::vector<Mesh>& meshes, std::vector<Piece> pieces,
+                                       float spacing, std::uint64_t seed) {
+  std::size_t count = 0;
+  for (Piece& piece : pieces) {
+    piece.cuts = count_cuts(corners(meshes, piece), spacing);
+    piece.first = count;
+    count += std::size_t{piece.cuts} * piece.cuts;
+  }
   std::vector<SurfaceElement> elements(count);
   for_each_index(0, pieces.size(), [&](std::size_t i) {
-    const Piece& piece = pieces[i];
-    cut(corners(meshes[piece.mesh], piece.triangle), piece, seed, &elements[piece.first]);
+    if (pieces[i].cuts > 0)
+      cut(corners(meshes, pieces[i]), pieces[i], seed, &elements[pieces[i].first]);
   });
   return elements;
 }
@@ -241,11 +283,9 @@ SeedGrid choose_seeds(const std::vector<Place>& places, float spacing, std::uint
   return seeds;
 }
 
-}  // namespace
-
-SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
-                                float spacing, std::uint64_t seed) {
-  std::vector<SurfaceElement> elements = cut_surface(meshes, material, spacing, seed);
+SurfaceCells make_cells(const std::vector<Mesh>& meshes,
+                        const std::vector<SurfaceElement>& elements, float spacing,
+                        std::uint64_t seed) {
   const std::size_t count = elements.size();
   SurfaceCells result;
   std::vector<std::uint32_t> owner(count);
@@ -280,6 +320,37 @@ SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t m
     result.area += static_cast<double>(cell.area);
   }
   return result;
+}
+
+}  // namespace
+
+std::vector<SurfaceCells> make_surface_cells(const std::vector<Mesh>& meshes,
+                                             std::uint32_t material, const SpacingField& field,
+                                             std::uint64_t seed) {
+  std::vector<SurfaceCells> cells;
+  for (const std::vector<Piece>& pieces : make_pieces(meshes, material, field)) {
+    const float spacing = field.spacing(static_cast<int>(cells.size()));
+    cells.push_back(
+        make_cells(meshes, cut_pieces(meshes, pieces, spacing, seed), spacing, seed));
+  }
+  return cells;
+}
+
+SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                float spacing, std::uint64_t seed) {
+  return std::move(make_surface_cells(meshes, material, SpacingField(spacing), seed).front());
+}
+
+std::vector<double> expected_cells(const std::vector<Mesh>& meshes, std::uint32_t material,
+                                   const SpacingField& field) {
+  std::vector<double> counts;
+  for (const std::vector<Piece>& pieces : make_pieces(meshes, material, field)) {
+    const auto spacing = static_cast<double>(field.spacing(static_cast<int>(counts.size())));
+    double area = 0.0;
+    for (const Piece& piece : pieces) area += static_cast<double>(area_of(corners(meshes, piece)));
+    counts.push_back(area / (spacing * spacing));
+  }
+  return counts;
 }
 
 }  // namespace lamina

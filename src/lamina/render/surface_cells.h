@@ -7,6 +7,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/render/scene.h"
+#include "lamina/render/spacing_field.h"
 
 namespace lamina {
 
@@ -49,5 +50,15 @@ struct SurfaceCells {
 [[nodiscard]] SurfaceCells make_surface_cells(const std::vector<Mesh>& meshes,
                                               std::uint32_t material, float spacing,
                                               std::uint64_t seed);
+
+/// The same with cells of the sizes that a field asks for, a set for each of its levels.
+[[nodiscard]] std::vector<SurfaceCells> make_surface_cells(const std::vector<Mesh>& meshes,
+                                                           std::uint32_t material,
+                                                           const SpacingField& field,
+                                                           std::uint64_t seed);
+
+/// About how many cells that makes, level by level.
+[[nodiscard]] std::vector<double> expected_cells(const std::vector<Mesh>& meshes,
+                                                 std::uint32_t material, const SpacingField& field);
 
 }  // namespace lamina

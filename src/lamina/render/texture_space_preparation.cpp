@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/render/light_cache.h"
 #include "lamina/render/nearest_pixel.h"
@@ -51,8 +52,8 @@ bool prepare_texture_spaces(const std::vector<TextureSpaceTransport<N>*>& transp
         return "lacks a material of the scene";
       const float wanted = transport->spacing_for(pixel_of(*transport));
       if (cloud->spacing > 2.001f * wanted)
-        return "its texels are " + std::to_string(cloud->spacing) +
-               " mm wide, but this camera sees light as fine as " + std::to_string(wanted) + " mm";
+        return "its texels are " + number_text(cloud->spacing) +
+               " mm wide, but this camera sees light as fine as " + number_text(wanted) + " mm";
     }
     return {};
   };

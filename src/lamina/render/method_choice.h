@@ -1,0 +1,28 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "lamina/render/camera_rays.h"
+#include "lamina/render/path_tracer.h"
+#include "lamina/render/render.h"
+#include "lamina/render/seen_surface.h"
+
+namespace lamina {
+
+/// The method for a scene that leaves it open: what its materials need, else what its settings are
+/// of, else what costs less, by the number of paths. The same scene always gets the same one.
+struct MethodChoice {
+  RenderSettings::Method method;
+  std::string why;  ///< a phrase
+};
+template <int N>
+[[nodiscard]] MethodChoice choose_method(const RenderScene& scene,
+                                         const BandConversion<N>& conversion,
+                                         const CameraRays& camera, const SeenSurface& seen,
+                                         const RenderOptions& options,
+                                         const Progress& progress = {});
+
+[[nodiscard]] std::string name_of(RenderSettings::Method method);
+
+}  // namespace lamina
