@@ -186,6 +186,7 @@ void run_render(const RenderCommandOptions& options) {
                     light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
                                                100.0 * *light.change)
                                  : "");
+  scene.render.method = s.method;  // where it was left open
   std::string skins;
   for (const SkinTotals& totals : skin_totals(scene)) skins += describe(totals, scene) + "\n";
   const std::string noise =

@@ -280,7 +280,7 @@ TEST(MethodSettings, EveryKeyOfTheSchemaIsCrossedWithEveryMethod) {
   for (const Sample& sample : render_samples()) of_render.insert(sample.key);
   const JsonInput render = *schema.root().peek("properties")->peek("render");
   EXPECT_EQ(keys_of(*render.peek("properties")), of_render);
-  std::set<std::string> methods;
+  std::set<std::string> methods = {"auto"};  // one of the others
   for (const auto& [name, method] : named_methods) methods.insert(std::string(name));
   std::set<std::string> in_schema;
   for (const JsonInput& name : render.peek("properties")->peek("method")->peek("enum")->array())
@@ -306,6 +306,16 @@ TEST(MethodSettings, ThePageOfScenesSaysWhatHonoursAKey) {
   };
   expect_row(material_settings);
   expect_row(render_settings);
+}
+
+// Though the scene has settings of texture_space, which honours none of these.
+TEST(MethodSettings, TheMethodChosenForASceneHonoursWhatItAsksFor) {
+  for (const char* asked : {R"(, "color": [1, 0.2, 0.1])", R"(, "thickness": 0.5)"}) {
+    Scene scene = scene_of(wax + asked, "", Method::hierarchy);
+    scene.render.method = Method::automatic;
+    EXPECT_TRUE(leave_out_unhonoured(scene).empty());
+    EXPECT_EQ(message_of([&] { (void)render(scene); }), "") << asked;
+  }
 }
 
 // A default that is written down is asked for all the same.

@@ -8,6 +8,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/render/hierarchy_preparation.h"
+#include "lamina/render/method_settings.h"
 
 namespace lamina {
 namespace {
@@ -43,12 +44,13 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
   const std::string of_settings = "the scene has settings of it";
   if (settings.orders != LayeredOrders::all || settings.factors.any())
     return MethodChoice{Method::layered_bsdf, of_settings};
-  if (settings.texture_space != TextureSpaceSettings{})
+  const auto honours_all = [&](Method method) { return !refusal(scene, method); };
+  if (settings.texture_space != TextureSpaceSettings{} && honours_all(Method::texture_space))
     return MethodChoice{Method::texture_space, of_settings};
-  if (settings.hierarchy != HierarchySettings{})
+  if (settings.hierarchy != HierarchySettings{} && honours_all(Method::hierarchy))
     return MethodChoice{Method::hierarchy, of_settings};
   if (!options.cache.empty()) return MethodChoice{Method::hierarchy, "its light can be kept"};
-  if (settings.shadow_map != ShadowMapSettings{})
+  if (settings.shadow_map != ShadowMapSettings{} && honours_all(Method::shadow_map))
     return MethodChoice{Method::shadow_map, of_settings};
   return std::nullopt;
 }

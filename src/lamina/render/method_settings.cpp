@@ -50,6 +50,7 @@ std::string_view method_name(RenderSettings::Method method) {
 }
 
 std::optional<std::string> refusal(const Scene& scene, RenderSettings::Method method) {
+  if (method == RenderSettings::Method::automatic) return std::nullopt;
   for (const RenderSetting& setting : render_settings)
     if (const std::string path = path_of(setting);
         !setting.honoured_by.has(method) && is_asked(scene, setting, path))
@@ -69,6 +70,7 @@ void require_honoured(const Scene& scene) {
 
 std::vector<std::string> leave_out_unhonoured(Scene& scene) {
   std::vector<std::string> lines;
+  if (scene.render.method == RenderSettings::Method::automatic) return lines;
   for (const RenderSetting& setting : render_settings) {
     const std::string path = path_of(setting);
     if (setting.honoured_by.has(scene.render.method) || !is_asked(scene, setting, path)) continue;

@@ -133,7 +133,8 @@ inline constexpr auto render_settings = [] {
 }();
 
 /// Names the first key by which the scene asks for what a method does not honour, the method and
-/// what to do; absent if it honours all.
+/// what to do; absent if it honours all, or is yet to be
+/// chosen.
 [[nodiscard]] std::optional<std::string> refusal(const Scene& scene, RenderSettings::Method method);
 
 /// @throws InvalidInput if the scene asks for what its method does not honour.
