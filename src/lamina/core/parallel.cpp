@@ -11,6 +11,10 @@
 namespace lamina {
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  if (thread_count() == 1) {  // even then oneTBB may wake a second thread
+    for (std::size_t i = 0; i < count; ++i) body(i);
+    return;
+  }
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });
 }
 
