@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <filesystem>
@@ -95,9 +96,13 @@ TEST(JsonInput, RangesHoldTheirEndsAsTheySay) {
 
 TEST(JsonInput, UnknownKeySuggestsTheNearestOne) {
   const JsonDocument document = parse_json("{\n\"sigma_s\": 1,\n\"sigmaa\": 2,\n\"zzz\": 3}", "f");
-  EXPECT_EQ(message_of([&] { (void)document.root().object({"sigma_a", "sigma_s", "zzz"}); }),
+  EXPECT_EQ(message_of([&] {
+              (void)document.root().object({"sigma_a", "sigma_s", "zzz"});
+            }),
             "f:3: unknown key \"sigmaa\"; did you mean \"sigma_a\"?");
-  EXPECT_EQ(message_of([&] { (void)document.root().object({"sigmaa", "sigma_s"}); }),
+  EXPECT_EQ(message_of([&] {
+              (void)document.root().object({"sigmaa", "sigma_s"});
+            }),
             "f:4: unknown key \"zzz\"");
 }
 
@@ -248,6 +253,13 @@ TEST(JsonInput, FileThatCannotBeReadIsAFileError) {
   EXPECT_EQ(document.root().peek("image")->file_path(), folder / "maps/a.exr");
   EXPECT_EQ(document.root().peek("absolute")->file_path(), "/b.exr");
   EXPECT_THROW((void)document.root().peek("none")->file_path(), InvalidInput);
+  std::ofstream(file) << R"({"material": "pipe"})";
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const JsonDocument waits = load_json(file);  // whoever opened the pipe would wait for ever
+  EXPECT_EQ(message_of([&] { (void)waits.root().peek("material")->file_path(); }),
+            file.string() +
+                ":1: material must be the path of a file, not of a pipe or device, "
+                "but is \"pipe\"");
   fs::remove_all(folder);
 }
 

@@ -102,7 +102,12 @@ std::string JsonInput::string() const {
 std::filesystem::path JsonInput::file_path() const {
   const std::string text = string();
   if (text.empty() || text.find('\0') != std::string::npos) refuse("must be the path of a file");
-  return std::filesystem::path(tree_->name).parent_path() / text;
+  const std::filesystem::path path = std::filesystem::path(tree_->name).parent_path() / text;
+  std::error_code ignored;  // what is missing is told by who reads it
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_other(status))  // whoever opens a pipe waits for its writer
+    refuse("must be the path of a file, not of a pipe or device");
+  return path;
 }
 
 MemoryBudget& JsonInput::memory() const { return *tree_->memory; }

@@ -83,6 +83,7 @@ class JsonInput {
   [[nodiscard]] std::string string() const;
 
   /// A string as the path of a file, which is relative to the folder of the file that it stands in.
+  /// Pipes and devices are refused.
   [[nodiscard]] std::filesystem::path file_path() const;
 
   /// The memory that is left to read what this file names.
