@@ -161,8 +161,9 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
       "test");
   Image map = make_image(4, 4, {"Y"});
   std::ranges::fill(map.pixels, static_cast<float>(melanin));
-  skin.skin->maps.push_back({"melanin", &SkinParameters::melanin, map});
   Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
+      {"melanin", &SkinParameters::melanin, map}};
   scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
   const Image image = render(scene).image;
 
@@ -209,8 +210,9 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   Image melanin = make_image(64, 64, {"Y"});
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) *melanin.at(x, y) = y < 32 ? 0.15f : 0.01f;  // dark above
-  skin.skin->maps.push_back({"melanin", &SkinParameters::melanin, melanin});
   Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
+      {"melanin", &SkinParameters::melanin, melanin}};
   scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
   const Image image = render(scene).image;
   const std::size_t green = *channel_index(image, "subsurface.G");

@@ -1,4 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/correlation_kernel.h"
 #include "lamina/scattering/diffusion_kernels.h"
 
 #include <gtest/gtest.h>

@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/spectrum/color.h"
 
 namespace lamina {
 namespace {
@@ -27,21 +28,6 @@ double two_sided_p_value(double z) { return std::erfc(std::abs(z) / std::numbers
 double z_score(double difference, double variance) {
   if (difference == 0.0) return 0.0;
   return difference / std::sqrt(variance);  // infinite without variance
-}
-
-/// Luminance, or the first channel of images without R, G, B.
-std::vector<double> brightness(const Image& image) {
-  const auto r = channel_index(image, "R"), g = channel_index(image, "G"),
-             b = channel_index(image, "B");
-  std::vector<double> values;
-  values.reserve(image.pixels.size() / std::max<std::size_t>(1, image.channel_count()));
-  for (std::size_t at = 0; at < image.pixels.size(); at += image.channel_count()) {
-    const auto channel = [&](std::size_t c) { return static_cast<double>(image.pixels[at + c]); };
-    values.push_back(r && g && b
-                         ? 0.2126 * channel(*r) + 0.7152 * channel(*g) + 0.0722 * channel(*b)
-                         : channel(0));
-  }
-  return values;
 }
 
 }  // namespace
@@ -112,38 +98,45 @@ double root_mean_square_difference(const Image& a, const Image& b) {
   return std::sqrt(sum / static_cast<double>(a.pixels.size()));
 }
 
-double relative_noise(const Image& image, const Image& mask) {
-  if (image.width != mask.width || image.height != mask.height)
-    throw InvalidInput("mask: its size must be that of the image");
-  if (image.channels.empty() || mask.channels.empty())
-    throw InvalidInput("images: at least one channel is required");
-  const std::vector<double> values = brightness(image);
-  const auto width = static_cast<std::size_t>(image.width);
-  const auto counts = [&](std::size_t pixel) {
-    return mask.pixels[pixel * mask.channel_count()] > 0.5f;
+std::optional<double> relative_noise(const Image& image, const std::vector<bool>& is_measured) {
+  const int w = image.width, h = image.height;
+  const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  if (is_measured.size() != pixels)
+    throw InvalidInput("relative_noise: an image of " + std::to_string(pixels) +
+                       " pixels, " + std::to_string(is_measured.size()) + " marks");
+  const auto value = [&](int x, int y) {
+    const float* p = image.at(x, y);
+    return static_cast<double>(image.channel_count() < 3 ? p[0] : luminance({p[0], p[1], p[2]}));
   };
-  std::vector<double> residuals;
-  for (std::size_t y = 1; y + 1 < static_cast<std::size_t>(image.height); ++y)
-    for (std::size_t x = 1; x + 1 < width; ++x) {
-      const std::size_t at = y * width + x;
-      if (!(counts(at) && counts(at - 1) && counts(at + 1) && counts(at - width) &&
-            counts(at + width)))
+  const auto is_inside = [&](int x, int y) {
+    return is_measured[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                       static_cast<std::size_t>(x)];
+  };
+  struct Residual {
+    double mean, relative;
+  };
+  std::vector<Residual> residuals;
+  double total = 0.0;
+  for (int y = 1; y + 1 < h; ++y)
+    for (int x = 1; x + 1 < w; ++x) {
+      if (!(is_inside(x, y) && is_inside(x - 1, y) && is_inside(x + 1, y) && is_inside(x, y - 1) &&
+            is_inside(x, y + 1)))
         continue;
-      const double around =
-          values[at - 1] + values[at + 1] + values[at - width] + values[at + width];
-      const double patch = (around + values[at]) / 5.0;
-      if (patch > 0.0) residuals.push_back(std::abs(values[at] - 0.25 * around) / patch);
+      const double mean =
+          0.25 * (value(x - 1, y) + value(x + 1, y) + value(x, y - 1) + value(x, y + 1));
+      if (!(mean > 0.0)) continue;
+      residuals.push_back({mean, std::abs(value(x, y) - mean) / mean});
+      total += mean;
     }
-  if (residuals.empty()) return 0.0;
+  // Lit: at least a quarter as bright as the average.
+  const double threshold =
+      0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
+  std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
+  if (residuals.empty()) return std::nullopt;
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::ranges::nth_element(residuals, middle);
-  return *middle;
-}
-
-double relative_noise(const Image& image) {
-  Image mask = make_image(image.width, image.height, {"Y"});
-  std::ranges::fill(mask.pixels, 1.0f);
-  return relative_noise(image, mask);
+  std::nth_element(residuals.begin(), middle, residuals.end(),
+                   [](const Residual& a, const Residual& b) { return a.relative < b.relative; });
+  return middle->relative;
 }
 
 }  // namespace lamina

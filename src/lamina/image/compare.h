@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "lamina/image/image.h"
 
@@ -43,17 +45,16 @@ struct ImageComparison {
 /// @throws InvalidInput if sizes or channels differ.
 [[nodiscard]] double root_mean_square_difference(const Image& a, const Image& b);
 
-/// How noisy a render looks: the median over the mask of |pixel - mean of its 4 neighbours| over
-/// the mean of these five pixels, of luminance (R, G, B) or of the first channel.
+/// How noisy a render looks: the median over lit pixels of |pixel - mean of its 4 neighbours| over
+/// that mean, in luminance (channels 0 to 2; of fewer channels in the first). Lit are those whose
+/// mean is at least a quarter of the average. Absent if there is no such pixel.
 ///
 /// Independent Gaussian noise of relative standard deviation s gives 0.754 s; detail of the picture
 /// adds to it.
 ///
-/// @param mask  of the same size; pixels count if its first channel is above 0.5 there and at the
-///              four neighbours, and the five pixels are not black.
-/// @return      0 if no pixel counts.
-/// @throws      InvalidInput if the sizes differ.
-[[nodiscard]] double relative_noise(const Image& image, const Image& mask);
-[[nodiscard]] double relative_noise(const Image& image);
+/// @param is_measured  [y][x], whether a pixel counts; it must do with its four neighbours
+/// @throws             InvalidInput if the sizes differ.
+[[nodiscard]] std::optional<double> relative_noise(const Image& image,
+                                                   const std::vector<bool>& is_measured);
 
 }  // namespace lamina

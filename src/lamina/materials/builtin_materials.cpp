@@ -47,7 +47,7 @@ Material find_material(const std::string& name_or_path, MemoryBudget memory) {
   std::error_code ignored;
   const bool looks_like_a_file = name_or_path == "-" || name_or_path.find_first_of("./\\") != std::string::npos;
   if (looks_like_a_file || std::filesystem::exists(name_or_path, ignored))
-    return load_material(name_or_path, RecipeMaps::refused, memory);
+    return load_material(name_or_path, memory);
   throw InvalidInput("there is no built-in material and no file \"" + name_or_path + "\"" +
                      nearest_builtin(name_or_path));
 }

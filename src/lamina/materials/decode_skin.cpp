@@ -1,6 +1,4 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <numeric>
-
 #include "lamina/materials/material_file.h"
 #include "lamina/materials/skin.h"
 
@@ -40,17 +38,14 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
   const JsonObject object = skin_object(recipe);
   require_wavelengths(recipe, context, 350.0, 1000.0);
   const auto [constants, set] = decode_constants(object);
-  SkinMaps said{.skin = with_constants({}, set), .constants = set};
+  SkinRecipe said{.skin = with_constants({}, set), .constants = set};
   SkinParameters& skin = said.skin;
   skin.junction_spectrum = decode_junction_spectrum(object);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const auto value = object.optional(range.name);
     if (!value) continue;
-    if (context.maps == RecipeMaps::allowed && value->is_object()) {
-      const SkinMap& map = said.maps.emplace_back(decode_skin_map(range, *value, said.warnings));
-      const auto& pixels = map.values.pixels;
-      skin.*range.value =
-          std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(pixels.size());
+    if (context.maps && value->is_object()) {
+      skin.*range.value = context.maps(range, *value);
     } else {
       skin.*range.value = range.is_length ? recipe_length(*value, range.low, range.high, context)
                                           : recipe_number(*value, between(range.low, range.high));
@@ -59,7 +54,6 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
   if (const auto oiliness = object.optional("oiliness"))
     material.oiliness = recipe_number(*oiliness, between(0.0, 1.0));
   material.layers = skin_layers(skin, context.wavelengths);
-  said.oiliness = material.oiliness;
   material.skin = std::move(said);
   add_to_source(material, "melanin: Jacques 1998; constants: " + constants);
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -10,11 +11,13 @@
 #include <vector>
 
 #include "lamina/core/memory_budget.h"
-#include "lamina/materials/skin_maps.h"
+#include "lamina/materials/skin.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/spectrum/band_set.h"
 
 namespace lamina {
+
+class JsonInput;
 
 /// How particles scatter, as material files name it.
 enum class ParticlePhase {
@@ -64,12 +67,13 @@ struct Material {
   std::vector<MaterialLayer> layers;
   double oiliness = 0.0;  ///< strength of an oily coat for the renderer, in [0, 1]; solvers of
                           ///< layers do not see it
-  /// Of the recipe `skin`: what it says. Where parameters are maps, `layers` have their means.
-  std::optional<SkinMaps> skin;
+  /// Of the recipe `skin`: what it says. Where parameters are maps, both have their means.
+  std::optional<SkinRecipe> skin;
 };
 
-/// Whether parameters of a recipe may be maps: the renderer alone knows what to do with them.
-enum class RecipeMaps { refused, allowed };
+/// Takes a parameter of the recipe `skin` that is a map, as {"map": FILE}, and returns its mean.
+/// Empty: maps are refused.
+using RecipeMaps = std::function<double(const SkinParameterRange& parameter, const JsonInput&)>;
 
 /// The optical layers of one band.
 ///
@@ -88,12 +92,12 @@ enum class RecipeMaps { refused, allowed };
                                                      std::span<const double> wavelengths);
 
 /// Reads a material file; docs/materials.md has the format.
+/// @param memory  what reading it may take
 /// @throws FileError if it is missing or unreadable; InvalidInput with file, line and field if what
 ///         it says is wrong.
-[[nodiscard]] Material load_material(const std::filesystem::path& file,
-                                     RecipeMaps maps = RecipeMaps::refused);
-[[nodiscard]] Material load_material(const std::filesystem::path& file, RecipeMaps maps,
-                                     MemoryBudget& memory);
+[[nodiscard]] Material load_material(const std::filesystem::path& file);
+[[nodiscard]] Material load_material(const std::filesystem::path& file, MemoryBudget& memory,
+                                     const RecipeMaps& maps = {});
 
 /// Decodes the text of a material file; `name` stands for the file in messages.
 [[nodiscard]] Material parse_material(const std::string& text, const std::string& name);

@@ -89,7 +89,7 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 
 }  // namespace
 
-Material decode_material(const JsonInput& root, RecipeMaps maps) {
+Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
@@ -127,12 +127,13 @@ Material decode_material(const JsonInput& root, RecipeMaps maps) {
   return material;
 }
 
-Material load_material(const std::filesystem::path& file, RecipeMaps maps) {
+Material load_material(const std::filesystem::path& file) {
   MemoryBudget memory;
-  return load_material(file, maps, memory);
+  return load_material(file, memory);
 }
 
-Material load_material(const std::filesystem::path& file, RecipeMaps maps, MemoryBudget& memory) {
+Material load_material(const std::filesystem::path& file, MemoryBudget& memory,
+                       const RecipeMaps& maps) {
   const JsonDocument document = load_json(file, memory);
   return decode_material(document.root(), maps);
 }

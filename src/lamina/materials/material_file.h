@@ -17,8 +17,7 @@ namespace lamina {
 
 /// A material file as a value, as in a scene that holds the whole of it.
 /// @throws InvalidInput as parse_material.
-[[nodiscard]] Material decode_material(const JsonInput& root,
-                                       RecipeMaps maps = RecipeMaps::refused);
+[[nodiscard]] Material decode_material(const JsonInput& root, const RecipeMaps& maps = {});
 
 }  // namespace lamina
 
@@ -30,7 +29,7 @@ struct Context {
   std::string length_unit;          ///< as written: "mm", "cm", "um" or "m"
   double mm_per_unit = 1.0;         ///< the length of that unit
   std::vector<double> wavelengths;  ///< [nm]; empty for RGB, which recipes do not get
-  RecipeMaps maps = RecipeMaps::refused;
+  RecipeMaps maps;
 };
 
 /// Coefficients beyond this [1/mm] and lengths beyond this [mm] are taken for mistakes; so are

@@ -75,6 +75,20 @@ enum class SkinConstants {
   calibrated_diffusion,  ///< the same with the closed form of the multipole
 };
 
+/// What a recipe of skin says, the same everywhere.
+struct SkinRecipe {
+  SkinParameters skin;
+  SkinConstants constants = SkinConstants::calibrated;
+};
+
+/// As in files.
+[[nodiscard]] std::string_view name_of(SkinConstants constants);
+
+/// Whether constants were fitted with totals of radiative transfer.
+[[nodiscard]] constexpr bool are_for_exact_totals(SkinConstants constants) {
+  return constants == SkinConstants::calibrated;
+}
+
 /// The parameters with their constants replaced by those of a set.
 [[nodiscard]] SkinParameters with_constants(SkinParameters parameters, SkinConstants constants);
 

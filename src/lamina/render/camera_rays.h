@@ -5,7 +5,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/render/low_discrepancy.h"
-#include "lamina/render/ray_geometry.h"
+#include "lamina/render/ray.h"
 #include "lamina/render/scene.h"
 
 namespace lamina {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "lamina/render/exact_totals.h"
-#include "lamina/render/profile_transport.h"
 #include "lamina/render/skin_colors.h"
 #include "lamina/scattering/layered_diffusion.h"
 
@@ -207,7 +206,7 @@ BandSet bands_of(const Scene& scene) {
 }
 
 BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
-  const SkinMaps* skin = nullptr;
+  const SkinRecipe* skin = nullptr;
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const Material* layers = layers_of(scene.materials[i].surface);
     const bool was_rgb = std::ranges::any_of(scene.band_changes, [&](const BandChange& change) {

@@ -12,6 +12,7 @@
 namespace lamina {
 namespace {
 
+constexpr double least_total = 1e-9;
 constexpr double least_factor = 1.0 / 64.0, largest_factor = 3000.0;  // of absorption
 
 /// The factor on the absorption of one band at which a reflectance is met.
@@ -66,6 +67,43 @@ std::vector<EnteredTotals> exact_totals(const Material& material) {
   std::vector<EnteredTotals> totals(material.bands.size());
   parallel_for(totals.size(), [&](std::size_t b) { totals[b] = exact_totals(material, b); });
   return totals;
+}
+
+Profile with_exact_totals(Profile profile, const Material& material) {
+  assert(profile.per == ProfilePer::entered_flux);
+  const std::vector<EnteredTotals> exact = exact_totals(material);
+  for (std::size_t b = 0; b < profile.bands; ++b) {
+    const auto scale = [&](std::vector<double>& values, double& total, double wanted) {
+      if (!(total > least_total)) return;
+      for (std::size_t i = b; i < values.size(); i += profile.bands) values[i] *= wanted / total;
+      total = wanted;
+    };
+    scale(profile.reflectance_profile, profile.total_reflectance[b], exact[b].reflectance);
+    scale(profile.transmittance_profile, profile.total_transmittance[b], exact[b].transmittance);
+  }
+  return profile;
+}
+
+double thickness_of_upper_layers(const Material& material) {
+  double total = 0.0;
+  for (std::size_t i = 0; i + 1 < material.layers.size(); ++i)
+    total += material.layers[i].thickness;
+  return total;
+}
+
+Material make_slab(const Material& material, double thickness) {
+  Material slab = material;
+  const std::size_t upper = material.layers.size() - 1;
+  slab.layers.back().thickness =
+      std::max(thickness - 2.0 * thickness_of_upper_layers(material), 0.1 * thickness);
+  for (std::size_t i = upper; i-- > 0;) {
+    MaterialLayer layer = material.layers[i];
+    layer.top = material.layers[i + 1].top;
+    slab.layers.push_back(layer);
+  }
+  slab.ground = {.top = material.layers.front().top};
+  slab.ior_below = material.ior_above;
+  return slab;
 }
 
 Material with_absorption(Material material, const std::vector<double>& factor) {

@@ -8,8 +8,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "lamina/render/render.h"
-#include "lamina/render/texture.h"
+#include "lamina/spectrum/color.h"
 
 namespace lamina {
 
@@ -104,43 +103,6 @@ double FilmAccumulator::mean_samples() const {
 
 int FilmAccumulator::least_samples() const {
   return std::ranges::min(pixels_, {}, &Pixel::samples).samples;
-}
-
-std::optional<double> relative_noise(const Image& image, const std::vector<bool>& is_measured) {
-  const int w = image.width, h = image.height;
-  const auto value = [&](int x, int y) {
-    const float* p = image.at(x, y);
-    return static_cast<double>(luminance({p[0], p[1], p[2]}));
-  };
-  const auto is_inside = [&](int x, int y) {
-    return is_measured[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                       static_cast<std::size_t>(x)];
-  };
-  struct Residual {
-    double mean, relative;
-  };
-  std::vector<Residual> residuals;
-  double total = 0.0;
-  for (int y = 1; y + 1 < h; ++y)
-    for (int x = 1; x + 1 < w; ++x) {
-      if (!(is_inside(x, y) && is_inside(x - 1, y) && is_inside(x + 1, y) && is_inside(x, y - 1) &&
-            is_inside(x, y + 1)))
-        continue;
-      const double mean =
-          0.25 * (value(x - 1, y) + value(x + 1, y) + value(x, y - 1) + value(x, y + 1));
-      if (!(mean > 0.0)) continue;
-      residuals.push_back({mean, std::abs(value(x, y) - mean) / mean});
-      total += mean;
-    }
-  // Lit: at least a quarter as bright as the average.
-  const double threshold =
-      0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
-  std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
-  if (residuals.empty()) return std::nullopt;
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end(),
-                   [](const Residual& a, const Residual& b) { return a.relative < b.relative; });
-  return middle->relative;
 }
 
 }  // namespace lamina

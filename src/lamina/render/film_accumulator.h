@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/image/image.h"
-#include "lamina/render/path_tracer.h"
+#include "lamina/render/camera_sample.h"
 
 namespace lamina {
 

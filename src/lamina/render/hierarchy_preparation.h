@@ -6,7 +6,7 @@
 #include "lamina/core/progress.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/hierarchy_transport.h"
-#include "lamina/render/render.h"
+#include "lamina/render/render_options.h"
 #include "lamina/render/seen_surface.h"
 
 namespace lamina {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "lamina/render/irradiance_cloud.h"
-#include "lamina/render/render.h"
+#include "lamina/render/render_options.h"
+#include "lamina/render/scene.h"
 
 namespace lamina {
 

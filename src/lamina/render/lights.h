@@ -9,7 +9,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/render/environment.h"
-#include "lamina/render/ray_geometry.h"
+#include "lamina/render/ray.h"
 #include "lamina/render/scene.h"
 
 namespace lamina {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lamina/render/texture.h"
+#include "lamina/spectrum/color.h"
 
 namespace lamina {
 namespace {

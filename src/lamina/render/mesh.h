@@ -1,15 +1,48 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/core/memory_budget.h"
+#include "lamina/core/vec.h"
 #include "lamina/render/polygon_mesh.h"
-#include "lamina/render/scene.h"
 
 namespace lamina {
+
+/// A part of a mesh file with edges that do not join two faces.
+struct OpenPart {
+  std::string name;  ///< of its material, group or node; empty if it has none
+  std::size_t edges = 0;
+  Vec3f place;                           ///< of the first of them [mm]
+  std::vector<std::uint32_t> materials;  ///< of the surfaces that are open there
+};
+
+/// Triangles with one vertex per distinct (position, normal, uv), in world space.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;  ///< [vertex] [mm]
+  std::vector<Vec3f> normals;    ///< [vertex], unit length
+  std::vector<Vec2f> uvs;        ///< [vertex], v upward; empty if the mesh has none
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> material;  ///< [triangle], an index into Scene::materials
+  bool is_closed = false;               ///< every edge joins two faces: it has an inside
+  std::vector<OpenPart> open_parts;     ///< why it is not closed, if that is known
+};
+
+/// Whether all surfaces of a mesh that a material is on have an inside.
+[[nodiscard]] inline bool is_closed(const Mesh& mesh, std::uint32_t material) {
+  const auto is_open = [&](const OpenPart& part) {
+    return std::ranges::find(part.materials, material) != part.materials.end();
+  };
+  return mesh.is_closed ||
+         (!mesh.open_parts.empty() && std::ranges::none_of(mesh.open_parts, is_open));
+}
 
 enum class NormalSource {
   file,    ///< those of the file, smooth ones where it has none

@@ -38,7 +38,7 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
     const std::string of = "\"" + scene.materials[m].name + "\"";
     if (!surface.maps.empty())
       return MethodChoice{Method::layered_bsdf, of + " has maps of layers"};
-    if (surface.material.skin && !surface.material.skin->maps.empty())
+    if (!surface.skin_maps.empty())
       return MethodChoice{Method::texture_space, of + " has maps of what skin is made of"};
   }
   const std::string of_settings = "the scene has settings of it";

@@ -3,9 +3,11 @@
 
 #include <string>
 
+#include "lamina/core/progress.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/path_tracer.h"
-#include "lamina/render/render.h"
+#include "lamina/render/render_options.h"
+#include "lamina/render/scene.h"
 #include "lamina/render/seen_surface.h"
 
 namespace lamina {

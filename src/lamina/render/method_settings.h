@@ -94,7 +94,7 @@ inline constexpr auto material_settings = [] {
        {"subsurface.skin",  // of which a parameter is a map
         {texture_space},
         "maps in the recipe of skin are not for it",
-        [](const Surface& s) { return s.material.skin && !s.material.skin->maps.empty(); }},
+        [](const Surface& s) { return !s.skin_maps.empty(); }},
        {"subsurface.skin.dermis_thickness",
         {profile, hierarchy, shadow_map, layered_bsdf},
         "it takes the thickness of a fold from the mesh",

@@ -2,21 +2,13 @@
 #pragma once
 
 #include "lamina/core/band_values.h"
+#include "lamina/render/camera_sample.h"
 #include "lamina/render/clear_fraction.h"
 #include "lamina/render/low_discrepancy.h"
 #include "lamina/render/path.h"
 #include "lamina/render/subsurface_transport.h"
 
 namespace lamina {
-
-/// What one camera ray brings home, in linear Rec.709.
-struct CameraSample {
-  Vec3f beauty, subsurface, specular;  ///< subsurface and specular: parts at the first surface
-  Vec3f normal, albedo;                ///< of the first surface
-  float depth = 0.0f;                  ///< distance to it [mm]
-  bool is_subsurface = false;
-  bool is_hit = false;
-};
 
 /// Follows light from the camera back to the lights.
 ///

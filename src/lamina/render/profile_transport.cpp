@@ -20,13 +20,6 @@ constexpr float pi = std::numbers::pi_v<float>;
 /// nothing, so the normal is always probed and one of the others every other time.
 constexpr std::array<float, 3> probes_along = {0.25f, 0.25f, 1.0f};
 
-double thickness_of_upper_layers(const Material& material) {
-  double total = 0.0;
-  for (std::size_t i = 0; i + 1 < material.layers.size(); ++i)
-    total += material.layers[i].thickness;
-  return total;
-}
-
 bool is_half_space(const Material& material) {
   return !std::isfinite(material.layers.back().thickness);
 }
@@ -46,21 +39,6 @@ BandValues<N> per_entered(const Profile& profile, const Material& material) {
 }
 
 }  // namespace
-
-Material make_slab(const Material& material, double thickness) {
-  Material slab = material;
-  const std::size_t upper = material.layers.size() - 1;
-  slab.layers.back().thickness =
-      std::max(thickness - 2.0 * thickness_of_upper_layers(material), 0.1 * thickness);
-  for (std::size_t i = upper; i-- > 0;) {
-    MaterialLayer layer = material.layers[i];
-    layer.top = material.layers[i + 1].top;
-    slab.layers.push_back(layer);
-  }
-  slab.ground = {.top = material.layers.front().top};
-  slab.ior_below = material.ior_above;
-  return slab;
-}
 
 template <int N>
 ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConversion<N>& conversion,

@@ -14,10 +14,6 @@
 
 namespace lamina {
 
-/// A material with an infinite last layer as a thin object: a slab with the same layers on both
-/// sides and what is left of the thickness [mm] of the last one between them.
-[[nodiscard]] Material make_slab(const Material& material, double thickness);
-
 /// Subsurface transport by the profile of a flat layered slab, laid over the real surface.
 ///
 /// From the point where light leaves, probe rays are sent through the object at radii drawn from

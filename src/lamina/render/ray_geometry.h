@@ -9,22 +9,10 @@
 #include <span>
 
 #include "lamina/core/vec.h"
-#include "lamina/render/scene.h"
+#include "lamina/render/mesh.h"
+#include "lamina/render/ray.h"
 
 namespace lamina {
-
-struct Ray {
-  Vec3f origin;
-  Vec3f direction;  ///< unit length
-};
-
-/// Where a ray meets a triangle.
-struct Hit {
-  float distance = std::numeric_limits<float>::infinity();  ///< [mm]
-  float u = 0.0f, v = 0.0f;  ///< barycentric weights of the second and third vertex
-  std::uint32_t mesh = 0, triangle = 0;
-  [[nodiscard]] bool is_hit() const { return distance < std::numeric_limits<float>::infinity(); }
-};
 
 /// All hits of one probe through an object, in no order.
 struct ProbeHits {

@@ -12,10 +12,12 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/image/compare.h"
 #include "lamina/render/camera_rays.h"
 #include "lamina/render/colored_transport.h"
 #include "lamina/render/common_bands.h"
 #include "lamina/render/film_accumulator.h"
+#include "lamina/render/find_seen_surface.h"
 #include "lamina/render/hierarchy_preparation.h"
 #include "lamina/render/layered_material.h"
 #include "lamina/render/media_walk.h"
@@ -225,7 +227,7 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
   const CameraRays camera(scene.scene->camera, width, height);
-  const SeenSurface seen = look_at_surfaces<N>(scene, conversion, sheets, camera);
+  const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, camera);
   Scene chosen;
   choose<N>(scene, conversion, camera, seen, options, progress, chosen, statistics);
   const RenderSettings& settings = scene.scene->render;

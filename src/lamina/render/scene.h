@@ -18,37 +18,10 @@
 #include "lamina/image/image.h"
 #include "lamina/image/tone.h"
 #include "lamina/materials/material.h"
+#include "lamina/materials/skin_maps.h"
+#include "lamina/render/mesh.h"
 
 namespace lamina {
-
-/// A part of a mesh file with edges that do not join two faces.
-struct OpenPart {
-  std::string name;  ///< of its material, group or node; empty if it has none
-  std::size_t edges = 0;
-  Vec3f place;                           ///< of the first of them [mm]
-  std::vector<std::uint32_t> materials;  ///< of the surfaces that are open there
-};
-
-/// Triangles with one vertex per distinct (position, normal, uv), in world space.
-struct Mesh {
-  std::string name;
-  std::vector<Vec3f> positions;  ///< [vertex] [mm]
-  std::vector<Vec3f> normals;    ///< [vertex], unit length
-  std::vector<Vec2f> uvs;        ///< [vertex], v upward; empty if the mesh has none
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> material;  ///< [triangle], an index into Scene::materials
-  bool is_closed = false;               ///< every edge joins two faces: it has an inside
-  std::vector<OpenPart> open_parts;     ///< why it is not closed, if that is known
-};
-
-/// Whether all surfaces of a mesh that a material is on have an inside.
-[[nodiscard]] inline bool is_closed(const Mesh& mesh, std::uint32_t material) {
-  const auto is_open = [&](const OpenPart& part) {
-    return std::ranges::find(part.materials, material) != part.materials.end();
-  };
-  return mesh.is_closed ||
-         (!mesh.open_parts.empty() && std::ranges::none_of(mesh.open_parts, is_open));
-}
 
 /// An image that varies a quantity over a surface.
 struct ImageMap {
@@ -115,6 +88,7 @@ struct SubsurfaceSurface {
   ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
                                              ///< taken from geometry
   std::vector<LayerMap> maps;                ///< for method layered_bsdf
+  std::vector<SkinMap> skin_maps;            ///< of the recipe, for method texture_space
 };
 
 struct DiffuseSurface {

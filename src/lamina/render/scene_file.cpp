@@ -221,20 +221,6 @@ RenderSettings decode_render_settings(const JsonInput& value) {
   return settings;
 }
 
-/// What was done to the maps of skin.
-std::vector<std::string> map_warnings(const SkinMaps& skin) {
-  std::vector<std::string> warnings = skin.warnings;
-  const auto size = [](const SkinMap& map) {
-    return std::to_string(map.values.width) + " x " + std::to_string(map.values.height);
-  };
-  for (const SkinMap& map : skin.maps)
-    if (size(map) != size(skin.maps.front()))
-      warnings.push_back("skin." + std::string(map.name) + ": " + size(map) + " texels, where " +
-                         std::string(skin.maps.front().name) + " has " + size(skin.maps.front()) +
-                         ": each is resampled to the texels of the surface");
-  return warnings;
-}
-
 /// The value at a path such as "subsurface.skin" below an object, if it is there.
 std::optional<JsonInput> value_at(const JsonInput& object, std::string_view path) {
   std::optional<JsonInput> value = object;
@@ -283,9 +269,7 @@ Scene decode_scene(const JsonInput& root) {
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   }
   for (const DecodedMaterial& material : materials) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&material.material.surface);
-    if (!surface || !surface->material.skin || surface->material.skin->maps.empty()) continue;
-    for (const std::string& warning : map_warnings(*surface->material.skin))
+    for (const std::string& warning : material.warnings)
       scene.warnings.push_back("material \"" + material.material.name + "\": " + warning);
   }
   if (scene.lights.empty())

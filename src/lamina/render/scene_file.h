@@ -59,6 +59,7 @@ class Images {
 struct DecodedMaterial {
   SurfaceMaterial material;
   std::string mapped;  ///< the first field that an image varies; empty if there is none
+  std::vector<std::string> warnings;  ///< what was done to its maps
 };
 
 [[nodiscard]] DecodedMaterial decode_surface_material(const std::string& name,

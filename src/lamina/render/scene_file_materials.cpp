@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include "lamina/core/nearest_name.h"
 #include "lamina/materials/material_file.h"
@@ -79,6 +81,18 @@ class MaterialDecoder {
     }
   }
 
+  void warn_of_sizes(std::span<const SkinMap> maps) {
+    const auto size = [](const SkinMap& map) {
+      return std::to_string(map.values.width) + " x " + std::to_string(map.values.height);
+    };
+    for (const SkinMap& map : maps)
+      if (size(map) != size(maps.front()))
+        result_.warnings.push_back("skin." + std::string(map.name) + ": " + size(map) +
+                                   " texels, where " + std::string(maps.front().name) + " has " +
+                                   size(maps.front()) +
+                                   ": each is resampled to the texels of the surface");
+  }
+
   /// Oil on skin, as the recipe says, unless a coat says more.
   void decode_oiliness(const Material& layers) {
     if (layers.oiliness > 0.0)
@@ -88,9 +102,18 @@ class MaterialDecoder {
   void decode_subsurface(const JsonInput& value) {
     const JsonObject object = value.object(
         {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
-    SubsurfaceSurface surface{.material = decode_layers_of(object.required("subsurface"))};
-    if (const auto& skin = surface.material.skin; skin && !skin->maps.empty())
-      result_.mapped = "subsurface.skin." + std::string(skin->maps.front().name);
+    SubsurfaceSurface surface;
+    surface.material = decode_layers_of(
+        object.required("subsurface"), [&](const SkinParameterRange& range, const JsonInput& map) {
+          surface.skin_maps.push_back(decode_skin_map(range, map, result_.warnings));
+          const auto& pixels = surface.skin_maps.back().values.pixels;
+          return std::accumulate(pixels.begin(), pixels.end(), 0.0) /
+                 static_cast<double>(pixels.size());
+        });
+    if (!surface.skin_maps.empty()) {
+      result_.mapped = "subsurface.skin." + std::string(surface.skin_maps.front().name);
+      warn_of_sizes(surface.skin_maps);
+    }
     decode_oiliness(surface.material);
     using ColorUse = SubsurfaceSurface::ColorUse;
     if (const auto color = object.optional("color")) {
@@ -136,7 +159,7 @@ class MaterialDecoder {
     const JsonObject object =
         value.object({"thin", "color", "thickness", "opacity", "coat", "bump", "normal_map"});
     const JsonInput layers = object.required("thin");
-    ThinSurface surface{.material = decode_layers_of(layers, RecipeMaps::refused)};
+    ThinSurface surface{.material = decode_layers_of(layers)};
     decode_oiliness(surface.material);
     if (std::isinf(surface.material.layers.back().thickness))
       layers.fail("must be a material of finite layers, but its last one is infinitely thick");
@@ -203,7 +226,7 @@ class MaterialDecoder {
   }
 
   /// A built-in material by name, a material file by path, or a material file as an object.
-  static Material decode_layers_of(const JsonInput& value, RecipeMaps maps = RecipeMaps::allowed) {
+  static Material decode_layers_of(const JsonInput& value, const RecipeMaps& maps = {}) {
     if (value.is_object() && value.peek("diffuse_color")) return decode_look(value);
     if (value.is_object()) return decode_material(value, maps);
     if (!value.is_string())
@@ -217,7 +240,7 @@ class MaterialDecoder {
     if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
       value.fail("there is no built-in material and no file \"" + name + "\"" +
                  did_you_mean(name, names));
-    return load_for(value, [&] { return load_material(value.file_path(), maps, value.memory()); });
+    return load_for(value, [&] { return load_material(value.file_path(), value.memory(), maps); });
   }
 
   ColorParameter decode_color_parameter(const JsonInput& value) {

@@ -105,14 +105,13 @@ std::string text_of_layers(Material material) {
 }
 
 void add(SceneHash& hash, const SubsurfaceSurface& surface) {
-  const auto& [material, color, color_use, thickness, maps] = surface;
+  const auto& [material, color, color_use, thickness, maps, skin_maps] = surface;
   hash.add_text(text_of_layers(material));
-  if (material.skin)
-    for (const SkinMap& map : material.skin->maps) {
-      hash.add_text(map.name);
-      hash.add(map.values.width);
-      hash.add_all(map.values.pixels);
-    }
+  for (const SkinMap& map : skin_maps) {
+    hash.add_text(map.name);
+    hash.add(map.values.width);
+    hash.add_all(map.values.pixels);
+  }
   add_parameter(hash, color);
   hash.add(color_use);
   add_parameter(hash, thickness);

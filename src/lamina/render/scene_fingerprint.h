@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lamina/render/render.h"
+#include "lamina/render/render_options.h"
 #include "lamina/render/scene.h"
 
 namespace lamina {

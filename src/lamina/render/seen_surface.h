@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "lamina/render/camera_rays.h"
-#include "lamina/render/path.h"
+#include "lamina/render/surface_point.h"
 
 namespace lamina {
 
@@ -23,10 +23,5 @@ struct SeenSurface {
   /// seen as finely. 0 if nothing of it is seen.
   [[nodiscard]] float pixel_size(std::uint32_t material) const;
 };
-
-template <int N>
-[[nodiscard]] SeenSurface look_at_surfaces(const RenderScene& scene,
-                                           const BandConversion<N>& conversion,
-                                           const ThinSheets<N>& sheets, const CameraRays& camera);
 
 }  // namespace lamina

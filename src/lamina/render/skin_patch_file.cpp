@@ -10,7 +10,6 @@
 #include "lamina/image/image_file.h"
 #include "lamina/image/resample.h"
 #include "lamina/render/skin_patch.h"
-#include "lamina/render/skin_totals.h"
 
 namespace lamina {
 namespace {

@@ -3,11 +3,9 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "lamina/render/scene.h"
-#include "lamina/scattering/profile.h"
 
 // The constants of skin belong to the totals that they were fitted with: "calibrated" to those of
 // radiative transfer. So whatever method spreads the light of such skin, and by whatever profile,
@@ -15,20 +13,9 @@
 
 namespace lamina {
 
-[[nodiscard]] std::string_view name_of(SkinConstants constants);
-
-/// Whether constants were fitted with totals of radiative transfer.
-[[nodiscard]] constexpr bool are_for_exact_totals(SkinConstants constants) {
-  return constants == SkinConstants::calibrated;
-}
-
 /// Whether a method that spreads light by diffusion takes the totals of radiative transfer: for
 /// skin with constants made for them, unless light scattered once is added to what diffusion finds.
 [[nodiscard]] bool takes_exact_totals(const Material& material, const RenderSettings& settings);
-
-/// A profile per entered flux with the totals of the material by radiative transfer: the shape is
-/// kept. What is too little to be told from none stays.
-[[nodiscard]] Profile with_exact_totals(Profile profile, const Material& material);
 
 /// How the method of a scene takes a material of skin.
 struct SkinTotals {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "lamina/core/vec.h"
-#include "lamina/render/ray_geometry.h"
-#include "lamina/render/scene.h"
+#include "lamina/render/mesh.h"
+#include "lamina/render/ray.h"
 
 namespace lamina {
 

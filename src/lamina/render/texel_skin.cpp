@@ -29,11 +29,11 @@ float bilinear(const Image& image, Vec2f uv) {
 
 }  // namespace
 
-TexelSkin sample_skin(const SkinMaps& skin, const std::vector<Mesh>& meshes,
+TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& meshes,
                       const TextureAtlas& atlas) {
   const auto texels = atlas.texels();
   TexelSkin result{.texels = texels.size(), .values = {}};
-  for (const SkinMap& map : skin.maps) {
+  for (const SkinMap& map : maps) {
     std::vector<float>& values = result.values.emplace_back(texels.size());
     parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
       for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
@@ -62,20 +62,20 @@ TexelSkin sample_skin(const SkinMaps& skin, const std::vector<Mesh>& meshes,
   return result;
 }
 
-CellAbsorption absorption_of(const SkinMaps& skin, const TexelSkin& at_texels, double wavelength) {
+CellAbsorption absorption_of(SkinParameters skin, std::span<const SkinMap> maps,
+                             const TexelSkin& at_texels, double wavelength) {
   const SkinSpectrum spectrum = skin_spectrum(wavelength);
   CellAbsorption result;
-  SkinParameters parameters = skin.skin;
-  const double junction = junction_factor(parameters, wavelength);
+  const double junction = junction_factor(skin, wavelength);
   for (std::size_t i = 0; i < at_texels.texels; ++i) {
-    for (std::size_t m = 0; m < skin.maps.size(); ++m)
-      parameters.*skin.maps[m].parameter = static_cast<double>(at_texels.values[m][i]);
+    for (std::size_t m = 0; m < maps.size(); ++m)
+      skin.*maps[m].parameter = static_cast<double>(at_texels.values[m][i]);
     constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
     result.upper.push_back(
-        static_cast<float>(std::max(least, epidermis_absorption(parameters, spectrum))));
+        static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum))));
     result.lower.push_back(
-        static_cast<float>(std::max(least, dermis_absorption(parameters, spectrum))));
-    result.absorbance.push_back(static_cast<float>(junction * parameters.junction_absorption));
+        static_cast<float>(std::max(least, dermis_absorption(skin, spectrum))));
+    result.absorbance.push_back(static_cast<float>(junction * skin.junction_absorption));
   }
   return result;
 }

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lamina/materials/skin_maps.h"
@@ -16,12 +17,12 @@ struct TexelSkin {
 };
 
 /// Each map, of whatever size, as the mean over the texel; maps repeat beyond the unit square.
-[[nodiscard]] TexelSkin sample_skin(const SkinMaps& skin, const std::vector<Mesh>& meshes,
+[[nodiscard]] TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& meshes,
                                     const TextureAtlas& atlas);
 
-/// What skin absorbs at each texel in one band.
-[[nodiscard]] CellAbsorption absorption_of(const SkinMaps& skin, const TexelSkin& at_texels,
-                                           double wavelength);
+/// What skin absorbs at each texel in one band. Maps replace what the recipe says.
+[[nodiscard]] CellAbsorption absorption_of(SkinParameters skin, std::span<const SkinMap> maps,
+                                           const TexelSkin& at_texels, double wavelength);
 
 /// Change of the barycentric weights for a step on the grid of a texel's chart, in texels.
 [[nodiscard]] Vec2f barycentric_step(const std::vector<Mesh>& meshes, const AtlasTexel& texel,

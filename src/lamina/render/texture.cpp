@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lamina/render/noise.h"
+#include "lamina/spectrum/color.h"
 
 namespace lamina {
 namespace {

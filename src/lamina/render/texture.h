@@ -62,9 +62,4 @@ class TextureStore {
   return std::clamp(value, map.low, map.high);
 }
 
-/// Luminance of a linear Rec.709 colour.
-[[nodiscard]] inline float luminance(const Vec3f& c) {
-  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
-
 }  // namespace lamina

@@ -5,7 +5,7 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/render/camera_rays.h"
-#include "lamina/render/render.h"
+#include "lamina/render/render_options.h"
 #include "lamina/render/texture_space_transport.h"
 
 namespace lamina {

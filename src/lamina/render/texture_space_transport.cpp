@@ -82,8 +82,8 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   const TextureAtlas::Cells cells = atlas_->cells();
   graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
   layers_ = make_surface_layers<N>(graph_);
-  const SkinMaps& skin = *surface_.material.skin;
-  const TexelSkin at_texels = sample_skin(skin, scene_.scene->meshes, *atlas_);
+  const SkinParameters& skin = surface_.material.skin->skin;
+  const TexelSkin at_texels = sample_skin(surface_.skin_maps, scene_.scene->meshes, *atlas_);
   const auto wavelengths = surface_.material.bands.wavelengths();
   const OperatorTotals totals = takes_exact_totals(surface_.material, scene_.scene->render)
                                     ? OperatorTotals::exact_diffuse
@@ -91,17 +91,17 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   std::vector<StackTables> tables(wavelengths.size());
   std::vector<CellAbsorption> absorption(wavelengths.size());
   parallel_for(wavelengths.size(), [&](std::size_t b) {
-    absorption[b] = absorption_of(skin, at_texels, wavelengths[b]);
+    absorption[b] = absorption_of(skin, surface_.skin_maps, at_texels, wavelengths[b]);
     const std::vector<double> reference = {typical_absorption(absorption[b].upper),
                                            typical_absorption(absorption[b].lower)};
     tables[b] =
-        cached_stack_tables(cache, mapped_skin_stack(skin.skin, wavelengths[b]), totals, reference);
+        cached_stack_tables(cache, mapped_skin_stack(skin, wavelengths[b]), totals, reference);
   });
-  const double above = skin.skin.epidermis_thickness;
+  const double above = skin.epidermis_thickness;
   layers_->thin = make_thin_parts<N>(graph_, far_sides(), above);
   for (std::size_t b = 0; b < wavelengths.size(); ++b) {
     layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
-    const MappedStack stack = mapped_skin_stack(skin.skin, wavelengths[b]);
+    const MappedStack stack = mapped_skin_stack(skin, wavelengths[b]);
     add_band(static_cast<int>(b), stack.layers[1], absorption[b].lower, above, stack.layers[0].ior,
              layers_->thin);
   }

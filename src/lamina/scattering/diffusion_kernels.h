@@ -1,14 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "lamina/scattering/layered_diffusion.h"
 
-// The two loops in which profiles spend their time, compiled for each instruction set and chosen
-// at run time. Results differ between processors by rounding only.
+// The loop in which profiles by diffusion spend their time, compiled for each instruction set and
+// chosen at run time. Results differ between processors by rounding only.
 
 namespace lamina {
 
@@ -20,15 +19,5 @@ struct StackSpectrum {
 /// `response(model, k)` at many frequencies k > 0 [1/mm]; to 1e-14 of the value at k = 0.
 [[nodiscard]] StackSpectrum stack_spectrum(const LayeredDiffusion& model,
                                            std::span<const double> k);
-
-namespace detail {
-
-/// sums[i, c] = sum over j of kernel[i * r_stride + j * k_stride] * rows[j, c], where the kernel
-/// is 0 beyond its end.
-[[nodiscard]] std::vector<double> correlate(std::span<const double> kernel, std::size_t r_stride,
-                                            std::size_t k_stride, std::span<const double> rows,
-                                            std::size_t channels, std::size_t r_size);
-
-}  // namespace detail
 
 }  // namespace lamina

@@ -9,7 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/scattering/diffusion_kernels.h"
+#include "lamina/scattering/correlation_kernel.h"
 
 namespace lamina {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "lamina/core/vec.h"
 #include "lamina/spectrum/cie_1931.h"
 #include "lamina/spectrum/srgb.h"
 
@@ -31,6 +32,11 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< [row][column]
                                               const std::array<double, 3>& vector);
 [[nodiscard]] Matrix3 operator*(const Matrix3& a, const Matrix3& b);
 [[nodiscard]] Matrix3 inverse(const Matrix3& matrix);
+
+/// Luminance of a linear Rec.709 colour.
+[[nodiscard]] inline float luminance(const Vec3f& c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 /// CIELAB, for which a distance of 1 is about what an eye can tell. Source: [CIE015] §8.2.1.
 struct Lab {

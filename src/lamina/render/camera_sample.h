@@ -1,0 +1,17 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/core/vec.h"
+
+namespace lamina {
+
+/// What one camera ray brings home, in linear Rec.709.
+struct CameraSample {
+  Vec3f beauty, subsurface, specular;  ///< subsurface and specular: parts at the first surface
+  Vec3f normal, albedo;                ///< of the first surface
+  float depth = 0.0f;                  ///< distance to it [mm]
+  bool is_subsurface = false;
+  bool is_hit = false;
+};
+
+}  // namespace lamina

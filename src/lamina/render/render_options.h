@@ -1,0 +1,54 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "lamina/core/memory_budget.h"
+
+namespace lamina {
+
+/// What is not part of a scene but of how it is computed. The defaults are right for pictures.
+struct RenderOptions {
+  /// How light leaves a translucent surface over the angle.
+  enum class ExitAngle {
+    conserving,  ///< as much in total as the profile says: transmittance over its projected
+                 ///< integral
+    printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
+  };
+  ExitAngle exit_angle = ExitAngle::conserving;
+
+  /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
+  enum class DirectLight { combined, lights_only, surfaces_only };
+  DirectLight direct_light = DirectLight::combined;
+
+  /// File that keeps the light that the methods `hierarchy` and `texture_space` sample, for other
+  /// cameras; empty: none. It is read if it is there and of use: made for this light, whole, and
+  /// fine enough. Else the light is sampled and it is written, which on_notice is told.
+  std::filesystem::path cache;
+  MemoryBudget memory;       ///< for reading the cache
+  bool needs_cache = false;  ///< refuses to sample what the cache does not have
+
+  /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
+  /// image is complete. Empty: none.
+  std::filesystem::path checkpoint;
+  bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
+
+  /// Told what a user should know before the work goes on, a line each. May be empty.
+  std::function<void(const std::string&)> on_notice;
+};
+
+/// How the method `hierarchy` has sampled the light on a material.
+struct LightSamples {
+  std::uint32_t material = 0;  ///< index into those of the scene
+  double spacing = 0.0;        ///< [mm]
+  std::size_t count = 0;
+  std::optional<double> change;  ///< of the light that leaves, from twice the spacing: root mean
+                                 ///< square over that of the light. Absent without refinement
+};
+
+}  // namespace lamina
