@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lamina/core/parallel.h"
-#include "lamina/scattering/adding_doubling.h"
-#include "lamina/scattering/adding_doubling_matrix.h"
-#include "lamina/scattering/exact_profile.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
+#include "lamina/scattering/transport_profile/exact_profile.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/scattering/heterogeneous_transport.h"
+#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 
 namespace lamina {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lamina/core/random.h"
-#include "lamina/scattering/sampled_layers.h"
+#include "lamina/scattering/layered_bsdf/sampled_layers.h"
 
 namespace {
 

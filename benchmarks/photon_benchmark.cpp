@@ -17,8 +17,8 @@
 #include <string>
 
 #include "lamina/core/parallel.h"
-#include "lamina/scattering/photon_tracing.h"
-#include "reference/scalar_photons.h"
+#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "scattering/monte_carlo/scalar_photons.h"
 
 namespace {
 

@@ -12,9 +12,9 @@
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
-#include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/layered_bsdf.h"
+#include "lamina/plot/plot.h"
+#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
 
 namespace lamina::cli {
 namespace {

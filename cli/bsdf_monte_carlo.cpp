@@ -10,8 +10,8 @@
 
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
-#include "lamina/image/plot.h"
 #include "lamina/materials/material.h"
+#include "lamina/plot/plot.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

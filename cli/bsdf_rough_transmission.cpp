@@ -9,8 +9,8 @@
 
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
-#include "lamina/image/plot.h"
-#include "lamina/optics/rough_surface_scattering.h"
+#include "lamina/optics/rough/rough_surface_scattering.h"
+#include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 namespace {

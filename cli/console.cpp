@@ -15,8 +15,8 @@
 #include <span>
 
 #include "lamina/core/error.h"
-#include "lamina/core/file_bytes.h"
 #include "lamina/core/parallel.h"
+#include "lamina/io/file_bytes.h"
 
 namespace lamina::cli {
 

@@ -17,7 +17,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
-#include "lamina/core/nearest_name.h"
+#include "lamina/io/nearest_name.h"
 
 namespace {
 
@@ -68,7 +68,9 @@ int run(int argc, char** argv) {
   add_patch_command(app);
   add_photons_command(app);
   add_profile_command(app);
+#ifdef LAMINA_RENDER
   add_render_command(app);
+#endif
   add_slab_command(app);
   try {
     app.parse(argc, argv);

@@ -13,9 +13,9 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
-#include "lamina/materials/skin_features.h"
-#include "lamina/render/skin_totals.h"
-#include "lamina/render/surface_skin_maps.h"
+#include "lamina/scene/skin_totals.h"
+#include "lamina/skin_maps/skin_features.h"
+#include "lamina/skin_maps/surface/surface_skin_maps.h"
 
 namespace lamina::cli {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/scattering/photon_tracing.h"
-#include "lamina/scattering/profile.h"
-#include "lamina/scattering/slab_totals.h"
+#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/scattering/profile/profile.h"
+#include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

@@ -11,12 +11,12 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/disk_cache.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
-#include "lamina/image/plot.h"
 #include "lamina/image/tone.h"
-#include "lamina/render/skin_patch.h"
+#include "lamina/io/disk_cache.h"
+#include "lamina/plot/plot.h"
+#include "lamina/skin_patch/skin_patch.h"
 #include "picture_files.h"
 
 namespace lamina::cli {

@@ -11,7 +11,7 @@
 #include "console.h"
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
-#include "lamina/core/nearest_name.h"
+#include "lamina/io/nearest_name.h"
 #include "lamina/materials/material.h"
 #include "photons_options.h"
 

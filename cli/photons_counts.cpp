@@ -10,7 +10,7 @@
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
-#include "lamina/core/json_input.h"
+#include "lamina/io/json_input.h"
 #include "lamina/spectrum/band_set.h"
 #include "photons_options.h"
 

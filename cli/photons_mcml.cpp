@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/mcml_input.h"
-#include "lamina/scattering/mcml_output.h"
+#include "lamina/scattering/monte_carlo/mcml_input.h"
+#include "lamina/scattering/monte_carlo/mcml_output.h"
 #include "photons_options.h"
 
 namespace lamina::cli {

@@ -6,7 +6,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/image/plot.h"
+#include "lamina/plot/plot.h"
 #include "photons_report.h"
 
 namespace lamina::cli {

@@ -9,7 +9,7 @@
 
 #include "console.h"
 #include "lamina/core/memory_budget.h"
-#include "lamina/scattering/photon_tallies.h"
+#include "lamina/scattering/monte_carlo/photon_tallies.h"
 
 namespace lamina::cli {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/scattering/gaussian_profile.h"
+#include "lamina/scattering/transport_profile/gaussian_profile.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

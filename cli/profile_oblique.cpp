@@ -9,7 +9,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/oblique_profile.h"
+#include "lamina/scattering/transport_profile/oblique_profile.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

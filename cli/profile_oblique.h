@@ -7,7 +7,7 @@
 
 #include "console.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/hankel.h"
+#include "lamina/scattering/profile/hankel.h"
 
 namespace lamina::cli {
 

@@ -11,10 +11,10 @@
 
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
-#include "lamina/image/picture_sheet.h"
 #include "lamina/image/tone.h"
-#include "lamina/render/method_settings.h"
+#include "lamina/plot/picture_sheet.h"
 #include "lamina/render/render.h"
+#include "lamina/scene/method_settings.h"
 
 namespace lamina::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/render/scene.h"
+#include "lamina/scene/scene.h"
 
 namespace lamina::cli {
 

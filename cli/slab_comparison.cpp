@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/adding_doubling.h"
-#include "lamina/scattering/layered_diffusion.h"
-#include "lamina/scattering/photon_tracing.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/diffusion/layered_diffusion.h"
+#include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
 

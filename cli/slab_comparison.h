@@ -7,7 +7,7 @@
 
 #include "console.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/slab_totals.h"
+#include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

@@ -18,13 +18,24 @@ function(lamina_precompile target)
   endif()
 endfunction()
 
-# lamina_library(NAME SOURCES... HEADERS... LINKS...): the folder of that name as lamina::NAME.
+# lamina_library(NAME [FOLDERS f...] [SOURCES s...] [HEADERS h...] [LINKS l...] [PRIVATE_LINKS l...]):
+# this folder, and those below it that are named, as lamina::NAME. Headers are public, unless they lie
+# in a folder "internal" or others are named.
 function(lamina_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS")
-  add_library(lamina_${name} ${arg_SOURCES})
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;SOURCES;HEADERS;LINKS;PRIVATE_LINKS")
+  foreach(folder IN ITEMS . LISTS arg_FOLDERS)
+    file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/internal/*.cpp)
+    file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
+    list(APPEND all_sources ${sources})
+    list(APPEND all_headers ${headers})
+  endforeach()
+  if(arg_HEADERS)
+    set(all_headers ${arg_HEADERS})
+  endif()
+  add_library(lamina_${name} ${arg_SOURCES} ${all_sources})
   add_library(lamina::${name} ALIAS lamina_${name})
   target_sources(lamina_${name} PUBLIC FILE_SET HEADERS
-    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${arg_HEADERS})
+    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${all_headers})
   target_compile_features(lamina_${name} PUBLIC cxx_std_20)
   set_target_properties(lamina_${name} PROPERTIES
     EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
@@ -34,21 +45,22 @@ function(lamina_library name)
   install(TARGETS lamina_${name} EXPORT lamina_targets FILE_SET HEADERS)
 endfunction()
 
-# lamina_fingerprint(FOLDER HEADER MACRO PATTERN [FILES...]): a header whose macro is a hash of the
-# folder's sources that match, of other source files, and of all that they include. What a cache keeps
+# lamina_fingerprint(NAME HEADER MACRO FOLDERS f...): a header of the library NAME whose macro is a
+# hash of all sources in folders of src/lamina and of all that they include. What a cache keeps
 # belongs to the code that made it.
-function(lamina_fingerprint folder header name pattern)
-  get_target_property(sources lamina_${folder} SOURCES)
-  list(FILTER sources INCLUDE REGEX ${pattern})
-  list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-  list(APPEND sources ${ARGN})
+function(lamina_fingerprint name header macro)
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "FOLDERS")
+  foreach(folder IN LISTS arg_FOLDERS)
+    file(GLOB_RECURSE found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/lamina/${folder}/*.cpp)
+    list(APPEND sources ${found})
+  endforeach()
   set(fingerprint ${CMAKE_CURRENT_BINARY_DIR}/${header})
   add_custom_command(OUTPUT ${fingerprint} VERBATIM
     COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${PROJECT_SOURCE_DIR}/src
-      -D NAME=${name} -D HEADER=${fingerprint} -D DEPFILE=${fingerprint}.d
+      -D NAME=${macro} -D HEADER=${fingerprint} -D DEPFILE=${fingerprint}.d
       -P ${PROJECT_SOURCE_DIR}/cmake/fingerprint.cmake
     DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/cmake/fingerprint.cmake
     DEPFILE ${fingerprint}.d)
-  target_sources(lamina_${folder} PRIVATE ${fingerprint})
-  target_include_directories(lamina_${folder} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+  target_sources(lamina_${name} PRIVATE ${fingerprint})
+  target_include_directories(lamina_${name} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
 endfunction()

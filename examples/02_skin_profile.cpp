@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "lamina/materials/material.h"
-#include "lamina/scattering/diffuse_boundary.h"
-#include "lamina/scattering/diffusion_profile.h"
-#include "lamina/scattering/exact_profile.h"
+#include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/scattering/diffusion/diffusion_profile.h"
+#include "lamina/scattering/transport_profile/exact_profile.h"
 
 int main() {
   const lamina::Material skin = lamina::find_material("donner_jensen_skin");

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <string>
 
-#include "lamina/core/disk_cache.h"
 #include "lamina/image/image_file.h"
-#include "lamina/materials/skin_features.h"
-#include "lamina/render/skin_patch.h"
+#include "lamina/io/disk_cache.h"
+#include "lamina/skin_maps/skin_features.h"
+#include "lamina/skin_patch/skin_patch.h"
 
 namespace {
 

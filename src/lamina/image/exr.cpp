@@ -16,7 +16,7 @@
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
-#include "lamina/image/codec.h"
+#include "lamina/image/internal/codec.h"
 
 namespace lamina {
 namespace {

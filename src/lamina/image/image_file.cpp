@@ -10,8 +10,8 @@
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
-#include "lamina/core/file_bytes.h"
-#include "lamina/image/codec.h"
+#include "lamina/image/internal/codec.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/spectrum/srgb.h"
 
 namespace lamina {

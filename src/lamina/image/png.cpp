@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "lamina/core/error.h"
-#include "lamina/image/codec.h"
+#include "lamina/image/internal/codec.h"
 #include "lamina/spectrum/srgb.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "lamina/core/checked_size.h"
-#include "lamina/image/codec.h"
+#include "lamina/image/internal/codec.h"
 
 namespace lamina {
 namespace {

@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "lamina/core/error.h"
-#include "lamina/core/nearest_name.h"
+#include "lamina/io/nearest_name.h"
 #include "lamina/materials/builtin_texts.h"
-#include "lamina/materials/jensen2001.h"
+#include "lamina/materials/internal/jensen2001.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/json_input.h"
+#include "lamina/io/json_input.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
 

@@ -68,7 +68,7 @@ struct SkinParameterRange {
 [[nodiscard]] std::span<const SkinParameterRange> skin_parameter_ranges();
 
 /// The constants that no map gives: saturations, baseline and scattering. They belong to the solver
-/// that they were fitted with (benchmarks/skin_constants.cpp).
+/// that they were fitted with (tools/fit/skin_constants.cpp).
 enum class SkinConstants {
   paper,                 ///< as printed in [Donner2008]; saturations .75, which it does not print
   calibrated,            ///< fitted to 100 forearms [Cooksey2017] with exact totals

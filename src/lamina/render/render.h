@@ -7,8 +7,8 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
-#include "lamina/render/render_options.h"
-#include "lamina/render/scene.h"
+#include "lamina/scene/render_options.h"
+#include "lamina/scene/scene.h"
 
 namespace lamina {
 

@@ -1,0 +1,300 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/io/json_input.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <system_error>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/io/file_bytes.h"
+#include "lamina/io/internal/json_tree.h"
+#include "lamina/io/nearest_name.h"
+
+namespace lamina {
+namespace {
+
+using json_detail::in_quotes;
+using json_detail::Kind;
+using json_detail::Node;
+using json_detail::none;
+using json_detail::Tree;
+
+bool contains(const NumberRange& range, double value) {
+  return std::isfinite(value) && (range.includes_low ? value >= range.low : value > range.low) &&
+         (range.includes_high ? value <= range.high : value < range.high);
+}
+
+/// "must be >= 0 [1/mm]", "must lie in (0, 180) deg".
+std::string rule(const NumberRange& range) {
+  const std::string unit = range.unit.empty() ? "" : " [" + std::string(range.unit) + "]";
+  if (std::isinf(range.low) && std::isinf(range.high)) return "must be a number" + unit;
+  if (std::isinf(range.high))
+    return (range.includes_low ? "must be >= " : "must be > ") + number_text(range.low) + unit;
+  if (std::isinf(range.low))
+    return (range.includes_high ? "must be <= " : "must be < ") + number_text(range.high) + unit;
+  return std::string("must lie in ") + (range.includes_low ? "[" : "(") + number_text(range.low) +
+         ", " + number_text(range.high) + (range.includes_high ? "]" : ")") +
+         (range.unit.empty() ? "" : " " + std::string(range.unit));
+}
+
+/// `"mm", "cm" or "m"`.
+std::string listed(std::span<const std::string_view> names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 == names.size() ? " or " : ", ";
+    list += '"' + std::string(names[i]) + '"';
+  }
+  return list;
+}
+
+std::string counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+const Node* find_child(const Tree& tree, const Node& object, std::string_view key) {
+  for (auto child = object.first_child; child != none; child = tree.nodes[child].next_sibling)
+    if (tree.texts[tree.nodes[child].key] == key) return &tree.nodes[child];
+  return nullptr;
+}
+
+/// "-" is what flows in.
+std::string read_json_text(const std::filesystem::path& file, std::size_t most) {
+  return read_stream_bytes(file == "-" ? "/dev/stdin" : file, most);
+}
+
+}  // namespace
+
+bool JsonInput::is_null() const { return tree_->nodes[node_].kind == Kind::null; }
+bool JsonInput::is_boolean() const { return tree_->nodes[node_].kind == Kind::boolean; }
+bool JsonInput::is_number() const { return tree_->nodes[node_].kind == Kind::number; }
+bool JsonInput::is_string() const { return tree_->nodes[node_].kind == Kind::string; }
+bool JsonInput::is_array() const { return tree_->nodes[node_].kind == Kind::array; }
+bool JsonInput::is_object() const { return tree_->nodes[node_].kind == Kind::object; }
+
+double JsonInput::number(const NumberRange& range) const {
+  const double value = tree_->nodes[node_].number;
+  if (!is_number() || !contains(range, value)) refuse(rule(range));
+  return value;
+}
+
+std::int64_t JsonInput::integer(std::int64_t low, std::int64_t high) const {
+  assert(-(std::int64_t{1} << 53) <= low && high <= (std::int64_t{1} << 53));
+  const double value = tree_->nodes[node_].number;
+  if (!is_number() || value != std::floor(value) || value < static_cast<double>(low) ||
+      value > static_cast<double>(high))
+    refuse("must be a whole number in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
+  return static_cast<std::int64_t>(value);
+}
+
+bool JsonInput::boolean() const {
+  if (!is_boolean()) refuse("must be true or false");
+  return tree_->nodes[node_].number != 0.0;
+}
+
+std::string JsonInput::string() const {
+  if (!is_string()) refuse("must be a string");
+  return tree_->texts[tree_->nodes[node_].text];
+}
+
+std::filesystem::path JsonInput::file_path() const {
+  const std::string text = string();
+  if (text.empty() || text.find('\0') != std::string::npos) refuse("must be the path of a file");
+  const std::filesystem::path path = std::filesystem::path(tree_->name).parent_path() / text;
+  std::error_code ignored;  // what is missing is told by who reads it
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_other(status))  // whoever opens a pipe waits for its writer
+    refuse("must be the path of a file, not of a pipe or device");
+  return path;
+}
+
+MemoryBudget& JsonInput::memory() const { return *tree_->memory; }
+
+std::vector<JsonInput> JsonInput::array(std::size_t fewest, std::size_t most) const {
+  if (!is_array()) refuse("must be an array");
+  const Node& node = tree_->nodes[node_];
+  if (node.children < fewest || node.children > most)
+    say("must hold " +
+        (fewest == most           ? counted(fewest, "value")
+         : node.children < fewest ? "at least " + counted(fewest, "value")
+                                  : "at most " + counted(most, "value")) +
+        ", but holds " + std::to_string(node.children));
+  std::vector<JsonInput> elements;
+  elements.reserve(node.children);
+  for (auto child = node.first_child; child != none; child = tree_->nodes[child].next_sibling)
+    elements.push_back(JsonInput(*tree_, child));
+  return elements;
+}
+
+std::vector<double> JsonInput::numbers(std::size_t size, const NumberRange& range) const {
+  if (!is_array()) refuse("must be an array of " + counted(size, "number"));
+  std::vector<double> values;
+  values.reserve(size);
+  for (const JsonInput& element : array(size, size)) values.push_back(element.number(range));
+  return values;
+}
+
+std::vector<double> JsonInput::number_or_numbers(std::size_t size, const NumberRange& range) const {
+  if (is_number()) return std::vector<double>(size, number(range));
+  if (!is_array()) refuse("must be a number or an array of " + counted(size, "number"));
+  return numbers(size, range);
+}
+
+std::size_t JsonInput::choice(std::span<const std::string_view> names) const {
+  const std::string rule = "must be " + listed(names);
+  if (!is_string()) refuse(rule);
+  const std::string text = string();
+  const auto found = std::ranges::find(names, text);
+  if (found == names.end()) say(rule + ", but is " + described() + did_you_mean(text, names));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+JsonObject JsonInput::object(std::initializer_list<std::string_view> keys) const {
+  return checked_object(std::span(keys.begin(), keys.size()));
+}
+
+JsonObject JsonInput::checked_object(std::span<const std::string_view> keys) const {
+  const auto all = entries();
+  for (const auto& [key, value] : all) {
+    if (std::ranges::find(keys, key) != keys.end()) continue;
+    std::vector<std::string_view> missing;  // what is there already was not meant
+    for (const std::string_view known : keys)
+      if (!peek(known)) missing.push_back(known);
+    const std::string owner = path();
+    throw InvalidInput(tree_->name + ":" + std::to_string(value.line()) + ": " +
+                       (owner.empty() ? "" : owner + ": ") + "unknown key " + in_quotes(key) +
+                       did_you_mean(key, missing));
+  }
+  return JsonObject(*this);
+}
+
+JsonObject JsonInput::file_object(std::string_view kind, int version,
+                                  std::initializer_list<std::string_view> keys) const {
+  const std::string given_kind = JsonObject(*this).required("lamina").string();
+  if (given_kind != kind)
+    JsonObject(*this).required("lamina").refuse("must be \"" + std::string(kind) + "\"");
+  const JsonInput given_version = JsonObject(*this).required("version");
+  if (!given_version.is_number() || given_version.number() != version)
+    given_version.refuse("must be " + std::to_string(version));
+  if (const auto schema = peek("$schema")) (void)schema->string();
+  std::vector<std::string_view> all = {"lamina", "version", "$schema"};
+  all.insert(all.end(), keys.begin(), keys.end());
+  return checked_object(all);
+}
+
+std::vector<std::pair<std::string, JsonInput>> JsonInput::entries() const {
+  if (!is_object()) refuse("must be an object");
+  std::vector<std::pair<std::string, JsonInput>> all;
+  const Node& node = tree_->nodes[node_];
+  all.reserve(node.children);
+  for (auto child = node.first_child; child != none; child = tree_->nodes[child].next_sibling)
+    all.emplace_back(tree_->texts[tree_->nodes[child].key], JsonInput(*tree_, child));
+  return all;
+}
+
+std::optional<JsonInput> JsonInput::peek(std::string_view key) const {
+  if (!is_object()) refuse("must be an object");
+  const Node* child = find_child(*tree_, tree_->nodes[node_], key);
+  if (child == nullptr) return std::nullopt;
+  return JsonInput(*tree_, static_cast<std::uint32_t>(child - tree_->nodes.data()));
+}
+
+int JsonInput::line() const { return static_cast<int>(tree_->nodes[node_].line); }
+
+std::string JsonInput::path() const {
+  std::vector<std::uint32_t> chain;  // from the value outward
+  for (auto node = node_; node != 0; node = tree_->nodes[node].parent) chain.push_back(node);
+  std::string path;
+  for (auto step = chain.rbegin(); step != chain.rend(); ++step) {
+    const Node& node = tree_->nodes[*step];
+    if (node.key == none) {
+      path += "[" + std::to_string(node.place) + "]";
+    } else {
+      const std::string key = in_quotes(tree_->texts[node.key]);
+      path += (path.empty() ? "" : ".") + key.substr(1, key.size() - 2);
+    }
+  }
+  return path;
+}
+
+std::string JsonInput::where() const {
+  const std::string inner = path();
+  return tree_->name + ":" + std::to_string(line()) + (inner.empty() ? "" : ": " + inner);
+}
+
+std::string JsonInput::described() const {
+  const Node& node = tree_->nodes[node_];
+  switch (node.kind) {
+    case Kind::null:
+      return "null";
+    case Kind::boolean:
+      return node.number != 0.0 ? "true" : "false";
+    case Kind::number:
+      return number_text(node.number);
+    case Kind::string:
+      return in_quotes(tree_->texts[node.text]);
+    case Kind::array:
+      return "an array";
+    case Kind::object:
+      return "an object";
+  }
+  return {};
+}
+
+void JsonInput::refuse(std::string_view rule) const {
+  say(std::string(rule) + ", but is " + described());
+}
+
+void JsonInput::say(const std::string& text) const {
+  throw InvalidInput(where() + (node_ == 0 ? ": the file " : " ") + text);
+}
+
+void JsonInput::fail(std::string_view message) const {
+  throw InvalidInput(where() + ": " + std::string(message));
+}
+
+std::optional<JsonInput> JsonObject::optional(std::string_view key) const {
+  return value_.peek(key);
+}
+
+JsonInput JsonObject::required(std::string_view key) const {
+  if (const auto found = optional(key)) return *found;
+  value_.fail("\"" + std::string(key) + "\" is required, but missing");
+}
+
+JsonDocument::JsonDocument(std::unique_ptr<MemoryBudget> own_memory,
+                           std::unique_ptr<const Tree> tree)
+    : own_memory_(std::move(own_memory)), tree_(std::move(tree)) {}
+JsonDocument::JsonDocument(JsonDocument&&) noexcept = default;
+JsonDocument& JsonDocument::operator=(JsonDocument&&) noexcept = default;
+JsonDocument::~JsonDocument() = default;
+
+JsonInput JsonDocument::root() const { return {*tree_, 0}; }
+
+JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory) {
+  return {nullptr,
+          std::make_unique<const Tree>(json_detail::parse_tree(text, std::move(name), memory))};
+}
+
+JsonDocument parse_json(std::string_view text, std::string name) {
+  auto memory = std::make_unique<MemoryBudget>();
+  JsonDocument document = parse_json(text, std::move(name), *memory);
+  document.own_memory_ = std::move(memory);
+  return document;
+}
+
+JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory) {
+  const std::string text = read_json_text(file, std::min(json_max_bytes, memory.left));
+  take(memory, text.size(), file.string());
+  JsonDocument document = parse_json(text, file.string(), memory);
+  memory.left += text.size();  // which is there while it is parsed only
+  return document;
+}
+
+JsonDocument load_json(const std::filesystem::path& file) {
+  return parse_json(read_json_text(file, json_max_bytes), file.string());
+}
+
+}  // namespace lamina

@@ -1,0 +1,42 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/mesh/polygon_mesh.h"
+
+namespace lamina {
+
+/// Reads a mesh of the format that its name ends in: .obj, .ply, .gltf or .glb. The units are those
+/// of the file, indices are as in the file, every index is in range and every number is finite.
+///
+/// @param memory  what reading may take; what the mesh takes stays taken.
+/// @throws FileError naming the file, the place in it, what is required and what was found:
+///         missing, cut off, not of its format, an index out of range, a position that is not
+///         finite, no faces, more memory than is left.
+[[nodiscard]] PolygonMesh load_polygon_mesh(const std::filesystem::path& file,
+                                            MemoryBudget& memory);
+[[nodiscard]] PolygonMesh load_polygon_mesh(const std::filesystem::path& file);
+
+// The same from the bytes of a file; `name` stands for it in messages. OBJ and PLY are read by
+// lamina's own code because every number that is not one must be named with its place.
+
+/// Wavefront OBJ: v, vt, vn, f, g, o and usemtl; a part is what shares a material, group and
+/// object.
+[[nodiscard]] PolygonMesh parse_obj(std::string_view bytes, const std::string& name,
+                                    MemoryBudget memory = {});
+
+/// PLY, ascii or binary: elements `vertex` and `face`; others are skipped.
+[[nodiscard]] PolygonMesh parse_ply(std::string_view bytes, const std::string& name,
+                                    MemoryBudget memory = {});
+
+/// glTF 2.0, as text or as GLB: the triangles of the scene's nodes, at rest. A part is a primitive
+/// of a node: its labels are the names of its material, mesh and node. Buffers may be files in the
+/// folder of `file` or below it.
+[[nodiscard]] PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file,
+                                     MemoryBudget memory = {});
+
+}  // namespace lamina

@@ -1,0 +1,208 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "lamina/core/error.h"
+#include "lamina/mesh/internal/mesh_text.h"
+#include "lamina/mesh/mesh_file.h"
+
+namespace lamina {
+namespace {
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f'; }
+
+/// The words of a line, one after another.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) {}
+
+  /// The next word, or an empty one at the end.
+  std::string_view next() {
+    skip_blanks();
+    std::size_t end = 0;
+    while (end < rest_.size() && !is_blank(rest_[end])) ++end;
+    const std::string_view word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    return word;
+  }
+
+  /// All that is left, without blanks around it.
+  std::string_view rest() {
+    skip_blanks();
+    while (!rest_.empty() && is_blank(rest_.back())) rest_.remove_suffix(1);
+    return rest_;
+  }
+
+ private:
+  void skip_blanks() {
+    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
+  }
+  std::string_view rest_;
+};
+
+class ObjReader {
+ public:
+  ObjReader(const std::string& name, MemoryBudget memory) : memory_(memory) { mesh_.name = name; }
+
+  PolygonMesh read(std::string_view text) {
+    std::string joined;  // a line that goes on after a backslash
+    while (!text.empty()) {
+      const std::size_t end = text.find('\n');
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      ++line_;
+      while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+      if (!line.empty() && line.back() == '\\') {
+        joined += line.substr(0, line.size() - 1);
+        joined += ' ';
+        continue;
+      }
+      if (joined.empty()) {
+        read_line(line);
+      } else {
+        joined += line;
+        read_line(joined);
+        joined.clear();
+      }
+    }
+    if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no faces");
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw FileError(mesh_.name + ":" + std::to_string(line_) + ": " + why);
+  }
+
+  void read_line(std::string_view line) {
+    Words words(line.substr(0, line.find('#')));
+    const std::string_view keyword = words.next();
+    if (keyword == "v" || keyword == "vt" || keyword == "vn")
+      take_growing(memory_, sizeof(Vec3f), mesh_.name);
+    if (keyword == "v") {
+      const auto what = [&] { return "vertex " + std::to_string(mesh_.positions.size() + 1); };
+      mesh_.positions.push_back({number(words, what), number(words, what), number(words, what)});
+    } else if (keyword == "vt") {
+      const auto what = [&] { return "vt " + std::to_string(mesh_.uvs.size() + 1); };
+      mesh_.uvs.push_back({number(words, what), optional_number(words, what)});
+    } else if (keyword == "vn") {
+      const auto what = [&] { return "vn " + std::to_string(mesh_.normals.size() + 1); };
+      mesh_.normals.push_back({number(words, what), number(words, what), number(words, what)});
+    } else if (keyword == "f") {
+      read_face(words);
+    } else if (keyword == "g") {
+      group_ = label(words);
+    } else if (keyword == "o") {
+      object_ = label(words);
+    } else if (keyword == "usemtl") {
+      material_ = label(words);
+    }  // the rest (smoothing groups, lines, points, material libraries) does not concern the shape
+  }
+
+  /// A name of the part that the faces to come belong to.
+  std::string label(Words& words) {
+    constexpr std::size_t longest = 1000;  // each part copies it
+    const std::string_view name = words.rest();
+    if (name.size() > longest) refuse("a name must not have more than 1000 bytes");
+    part_.reset();
+    return std::string(name);
+  }
+
+  /// `what` names the thing that the number belongs to.
+  template <class What>
+  float number(Words& words, const What& what) const {
+    const std::string_view word = words.next();
+    if (word.empty()) refuse(what() + " is cut off: a number is missing");
+    return parse_number(word, what);
+  }
+
+  template <class What>
+  float optional_number(Words& words, const What& what) const {
+    const std::string_view word = words.next();
+    return word.empty() ? 0.0F : parse_number(word, what);
+  }
+
+  template <class What>
+  float parse_number(std::string_view word, const What& what) const {
+    const std::optional<double> value = spelled_number(word);
+    if (!value || !std::isfinite(static_cast<float>(*value)))
+      refuse(what() + ": every number must be finite, but one is \"" + std::string(word) + "\"");
+    return static_cast<float>(*value);
+  }
+
+  void read_face(Words& words) {
+    face_.clear();
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      MeshCorner corner;
+      corner.position = index(word, mesh_.positions.size(), "v");
+      if (take_slash(word)) {
+        if (!word.empty() && word.front() != '/') corner.uv = index(word, mesh_.uvs.size(), "vt");
+        if (take_slash(word)) corner.normal = index(word, mesh_.normals.size(), "vn");
+      }
+      if (!word.empty())
+        refuse("a corner of a face must read v, v/vt, v//vn or v/vt/vn, but goes on with \"" +
+               std::string(word) + "\"");
+      face_.push_back(corner);
+    }
+    if (face_.size() < 3)
+      refuse("a face must have at least 3 corners, but has " + std::to_string(face_.size()));
+    take_growing(memory_, face_.size() * sizeof(MeshCorner), mesh_.name);
+    add_face(mesh_, face_, part());
+  }
+
+  static bool take_slash(std::string_view& word) {
+    if (word.empty() || word.front() != '/') return false;
+    word.remove_prefix(1);
+    return true;
+  }
+
+  /// Takes an index from the front of a word: counted from 1, or back from the latest if negative.
+  std::uint32_t index(std::string_view& word, std::size_t count, const char* kind) const {
+    long long given = 0;
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), given);
+    const auto size = static_cast<long long>(count);
+    const auto found = code == std::errc() ? (given < 0 ? size + given : given - 1) : -1;
+    if (found < 0 || found >= size)
+      refuse(std::string("an index of ") + kind + " must lie in [1, " + std::to_string(count) +
+             "] or count back from the latest, but is \"" +
+             std::string(word.substr(0, word.find('/'))) + "\"");
+    word.remove_prefix(static_cast<std::size_t>(end - word.data()));
+    return static_cast<std::uint32_t>(found);
+  }
+
+  std::uint32_t part() {
+    if (!part_) {
+      std::vector<std::string> labels;
+      for (const std::string& label : {material_, group_, object_})
+        if (!label.empty()) labels.push_back(label);
+      const auto next = static_cast<std::uint32_t>(mesh_.parts.size());
+      const auto [found, is_new] = part_of_labels_.try_emplace(labels, next);
+      if (is_new) {
+        std::size_t size = sizeof(MeshPart);
+        for (const std::string& each : labels) size += sizeof each + each.size();
+        take_growing(memory_, size, mesh_.name);
+        mesh_.parts.push_back({std::move(labels)});
+      }
+      part_ = found->second;
+    }
+    return *part_;
+  }
+
+  MemoryBudget memory_;
+  PolygonMesh mesh_;
+  std::vector<MeshCorner> face_;
+  std::string material_, group_, object_;
+  std::map<std::vector<std::string>, std::uint32_t> part_of_labels_;
+  std::optional<std::uint32_t> part_;  // that material, group and object name
+  int line_ = 0;
+};
+
+}  // namespace
+
+PolygonMesh parse_obj(std::string_view bytes, const std::string& name, MemoryBudget memory) {
+  return ObjReader(name, memory).read(bytes);
+}
+
+}  // namespace lamina

@@ -1,0 +1,39 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lamina/mesh/polygon_mesh.h"
+
+namespace lamina {
+
+/// Edges of a part that do not join two faces.
+struct OpenEdges {
+  std::uint32_t part = 0;  ///< index into PolygonMesh::parts
+  std::size_t count = 0;
+  Vec3f place;                        ///< the middle of the first of them
+  std::vector<std::uint32_t> opened;  ///< parts of the surfaces that these edges leave open
+};
+
+struct OrientedMesh {
+  PolygonMesh mesh;
+  std::size_t turned_faces = 0;    ///< wound against their neighbours, or against their normals
+  std::size_t inside_out = 0;      ///< closed surfaces that were turned
+  std::size_t turned_normals = 0;  ///< faces whose normals pointed to their back
+  bool is_closed = false;          ///< every edge joins two faces
+  std::vector<OpenEdges> open;     ///< by part, unless it is closed
+};
+
+/// Makes faces and normals agree on what is outside.
+///
+/// Over each connected surface the faces are wound alike, as most of them are. A closed surface is
+/// then turned if its signed volume is negative, unless it lies within another, as the inner wall
+/// of a bottle does. An open one is turned if most of its normals contradict it. Normals that still
+/// contradict their face are turned. Surfaces with one side only stay as they are.
+///
+/// Indices must be unified (unify_indices).
+[[nodiscard]] OrientedMesh orient(PolygonMesh mesh);
+
+}  // namespace lamina

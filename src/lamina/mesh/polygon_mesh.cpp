@@ -1,0 +1,139 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/mesh/polygon_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "lamina/mesh/internal/mesh_borders.h"
+
+namespace lamina {
+namespace {
+
+Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
+Vec3f to_float(const Vec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// For each position the index of the first one that equals it.
+std::vector<std::uint32_t> first_equal_positions(std::span<const Vec3f> positions) {
+  std::vector<std::uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto key = [&](std::uint32_t i) {
+    const Vec3f& p = positions[i];
+    return std::tuple(p.x, p.y, p.z);
+  };
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
+  std::vector<std::uint32_t> first(positions.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+  return first;
+}
+
+void unify_positions(PolygonMesh& mesh) {
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.positions);
+  std::vector<std::uint32_t> renamed(mesh.positions.size(), no_index);
+  std::vector<Vec3f> kept;
+  for (MeshCorner& corner : mesh.corners) {
+    std::uint32_t& name = renamed[first[corner.position]];
+    if (name == no_index) {
+      name = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(mesh.positions[corner.position]);
+    }
+    corner.position = name;
+  }
+  mesh.positions = std::move(kept);
+}
+
+void unify_uvs(PolygonMesh& mesh) {
+  std::vector<Vec2f> kept;
+  std::vector<std::uint32_t> latest(mesh.positions.size(), no_index);  // [position]
+  std::vector<std::uint32_t> earlier;  // [uv], another at the same position
+  for (MeshCorner& corner : mesh.corners) {
+    if (corner.uv == no_index) continue;
+    const Vec2f uv = mesh.uvs[corner.uv];
+    std::uint32_t found = latest[corner.position];
+    int steps =
+        64;  // a position with more texture coordinates is a needle's; spend no square of them
+    while (found != no_index && steps > 0 && kept[found] != uv) found = earlier[found], --steps;
+    if (found == no_index || steps == 0) {
+      found = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(uv);
+      earlier.push_back(std::exchange(latest[corner.position], found));
+    }
+    corner.uv = found;
+  }
+  mesh.uvs = std::move(kept);
+}
+
+}  // namespace
+
+void add_face(PolygonMesh& mesh, std::span<const MeshCorner> corners, std::uint32_t part) {
+  mesh.corners.insert(mesh.corners.end(), corners.begin(), corners.end());
+  mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  mesh.part.push_back(part);
+}
+
+Vec3 doubled_area(const PolygonMesh& mesh, std::size_t face_index) {
+  const auto corners = face(mesh, face_index);
+  const Vec3 origin = to_double(mesh.positions[corners[0].position]);
+  Vec3 sum;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+    sum += cross(to_double(mesh.positions[corners[i].position]) - origin,
+                 to_double(mesh.positions[corners[i + 1].position]) - origin);
+  return sum;
+}
+
+Vec3 transform_point(const Transform& transform, const Vec3& p) {
+  return p.x * transform.x_axis + p.y * transform.y_axis + p.z * transform.z_axis +
+         transform.translation;
+}
+
+Transform combine(const Transform& outer, const Transform& inner) {
+  const auto turned = [&](const Vec3& v) { return transform_point(outer, v) - outer.translation; };
+  return {.x_axis = turned(inner.x_axis),
+          .y_axis = turned(inner.y_axis),
+          .z_axis = turned(inner.z_axis),
+          .translation = transform_point(outer, inner.translation)};
+}
+
+double determinant(const Transform& transform) {
+  return dot(cross(transform.x_axis, transform.y_axis), transform.z_axis);
+}
+
+void apply(const Transform& transform, PolygonMesh& mesh) {
+  const double det = determinant(transform);
+  assert(det != 0.0);
+  for (Vec3f& p : mesh.positions) p = to_float(transform_point(transform, to_double(p)));
+  // Normals go with the cofactors of the axes, whose sign a mirror would turn.
+  const double side = std::copysign(1.0, det);
+  const Vec3 x_cofactor = side * cross(transform.y_axis, transform.z_axis);
+  const Vec3 y_cofactor = side * cross(transform.z_axis, transform.x_axis);
+  const Vec3 z_cofactor = side * cross(transform.x_axis, transform.y_axis);
+  for (Vec3f& n : mesh.normals) {
+    const Vec3 turned = static_cast<double>(n.x) * x_cofactor +
+                        static_cast<double>(n.y) * y_cofactor +
+                        static_cast<double>(n.z) * z_cofactor;
+    const double norm = length(turned);
+    n = norm > 0.0 ? to_float(turned / norm) : Vec3f{};
+  }
+  if (det < 0.0)
+    for (std::size_t f = 0; f < face_count(mesh); ++f)
+      std::reverse(mesh.corners.begin() + mesh.face_begin[f],
+                   mesh.corners.begin() + mesh.face_begin[f + 1]);
+}
+
+std::size_t unify_indices(PolygonMesh& mesh) {
+  unify_positions(mesh);
+  const std::size_t joined = join_borders(mesh);
+  unify_uvs(mesh);
+  return joined;
+}
+
+}  // namespace lamina

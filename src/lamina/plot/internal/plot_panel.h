@@ -1,0 +1,64 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "lamina/plot/internal/plot_axis.h"
+#include "lamina/plot/internal/svg_canvas.h"
+#include "lamina/plot/plot.h"
+
+// What cartesian and polar panels share: curves as chains of points in px, legends. Not installed.
+
+namespace lamina {
+
+/// A rectangle on the page [px].
+struct Box {
+  double x = 0.0, y = 0.0, width = 0.0, height = 0.0;
+  [[nodiscard]] double right() const { return x + width; }
+  [[nodiscard]] double bottom() const { return y + height; }
+};
+
+struct PagePoint {
+  double x, y;
+};
+using Chain = std::vector<PagePoint>;
+
+/// A panel that is ready to be drawn.
+struct PreparedPanel {
+  const Panel* panel = nullptr;
+  AxisSpan x, y;
+  std::vector<Tick> x_ticks, y_ticks;
+  bool has_lower_half = false;                              ///< polar
+  double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;  ///< room around the data area
+  double legend_width = 0.0, legend_height = 0.0;
+  int legend_corner = -1;  ///< 0, 1: top left, right; 2, 3: bottom left, right; -1: right of it
+};
+
+/// Colours of the curves, the missing ones from the palette.
+[[nodiscard]] std::vector<std::string> curve_colors(const Panel& panel);
+
+/// @param data  where the data area will be.
+[[nodiscard]] PreparedPanel prepare_cartesian(const Panel& panel, const Box& data);
+[[nodiscard]] PreparedPanel prepare_polar(const Panel& panel, const Box& data);
+void draw_cartesian(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& data);
+void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& data);
+
+/// Stroke and fill of a curve's line.
+[[nodiscard]] std::string line_attributes(const Curve& curve, const std::string& color);
+
+/// The points of a line as SVG path data. Chains with one point become a dot.
+[[nodiscard]] std::string path_data(const std::vector<Chain>& chains);
+
+/// Draws lines or points of a curve.
+void draw_chains(SvgCanvas& canvas, const Curve& curve, const std::string& color,
+                 const std::vector<Chain>& chains);
+
+/// Settles the size of the legend and the corner of the box in which it hides nothing of the
+/// chains; right of the box if there is none.
+void place_legend(PreparedPanel& prepared, const Box& box,
+                  const std::vector<std::vector<Chain>>& chains);
+void draw_legend(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& box);
+
+}  // namespace lamina

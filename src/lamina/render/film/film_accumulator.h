@@ -1,0 +1,60 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "lamina/image/image.h"
+#include "lamina/render/film/camera_sample.h"
+
+namespace lamina {
+
+/// Sums of the samples of each pixel. Pixels are independent: different ones may be added to from
+/// different threads.
+class FilmAccumulator {
+ public:
+  FilmAccumulator(int width, int height);
+
+  void add(int x, int y, const CameraSample& sample);
+
+  /// The means, with the channels that RenderResult lists.
+  [[nodiscard]] Image image() const;
+
+  /// [y][x], whether a pixel tells of the noise: all its samples met a translucent surface or, if
+  /// no pixel is like that, any surface.
+  [[nodiscard]] std::vector<bool> measured_pixels() const;
+
+  [[nodiscard]] double mean_samples() const;
+  [[nodiscard]] int least_samples() const;  ///< of all pixels
+
+  struct Luminance {
+    double mean = 0.0;
+    double variance = 0.0;  ///< of the mean of a pixel, if its samples were independent
+  };
+  /// Averages over the pixels from (x0, y0) up to (x1, y1), which is not one of them.
+  [[nodiscard]] Luminance luminance_of(int x0, int y0, int x1, int y1) const;
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// The state in memory, for a checkpoint of this program; restore takes as many bytes.
+  [[nodiscard]] std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(pixels_));
+  }
+  void restore(std::span<const std::byte> bytes);
+
+ private:
+  struct Pixel {
+    Vec3f beauty, subsurface, specular, normal, albedo;
+    float depth = 0.0f;
+    float luminance_mean = 0.0f, luminance_spread = 0.0f;  ///< Welford's running mean and sum
+    int samples = 0, hits = 0, subsurface_hits = 0;
+  };
+  static float variance_of_mean(const Pixel& pixel);
+
+  int width_, height_;
+  std::vector<Pixel> pixels_;
+};
+
+}  // namespace lamina

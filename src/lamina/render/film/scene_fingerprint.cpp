@@ -1,0 +1,286 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/film/scene_fingerprint.h"
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lamina/core/hash.h"
+#include "render_fingerprint.h"
+
+// Structures are taken apart by structured bindings: a new member does not compile until it is
+// hashed here, too.
+namespace lamina {
+namespace {
+
+/// Of a part of a scene: of all of it, or of what counts for the light that enters surfaces.
+class SceneHash : public Hash {
+ public:
+  explicit SceneHash(bool light_alone) : is_of_light(light_alone) {}
+  const bool is_of_light;
+
+  using Hash::add;
+  void add(const Vec2f& v) { add(v.x), add(v.y); }
+  void add(const Vec3f& v) { add(v.x), add(v.y), add(v.z); }
+  void add(const Vec3& v) { add(v.x), add(v.y), add(v.z); }
+  template <class T>
+  void add_all(const std::vector<T>& values) {
+    add(values.size());
+    for (const T& value : values) add(value);
+  }
+  template <class T, class Add>
+  void add_optional(const std::optional<T>& value, const Add& add_value) {
+    add(value.has_value());
+    if (value) add_value(*value);
+  }
+};
+
+void add(SceneHash& hash, const Mesh& mesh) {
+  const auto& [name, positions, normals, uvs, triangles, material, is_closed, open_parts] = mesh;
+  hash.add_all(positions);
+  hash.add_all(normals);
+  hash.add_all(uvs);
+  hash.add(triangles.size());
+  for (const auto& triangle : triangles)
+    for (const std::uint32_t corner : triangle) hash.add(corner);
+  hash.add_all(material);
+  hash.add(is_closed);
+  (void)open_parts;  // says no more than the triangles do
+}
+
+void add(SceneHash& hash, const ImageMap& map) {
+  const auto& [image, repeat] = map;
+  hash.add(image);
+  hash.add(repeat);
+}
+
+void add(SceneHash& hash, const NoiseMap& map) {
+  const auto& [kind, size, octaves, seed] = map;
+  hash.add(kind);
+  hash.add(size);
+  hash.add(octaves);
+  hash.add(seed);
+}
+
+void add(SceneHash& hash, const TextureMap& map) {
+  const auto& [source, scale, offset, low, high] = map;
+  hash.add(source.index());
+  std::visit([&](const auto& kind) { add(hash, kind); }, source);
+  hash.add(scale);
+  hash.add(offset);
+  hash.add(low);
+  hash.add(high);
+}
+
+void add(SceneHash& hash, const std::optional<TextureMap>& map) {
+  hash.add_optional(map, [&](const TextureMap& value) { add(hash, value); });
+}
+
+template <class Parameter>
+void add_parameter(SceneHash& hash, const Parameter& parameter) {
+  const auto& [value, map] = parameter;
+  hash.add(value);
+  add(hash, map);
+}
+
+void add(SceneHash& hash, const LayerMap& map) {
+  const auto& [layer, quantity, part, terms] = map;
+  hash.add(layer);
+  hash.add(quantity);
+  hash.add(part);
+  hash.add(terms.size());
+  for (const ScalarParameter& term : terms) add_parameter(hash, term);
+}
+
+void add(SceneHash& hash, const DiffuseSurface& surface) {
+  const auto& [color] = surface;
+  add_parameter(hash, color);
+}
+
+/// Without what only people read.
+std::string text_of_layers(Material material) {
+  material.name = material.source = {};
+  return format_material(material);
+}
+
+void add(SceneHash& hash, const SubsurfaceSurface& surface) {
+  const auto& [material, color, color_use, thickness, maps, skin_maps] = surface;
+  hash.add_text(text_of_layers(material));
+  for (const SkinMap& map : skin_maps) {
+    hash.add_text(map.name);
+    hash.add(map.values.width);
+    hash.add_all(map.values.pixels);
+  }
+  add_parameter(hash, color);
+  hash.add(color_use);
+  add_parameter(hash, thickness);
+  hash.add(maps.size());
+  for (const LayerMap& map : maps) add(hash, map);
+}
+
+void add(SceneHash& hash, const DielectricSurface& surface) {
+  const auto& [ior, roughness, smoothness, distribution, scattering] = surface;
+  hash.add(ior);
+  if (hash.is_of_light) return;  // light on other surfaces passes it as if it were smooth
+  add_parameter(hash, roughness);
+  hash.add_optional(smoothness, [&](const ScalarParameter& value) { add_parameter(hash, value); });
+  hash.add(distribution);
+  hash.add(scattering);
+}
+
+void add(SceneHash& hash, const ThinSurface& surface) {
+  const auto& [material, color, thickness] = surface;
+  hash.add_text(text_of_layers(material));
+  add_parameter(hash, color);
+  hash.add_optional(thickness, [&](const ScalarParameter& value) { add_parameter(hash, value); });
+}
+
+void add(SceneHash& hash, const Coat& coat) {
+  const auto& [ior, roughness, weight, distribution] = coat;
+  hash.add(ior);
+  add_parameter(hash, roughness);
+  add_parameter(hash, weight);
+  hash.add(distribution);
+}
+
+void add(SceneHash& hash, const SurfaceMaterial& material) {
+  const auto& [name, surface, opacity, coat, bump, normal_map] = material;
+  hash.add(surface.index());
+  std::visit([&](const auto& kind) { add(hash, kind); }, surface);
+  hash.add_optional(opacity, [&](const ScalarParameter& value) { add_parameter(hash, value); });
+  hash.add_optional(coat, [&](const Coat& value) { add(hash, value); });
+  add(hash, bump);
+  hash.add_optional(normal_map, [&](const ImageMap& value) { add(hash, value); });
+}
+
+void add(SceneHash& hash, const PointLight& light) {
+  const auto& [position, intensity] = light;
+  hash.add(position);
+  hash.add(intensity);
+}
+
+void add(SceneHash& hash, const DirectionalLight& light) {
+  const auto& [direction, irradiance] = light;
+  hash.add(direction);
+  hash.add(irradiance);
+}
+
+void add(SceneHash& hash, const RectangleLight& light) {
+  const auto& [center, edge_u, edge_v, radiance] = light;
+  hash.add(center);
+  hash.add(edge_u);
+  hash.add(edge_v);
+  hash.add(radiance);
+}
+
+void add(SceneHash& hash, const EnvironmentLight& light) {
+  const auto& [image, scale, rotation, is_visible] = light;
+  hash.add_optional(image, [&](std::size_t value) { hash.add(value); });
+  hash.add(scale);
+  hash.add(rotation);
+  if (!hash.is_of_light) hash.add(is_visible);  // to the camera only
+}
+
+void add(SceneHash& hash, const Light& light) {
+  hash.add(light.index());
+  std::visit([&](const auto& kind) { add(hash, kind); }, light);
+}
+
+void add(SceneHash& hash, const Image& image) {
+  hash.add(image.width);
+  hash.add(image.height);
+  hash.add(image.channels.size());
+  hash.add_all(image.pixels);
+}
+
+template <class T>
+std::uint64_t hash_of(const std::vector<T>& parts, bool is_of_light) {
+  SceneHash hash(is_of_light);
+  hash.add(parts.size());
+  for (const T& part : parts) add(hash, part);
+  return hash.value();
+}
+
+void add(SceneHash& hash, const HierarchySettings& settings) {
+  const auto& [spacing, max_points, irradiance_samples, error, refine] = settings;
+  hash.add(spacing);
+  hash.add(max_points);
+  hash.add(irradiance_samples);
+  hash.add(refine);
+  // Of the sum of samples; their number follows from it where they are refined.
+  if (!hash.is_of_light || refine > 0.0f) hash.add(error);
+}
+
+void add(SceneHash& hash, const TextureSpaceSettings& settings) {
+  const auto& [texel, max_texels, irradiance_samples, terms] = settings;
+  hash.add(texel);
+  hash.add(max_texels);
+  hash.add(irradiance_samples);
+  hash.add(terms);
+}
+
+void add(SceneHash& hash, const ShadowMapSettings& settings) {
+  const auto& [resolution, lamp_views, dome_views, lookups] = settings;
+  for (const int number : {resolution, lamp_views, dome_views, lookups}) hash.add(number);
+}
+
+/// What light and picture follow from alike.
+void add_shared(SceneHash& hash, const RenderSettings& settings, const RenderOptions& options) {
+  hash.add_text(LAMINA_RENDER_FINGERPRINT);
+  hash.add(settings.method);
+  hash.add(settings.profile);  // what surfaces reflect onto others follows from it
+  hash.add(settings.max_bounces);
+  hash.add(settings.seed);
+  hash.add(options.direct_light);
+}
+
+}  // namespace
+
+LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options) {
+  using Method = RenderSettings::Method;
+  SceneHash settings(true);
+  add_shared(settings, scene.render, options);
+  if (scene.render.method == Method::hierarchy) add(settings, scene.render.hierarchy);
+  if (scene.render.method == Method::texture_space) add(settings, scene.render.texture_space);
+  return {.meshes = hash_of(scene.meshes, true),
+          .materials = hash_of(scene.materials, true),
+          .maps = hash_of(scene.images, true),
+          .lights = hash_of(scene.lights, true),
+          .settings = settings.value()};
+}
+
+std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
+  SceneHash hash(false);
+  for (const std::uint64_t part : {hash_of(scene.meshes, false), hash_of(scene.materials, false),
+                                   hash_of(scene.images, false), hash_of(scene.lights, false)})
+    hash.add(part);
+  const auto& [position, look_at, up, horizontal_fov, aperture_diameter, focus_distance] =
+      scene.camera;
+  for (const Vec3& vector : {position, look_at, up}) hash.add(vector);
+  for (const double number : {horizontal_fov, aperture_diameter, focus_distance}) hash.add(number);
+  hash.add(scene.film.width);
+  hash.add(scene.film.height);
+  add_shared(hash, scene.render, options);
+  const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
+               max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
+  (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
+  hash.add(orders);
+  for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
+    hash.add(factor);
+  hash.add(single_scattering);
+  hash.add(samples_per_pixel);
+  hash.add(noise);
+  add(hash, hierarchy);
+  add(hash, texture_space);
+  add(hash, shadow_map);
+  const auto& [exit_angle, direct_light, cache, memory, needs_cache, checkpoint, resumes,
+               on_notice] = options;
+  hash.add(exit_angle);
+  (void)direct_light;       // shared
+  hash.add(cache.empty());  // light that is kept is sampled for any camera
+  (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
+  return hash.value();
+}
+
+}  // namespace lamina

@@ -1,0 +1,26 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "lamina/scene/render_options.h"
+#include "lamina/scene/scene.h"
+
+namespace lamina {
+
+/// What the light that enters surfaces follows from, part by part: parts that differ have other
+/// numbers, but for one case in 10^19. Camera, film and samples of the picture are no part of it,
+/// nor names, nor the roughness of glass. That of a coat is: what it reflects does not enter.
+struct LightFingerprint {
+  std::uint64_t meshes = 0, materials = 0, maps = 0, lights = 0;
+  std::uint64_t settings = 0;  ///< the program, the method and how it samples, bounces and seed
+  friend bool operator==(const LightFingerprint&, const LightFingerprint&) = default;
+};
+
+[[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options);
+
+/// All that the samples of a picture follow from: the scene with its camera, the size of the
+/// picture, how it is rendered, and the program.
+[[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);
+
+}  // namespace lamina

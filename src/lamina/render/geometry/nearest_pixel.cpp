@@ -1,0 +1,28 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/geometry/nearest_pixel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamina {
+
+float nearest_pixel(const Scene& scene, const CameraRays& camera, std::uint32_t material) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Mesh& mesh : scene.meshes)
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (mesh.material[t] != material) continue;
+      for (const std::uint32_t corner : mesh.triangles[t]) {
+        const Vec3f& p = mesh.positions[corner];
+        const Vec3 offset =
+            Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)} -
+            scene.camera.position;
+        nearest = std::min(nearest, dot(offset, offset));
+      }
+    }
+  return nearest < std::numeric_limits<double>::infinity()
+             ? camera.pixel_angle() * static_cast<float>(std::sqrt(nearest))
+             : 0.0f;
+}
+
+}  // namespace lamina

@@ -1,0 +1,15 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "lamina/render/geometry/camera_rays.h"
+#include "lamina/scene/scene.h"
+
+namespace lamina {
+
+/// What a pixel sees at least of a material [mm]; 0 if there is none.
+[[nodiscard]] float nearest_pixel(const Scene& scene, const CameraRays& camera,
+                                  std::uint32_t material);
+
+}  // namespace lamina

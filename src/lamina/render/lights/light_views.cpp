@@ -1,0 +1,103 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/lights/light_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <variant>
+
+#include "lamina/render/lights/internal/environment.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+Vec3f to_float(const Vec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// Points spread evenly over the unit square: [Roberts2018]'s R2 sequence.
+Vec2f spread_point(int i) {
+  const double k = i + 0.5, x = 0.5 + 0.7548776662466927 * k, y = 0.5 + 0.5698402909980532 * k;
+  return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
+}
+
+void add_views(const RectangleLight& lamp, int count, std::vector<LightView>& views) {
+  const Vec3f u = to_float(lamp.edge_u), v = to_float(lamp.edge_v), n = cross(u, v);
+  const float area = length(n);
+  if (!(area > 0.0f)) return;
+  for (int i = 0; i < count; ++i) {
+    const Vec2f at = spread_point(i);
+    views.push_back({.where = to_float(lamp.center) + (at.x - 0.5f) * u + (at.y - 0.5f) * v,
+                     .strength = (area / static_cast<float>(count)) * lamp.radiance,
+                     .facing = n / area,
+                     .parts = count});
+  }
+}
+
+/// Directions drawn from the bright parts of the sky and from the whole sphere, in proportion to
+/// the light of both, each weighed by the density of all.
+void add_views(const Environment& sky, int count, std::vector<LightView>& views) {
+  const Vec3f mean = sky.mean_radiance();
+  const float all = mean.x + mean.y + mean.z;
+  if (!(all > 0.0f)) return;
+  int drawn = 0;
+  if (sky.can_be_drawn())
+    drawn = std::clamp(
+        static_cast<int>(std::lround(static_cast<float>(count) * 3.0f * sky.mean_drawn() / all)), 0,
+        count);
+  const int even = count - drawn;
+  const auto add = [&](const Vec3f& direction) {
+    const Environment::Seen seen = sky.look(direction);
+    const float density =
+        static_cast<float>(drawn) * seen.pdf + static_cast<float>(even) / (4.0f * pi);
+    if (density > 0.0f)
+      views.push_back({.where = normalize(direction),
+                       .is_far = true,
+                       .strength = seen.radiance / density,
+                       .parts = count});
+  };
+  for (int i = 0; i < drawn; ++i) add(sky.draw(spread_point(i)).direction);
+  for (int i = 0; i < even; ++i) {
+    // A spiral over the sphere, whose turns are a golden ratio apart.
+    const float y = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / static_cast<float>(even);
+    const float s = std::sqrt(1.0f - y * y), phi = 2.39996323f * static_cast<float>(i);
+    add({s * std::cos(phi), y, s * std::sin(phi)});
+  }
+}
+
+}  // namespace
+
+std::vector<LightView> make_light_views(const Scene& scene, int lamp_views, int dome_views) {
+  std::vector<LightView> views;
+  for (const Light& light : scene.lights) {
+    if (const auto* point = std::get_if<PointLight>(&light))
+      views.push_back({.where = to_float(point->position), .strength = point->intensity});
+    else if (const auto* far_light = std::get_if<DirectionalLight>(&light))
+      views.push_back({.where = normalize(to_float(far_light->direction)),
+                       .is_far = true,
+                       .strength = far_light->irradiance});
+    else if (const auto* lamp = std::get_if<RectangleLight>(&light))
+      add_views(*lamp, lamp_views, views);
+    else if (const auto& sky = std::get<EnvironmentLight>(light); sky.image)
+      add_views(Environment(scene.images[*sky.image], sky.scale, sky.rotation), dome_views, views);
+    else
+      add_views(Environment(sky.scale), dome_views, views);
+  }
+  return views;
+}
+
+LightFrom look_from(const Vec3f& position, const LightView& view) {
+  if (view.is_far) return {view.where, std::numeric_limits<float>::infinity(), 1.0f};
+  const Vec3f d = view.where - position;
+  const float d2 = dot(d, d), distance = std::sqrt(d2);
+  if (!(d2 > 0.0f)) return {{0, 0, 1}, 0.0f, 0.0f};
+  LightFrom from{d / distance, distance, 1.0f / d2};
+  if (dot(view.facing, view.facing) > 0.0f)
+    from.irradiance *= std::max(-dot(from.direction, view.facing), 0.0f);
+  return from;
+}
+
+}  // namespace lamina

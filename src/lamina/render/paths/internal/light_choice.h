@@ -1,0 +1,93 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/core/low_discrepancy.h"
+#include "lamina/render/lights/light_parts.h"
+#include "lamina/render/paths/path.h"
+#include "lamina/render/shading/clear_fraction.h"
+
+namespace lamina {
+
+/// Weight of a light that a surface's own sampling met, with these densities of the two ways to
+/// find it [1/sr]; of the surface 0: in one direction only, of the light 0: not by light sampling.
+/// @param candidates  that light sampling had there, as weight_of_light_sample
+[[nodiscard]] inline float weight_of_surface_sample(DirectLight way, float pdf, float pdf_light,
+                                                    float candidates) {
+  if (pdf == 0.0f || pdf_light == 0.0f) return 1.0f;  // the light sampling cannot find it
+  if (way == DirectLight::surfaces_only) return 1.0f;
+  if (way == DirectLight::lights_only) return 0.0f;
+  pdf_light *= candidates;
+  return pdf * pdf / (pdf * pdf + pdf_light * pdf_light);  // the power heuristic
+}
+
+/// Weight of a light sample whose direction the surface draws with density pdf [1/sr].
+[[nodiscard]] inline float weight_of_light_sample(DirectLight way, const LightSample& light,
+                                                  float pdf, float candidates = light_candidates) {
+  if (light.is_delta || way == DirectLight::lights_only) return 1.0f;
+  if (way == DirectLight::surfaces_only) return 0.0f;
+  const float pdf_light = candidates * light.pdf;
+  return pdf_light * pdf_light / (pdf * pdf + pdf_light * pdf_light);
+}
+
+template <int N>
+struct LightDrawn {
+  LightSample light;
+  float weight = 0.0f;  ///< on its radiance; 0: nothing to be had
+  BandValues<N> clear;  ///< fraction that arrives, for what lies between
+};
+
+/// A light, drawn in proportion to what it would give: `value(LightSample)` is the factor on its
+/// radiance. Source: [Talbot2005], with one visibility for all candidates.
+/// @param share  of the lights, to draw the candidates from
+/// @param parts  to draw the candidates from instead, if not null
+template <int N, class Value>
+[[nodiscard]] LightDrawn<N> draw_light(const PathWorld<N>& world, const SurfacePoint& point,
+                                       PixelSamples& samples, const Value& value,
+                                       Dielectrics dielectrics = Dielectrics::let_through,
+                                       const LightShare& share = {},
+                                       const MirroredParts* parts = nullptr) {
+  const float u_light = samples.next_1d();
+  const Vec2f u = samples.next_2d();
+  const auto fraction = [](float x) { return x - std::floor(x); };
+  LightDrawn<N> chosen;
+  float total = 0.0f, chosen_brightness = 0.0f, chosen_pdf = 0.0f, u_left = samples.next_1d();
+  for (int i = 0; i < share.candidates; ++i) {
+    // A lattice of candidates, moved as one: [Roberts2018]'s R2 sequence.
+    const auto k = static_cast<float>(i);
+    const float u_which = fraction(u_light + k / static_cast<float>(share.candidates));
+    const Vec2f u_where{fraction(u.x + 0.7548777f * k), fraction(u.y + 0.5698403f * k)};
+    const auto [light, advantage] =
+        parts ? parts->draw(u_which, u_where)
+              : MirroredParts::Drawn{world.scene.lights.sample_light(
+                                         point.position, share.low + share.size * u_which, u_where),
+                                     1.0f / share.size};
+    if (!(light.pdf > 0.0f)) continue;
+    const float pdf = advantage * light.pdf;
+    const float brightness =
+        (light.radiance.x + light.radiance.y + light.radiance.z) * value(light) / pdf;
+    if (!(brightness > 0.0f)) continue;
+    total += brightness;
+    const float chance = brightness / total;
+    if (u_left < chance) {
+      u_left /= chance;
+      chosen.light = light;
+      chosen_brightness = brightness;
+      chosen_pdf = pdf;
+    } else {
+      u_left = (u_left - chance) / std::max(1.0f - chance, 1e-9f);
+    }
+  }
+  if (!(total > 0.0f)) return chosen;
+  const LightSample& light = chosen.light;
+  const Ray ray{leave_surface(point, light.direction), light.direction};
+  chosen.clear =
+      clear_fraction(world.scene, world.sheets, ray, 0.9999f * light.distance, dielectrics);
+  if (largest(chosen.clear) > 0.0f)
+    chosen.weight = total / (chosen_brightness * chosen_pdf * static_cast<float>(share.candidates));
+  return chosen;
+}
+
+}  // namespace lamina

@@ -1,0 +1,58 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lamina/render/shading/band_conversion.h"
+#include "lamina/render/shading/render_scene.h"
+#include "lamina/render/shading/thin_sheet.h"
+#include "lamina/render/subsurface/layered_bsdf/layered_material.h"
+#include "lamina/render/subsurface/subsurface_transport.h"
+
+namespace lamina {
+
+/// How directions are drawn at a surface. Each alone converges to the same image; they are for
+/// tests, together they have the least noise.
+enum class DirectLight { combined, lights_only, surfaces_only };
+
+/// Directions to lights are drawn by the handful, weighed without shadows, and one of them traced.
+inline constexpr int light_candidates = 4;
+
+/// What such a handful is worth where it is drawn by what a mirror makes of the lights, counted in
+/// directions drawn without. Any number gives the same picture, this one little noise.
+inline constexpr float mirrored_candidates = 32.0f;
+
+struct PathOptions {
+  int max_bounces = 4;  ///< of light between surfaces
+  DirectLight direct_light = DirectLight::combined;
+};
+
+/// What paths of light travel through: a scene with what was prepared for its materials. All must
+/// outlive it.
+template <int N>
+struct PathWorld {
+  const RenderScene& scene;
+  const BandConversion<N>& conversion;
+  // One entry per material, null where it is not translucent, none for its BSDF alone, or not thin:
+  const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports;
+  const LayeredMaterials<N>& layered;
+  const ThinSheets<N>& sheets;
+  PathOptions options;
+};
+
+/// Where a path of light is on its way back from the eye, its ray and throughput aside.
+struct Path {
+  int bounce = 0;
+  float pdf = 0.0f;        ///< with which its direction was drawn [1/sr]; 0: from a single one
+  float spread = 0.0f;     ///< growth of the footprint with distance [rad]
+  float footprint = 0.0f;  ///< at the origin of the ray [mm]
+  float index = 1.0f;      ///< refractive index of what it is in, known on paths from the eye
+  float candidates = light_candidates;  ///< that lights had where it turned last
+  bool is_camera_ray = false;           ///< straight from the camera
+  bool is_from_eye = false;             ///< from the camera, maybe through glass
+  bool is_from_inside = false;          ///< straight from where lights are sought otherwise
+  bool is_scattered = false;            ///< spread out by a surface on the way
+};
+
+}  // namespace lamina

@@ -1,0 +1,69 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "lamina/render/paths/internal/light_choice.h"
+#include "lamina/render/paths/internal/path_turn.h"
+#include "lamina/render/shading/dielectric_scattering.h"
+
+namespace lamina {
+
+template <int N>
+bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
+                     const DielectricSurface& glass, Ray& ray, Path& path,
+                     BandValues<N>& throughput, BandValues<N>& radiance, PixelSamples& samples) {
+  const bool is_inside = dot(ray.direction, point.geometric_normal) > 0.0f;
+  const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, -ray.direction);
+  const Framef frame = make_frame(n);
+  const Vec3f wo = frame.to_local(-ray.direction);
+  const DielectricScattering boundary =
+      dielectric_at(world.scene.textures, glass, point, is_inside);
+  const auto index_towards = [&](const Vec3f& direction) {
+    return dot(direction, point.geometric_normal) < 0.0f ? glass.ior : 1.0f;
+  };
+  // Radiance over n^2 is what paths carry: glass passes it unchanged.
+  if (!is_specular(boundary.interface)) {
+    const auto pdf = [&](const LightSample& light) {
+      const Vec3f wi = frame.to_local(light.direction);
+      const float side = dot(light.direction, point.geometric_normal) * (is_inside ? -1.0f : 1.0f);
+      return wi.z * side > 0.0f ? pdf_dielectric(boundary, wo, wi) : 0.0f;
+    };
+    // Lights behind another glass are found by paths that are refracted there.
+    const LightDrawn<N> drawn = draw_light(
+        world, point, samples,
+        [&](const LightSample& light) {
+          const float density = pdf(light);
+          return density * weight_of_light_sample(world.options.direct_light, light, density);
+        },
+        Dielectrics::block);
+    if (drawn.weight > 0.0f) {
+      const LightSample& light = drawn.light;
+      const float index = index_towards(light.direction);
+      const float value =
+          evaluate_dielectric(boundary, wo, frame.to_local(light.direction), samples) *
+          weight_of_light_sample(world.options.direct_light, light, pdf(light)) / (index * index);
+      radiance += value * drawn.weight * throughput * drawn.clear *
+                  world.conversion.from_rgb(light.radiance);
+    }
+  }
+  const DielectricSample sample = sample_dielectric(boundary, wo, samples);
+  if (!(sample.weight > 0.0f)) return false;
+  throughput *= sample.weight;
+  ray.direction = normalize(frame.to_world(sample.wi));
+  ray.origin = leave_surface(point, ray.direction);
+  path.pdf = sample.pdf;
+  path.index = index_towards(ray.direction);
+  if (sample.pdf > 0.0f)
+    path.spread = std::max(
+        path.spread, 0.3f * std::min(static_cast<float>(boundary.interface.facets.alpha), 1.0f));
+  path.is_camera_ray = false;
+  return true;
+}
+
+template bool pass_dielectric(const PathWorld<4>&, const SurfacePoint&, const DielectricSurface&,
+                              Ray&, Path&, BandValues<4>&, BandValues<4>&, PixelSamples&);
+template bool pass_dielectric(const PathWorld<8>&, const SurfacePoint&, const DielectricSurface&,
+                              Ray&, Path&, BandValues<8>&, BandValues<8>&, PixelSamples&);
+template bool pass_dielectric(const PathWorld<16>&, const SurfacePoint&, const DielectricSurface&,
+                              Ray&, Path&, BandValues<16>&, BandValues<16>&, PixelSamples&);
+
+}  // namespace lamina

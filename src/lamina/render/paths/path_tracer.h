@@ -1,0 +1,64 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/core/low_discrepancy.h"
+#include "lamina/render/film/camera_sample.h"
+#include "lamina/render/paths/path.h"
+#include "lamina/render/shading/clear_fraction.h"
+#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/spectrum/band_values.h"
+
+namespace lamina {
+
+/// Follows light from the camera back to the lights.
+///
+/// At the first translucent surface both its reflection and its inside are followed; behind a
+/// bounce translucent surfaces count as diffuse ones of the same total reflectance, since the
+/// spread of light below them is lost in the next bounce anyway.
+template <int N>
+class PathTracer final : public LightGatherer<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  explicit PathTracer(const PathWorld<N>& world) : world_(world) {}
+
+  /// @param spread  angle between the rays of neighbouring pixels [rad]
+  [[nodiscard]] CameraSample trace_camera_ray(const Ray& ray, float spread,
+                                              PixelSamples& samples) const;
+
+  /// Of a point that no path has come to before.
+  [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry,
+                                          PixelSamples& samples) const override {
+    return entering_irradiance(entry, 0, samples);
+  }
+  [[nodiscard]] Bands clear_fraction(const Ray& ray, float distance) const override {
+    return lamina::clear_fraction(world_.scene, world_.sheets, ray, distance,
+                                  Dielectrics::let_through);
+  }
+  [[nodiscard]] Bands arriving_radiance(const Ray& ray, PixelSamples& samples) const override {
+    return arriving_radiance(ray, 0, samples);
+  }
+
+ private:
+  class Gatherer;
+
+  [[nodiscard]] Bands follow(Ray ray, Path path, PixelSamples& samples, CameraSample* first) const;
+  [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
+                                          PixelSamples& samples) const;
+  [[nodiscard]] Bands arriving_radiance(const Ray& ray, int bounce, PixelSamples& samples) const {
+    return follow(
+        ray, {.bounce = bounce + 1, .spread = 0.3f, .is_from_inside = true, .is_scattered = true},
+        samples, nullptr);
+  }
+  /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
+  [[nodiscard]] bool passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,
+                            PixelSamples& samples) const;
+  /// Light on its way to a surface by a mirror or a highlight, cut off at ten times the typical
+  /// radiance of the scene. What is lost are caustics, which paths from the eye find so seldom that
+  /// they are but bright specks; light scattered diffusely stays below that anyway.
+  [[nodiscard]] Bands without_caustics(Bands light, const Path& path) const;
+
+  PathWorld<N> world_;
+};
+
+}  // namespace lamina

@@ -1,0 +1,135 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/planning/method_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/render/subsurface/hierarchy/hierarchy_preparation.h"
+#include "lamina/scene/method_settings.h"
+
+namespace lamina {
+namespace {
+
+using Method = RenderSettings::Method;
+
+/// Work of `hierarchy` per sample of the light beside its paths, in paths: cutting the surface, and
+/// where a sample is seen the sum over all others.
+constexpr double work_of_cell = 1.0, work_of_sum = 8.0;
+/// Work of `profile` per sample of a pixel, in paths: the one, and the probes for where it enters.
+constexpr double work_of_probe = 0.4;
+/// Light without noise is worth so many times the work.
+constexpr double worth_of_no_noise = 2.5;
+
+std::vector<std::uint32_t> translucent_materials(const Scene& scene) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
+    if (std::holds_alternative<SubsurfaceSurface>(scene.materials[m].surface)) found.push_back(m);
+  return found;
+}
+
+/// What the scene asks for by what only one method reads.
+std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOptions& options) {
+  const RenderSettings& settings = scene.render;
+  for (const std::uint32_t m : translucent_materials(scene)) {
+    const auto& surface = std::get<SubsurfaceSurface>(scene.materials[m].surface);
+    const std::string of = "\"" + scene.materials[m].name + "\"";
+    if (!surface.maps.empty())
+      return MethodChoice{Method::layered_bsdf, of + " has maps of layers"};
+    if (!surface.skin_maps.empty())
+      return MethodChoice{Method::texture_space, of + " has maps of what skin is made of"};
+  }
+  const std::string of_settings = "the scene has settings of it";
+  if (settings.orders != LayeredOrders::all || settings.factors.any())
+    return MethodChoice{Method::layered_bsdf, of_settings};
+  const auto honours_all = [&](Method method) { return !refusal(scene, method); };
+  if (settings.texture_space != TextureSpaceSettings{} && honours_all(Method::texture_space))
+    return MethodChoice{Method::texture_space, of_settings};
+  if (settings.hierarchy != HierarchySettings{} && honours_all(Method::hierarchy))
+    return MethodChoice{Method::hierarchy, of_settings};
+  if (!options.cache.empty()) return MethodChoice{Method::hierarchy, "its light can be kept"};
+  if (settings.shadow_map != ShadowMapSettings{} && honours_all(Method::shadow_map))
+    return MethodChoice{Method::shadow_map, of_settings};
+  return std::nullopt;
+}
+
+bool has_profile(const Material& material, const RenderSettings& settings) {
+  if (settings.profile == RenderSettings::Profile::exact) return true;  // to find out would take minutes
+  try {
+    (void)profile_maker(settings)(material);
+  } catch (const InvalidInput&) {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string name_of(RenderSettings::Method method) {
+  switch (method) {
+    case Method::profile:
+      return "profile";
+    case Method::layered_bsdf:
+      return "layered_bsdf";
+    case Method::hierarchy:
+      return "hierarchy";
+    case Method::shadow_map:
+      return "shadow_map";
+    case Method::texture_space:
+      return "texture_space";
+    case Method::random_walk:
+      return "random_walk";
+    case Method::automatic:
+      break;
+  }
+  return "auto";
+}
+
+template <int N>
+MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& conversion,
+                           const CameraRays& camera, const SeenSurface& seen,
+                           const RenderOptions& options, const Progress& progress) {
+  const Scene& s = *scene.scene;
+  if (auto choice = choice_by_needs(s, options)) return *choice;
+  const auto materials = translucent_materials(s);
+  if (seen.count() == 0) return {Method::profile, "nothing translucent is seen"};
+  for (const std::uint32_t m : materials) {
+    const Material& material = std::get<SubsurfaceSurface>(s.materials[m].surface).material;
+    if (!has_profile(material, s.render))
+      return {Method::layered_bsdf, "\"" + s.materials[m].name + "\" has no profile"};
+  }
+  const ProfileMaker make_profile = profile_maker(s.render, progress);
+  double of_hierarchy = 0.0;
+  for (const std::uint32_t m : materials) {
+    const HierarchyTransport<N> hierarchy(scene, conversion, m, make_profile, false);
+    // What shows outside as well, as eyes do, hardly changes the light.
+    if (std::ranges::any_of(hierarchy.objects_inside(),
+                            [](const auto& object) { return object.share > 0.9; }))
+      return {Method::hierarchy, "something opaque is inside \"" + s.materials[m].name + "\""};
+    const LightSampling sampling = plan_sampling(hierarchy, scene, camera, seen, options);
+    of_hierarchy +=
+        sampling.cells * (sampling.estimates + work_of_cell) + sampling.close_cells * work_of_sum;
+  }
+  // Without noise below surfaces few samples of a pixel do.
+  const double pixels = static_cast<double>(s.film.width) * static_cast<double>(s.film.height);
+  const double share = static_cast<double>(seen.count()) / static_cast<double>(seen.rays);
+  const double of_profile = share * pixels * s.render.samples_per_pixel * (1.0 + work_of_probe);
+  const double ratio = of_hierarchy / of_profile;
+  if (ratio <= worth_of_no_noise)
+    return {Method::hierarchy,
+            printf_text("no noise below surfaces for %.1f times the work of profile", ratio)};
+  return {Method::profile, printf_text("hierarchy would take %.1f times its work", ratio)};
+}
+
+#define LAMINA_INSTANTIATE(N)                                                          \
+  template MethodChoice choose_method<N>(const RenderScene&, const BandConversion<N>&, \
+                                         const CameraRays&, const SeenSurface&,        \
+                                         const RenderOptions&, const Progress&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
+
+}  // namespace lamina

@@ -1,0 +1,105 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/shading/render_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/core/error.h"
+
+namespace lamina {
+namespace {
+
+void check(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) {
+    const auto require = [&](bool holds, const char* rule) {
+      if (!holds) throw InvalidInput("mesh \"" + mesh.name + "\": " + rule);
+    };
+    require(mesh.normals.size() == mesh.positions.size(), "every vertex needs a normal");
+    require(mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size(),
+            "every vertex needs texture coordinates, or none");
+    require(mesh.material.size() == mesh.triangles.size(), "every triangle needs a material");
+    for (const auto& triangle : mesh.triangles)
+      for (const std::uint32_t corner : triangle)
+        require(corner < mesh.positions.size(), "a triangle names a vertex that is not there");
+    for (const std::uint32_t material : mesh.material)
+      require(material < scene.materials.size(), "a triangle names a material that is not there");
+  }
+}
+
+/// The boundary of a layer towards the outside; none if the indices are equal.
+std::unique_ptr<BoundaryReflectance> make_boundary(const MaterialLayer& layer,
+                                                   const std::vector<double>& ior_outside,
+                                                   const Interface& interface) {
+  // One index for all bands: over the visible it varies by a percent, reflectance by a few.
+  double ratio = 0.0;
+  for (std::size_t b = 0; b < layer.ior.size(); ++b)
+    ratio += layer.ior[b] / ior_outside[b] / static_cast<double>(layer.ior.size());
+  if (std::abs(ratio - 1.0) <= 1e-4) return nullptr;
+  return std::make_unique<BoundaryReflectance>(static_cast<float>(ratio), interface.distribution,
+                                               static_cast<float>(interface.roughness), false);
+}
+
+RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
+  RenderScene::Boundaries boundaries;
+  if (const auto& coat = material.coat)
+    boundaries.coat = std::make_unique<BoundaryReflectance>(
+        coat->ior, coat->distribution, coat->roughness.value, coat->roughness.map.has_value());
+  const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
+  const auto* thin = std::get_if<ThinSurface>(&material.surface);
+  if (!subsurface && !thin) return boundaries;
+  const Material& layers = subsurface ? subsurface->material : thin->material;
+  if (layers.layers.empty())
+    throw InvalidInput("material \"" + material.name + "\": at least one layer is required");
+  const Interface& top = layers.layers.front().top;
+  boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top);
+  boundaries.own_roughness = static_cast<float>(top.roughness);
+  if (thin) {
+    const Interface& bottom = layers.ground.top;
+    boundaries.own_below = make_boundary(layers.layers.back(), layers.ior_below, bottom);
+    boundaries.own_roughness_below = static_cast<float>(bottom.roughness);
+  }
+  return boundaries;
+}
+
+}  // namespace
+
+RenderScene::RenderScene(const Scene& from)
+    : scene((check(from), &from)),
+      geometry(from.meshes),
+      textures(from.images),
+      lights(from, geometry.box_low(), geometry.box_high()) {
+  for (const SurfaceMaterial& material : from.materials) {
+    boundaries.push_back(make_boundaries(material));
+    has_clear_surfaces |= std::holds_alternative<DielectricSurface>(material.surface) ||
+                          std::holds_alternative<ThinSurface>(material.surface) ||
+                          material.opacity.has_value();
+  }
+}
+
+SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point, bool from_below) {
+  const RenderScene::Boundaries& tables = scene.boundaries[point.material];
+  const SurfaceMaterial& material = scene.scene->materials[point.material];
+  SurfaceBoundary boundary;
+  float uncovered = 1.0f;
+  if (tables.coat) {
+    const float share = std::clamp(scene.textures.scalar(material.coat->weight, point), 0.0f, 1.0f);
+    const float roughness =
+        std::clamp(scene.textures.scalar(material.coat->roughness, point), 0.0f, 1.0f);
+    boundary.add({tables.coat.get(), roughness, share});
+    uncovered -= share;
+  }
+  if (const auto& own = from_below ? tables.own_below : tables.own)
+    boundary.add(
+        {own.get(), from_below ? tables.own_roughness_below : tables.own_roughness, uncovered});
+  return boundary;
+}
+
+SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprint) {
+  SurfacePoint point = make_surface_point(scene.scene->meshes, hit, footprint);
+  const SurfaceMaterial& material = scene.scene->materials[point.material];
+  if (material.bump || material.normal_map)
+    point.normal = bent_normal(scene.textures, material, point);
+  return point;
+}
+
+}  // namespace lamina

@@ -1,0 +1,53 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/render/geometry/ray_geometry.h"
+#include "lamina/render/lights/lights.h"
+#include "lamina/scene/scene.h"
+#include "lamina/surface/surface_point.h"
+#include "lamina/surface/texture.h"
+
+namespace lamina {
+
+/// A scene with all that paths ask of it precomputed, whatever the bands.
+struct RenderScene {
+  /// The boundaries of one material. A coat stands in for the material's own surface where it
+  /// lies: its reflection takes the place of the other, so no light is reflected by both.
+  struct Boundaries {
+    std::unique_ptr<BoundaryReflectance> coat;
+    std::unique_ptr<BoundaryReflectance> own;        ///< of a translucent material, unless matched
+    std::unique_ptr<BoundaryReflectance> own_below;  ///< of a thin one, its other side
+    float own_roughness = 0.0f, own_roughness_below = 0.0f;
+  };
+
+  /// `scene` must outlive the result.
+  /// @throws InvalidInput if a triangle or map points to what is not there.
+  explicit RenderScene(const Scene& from);
+
+  const Scene* scene;
+  RayGeometry geometry;
+  TextureStore textures;
+  Lights lights;
+  std::vector<Boundaries> boundaries;  ///< [material]
+  bool has_clear_surfaces = false;     ///< which shadow rays pass: dielectric, thin or cut out
+};
+
+/// The boundary over the base at a point; of a thin sheet on the side of the mesh's normals, or
+/// that below.
+[[nodiscard]] SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point,
+                                          bool from_below = false);
+
+/// The surface at a hit, its normal bent by the material's bump and normal maps.
+[[nodiscard]] SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprint);
+
+/// Where to look for the next surface along a ray that goes on behind a hit [mm].
+[[nodiscard]] inline float behind(const Hit& hit, const SurfacePoint& point) {
+  return hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
+}
+
+}  // namespace lamina

@@ -1,0 +1,96 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/colored_transport.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "lamina/reflectance/exact_totals.h"
+
+namespace lamina {
+namespace {
+
+using ColorUse = SubsurfaceSurface::ColorUse;
+
+const SubsurfaceSurface& surface_of(const RenderScene& scene, std::uint32_t material) {
+  return std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
+}
+
+}  // namespace
+
+Vec3f mean_of_map(const TextureStore& textures, const ColorParameter& color) {
+  Vec3f mean{1, 1, 1};
+  if (!color.map) return mean;
+  if (const auto* image = std::get_if<ImageMap>(&color.map->source)) {
+    const Vec3f of_image = textures.mean_color(image->image);
+    for (int c = 0; c < 3; ++c)
+      mean[c] = std::max(color.map->offset + color.map->scale * of_image[c], 1e-4f);
+  }
+  return mean;
+}
+
+template <int N>
+Material colored_medium(const RenderScene& scene, const BandConversion<N>& conversion,
+                        std::uint32_t material) {
+  const SubsurfaceSurface& surface = surface_of(scene, material);
+  Material medium = surface.material;
+  medium.layers.back().thickness = std::numeric_limits<double>::infinity();
+  medium.ior_below = medium.layers.back().ior;
+  medium.ground = {};
+  if (surface.color_use != ColorUse::invert) return medium;
+  const Vec3f mean = mean_of_map(scene.textures, surface.color);
+  const BandValues<N> wanted =
+      conversion.from_rgb({mean.x * surface.color.value.x, mean.y * surface.color.value.y,
+                           mean.z * surface.color.value.z});
+  std::vector<double> reflectance;
+  for (std::size_t b = 0; b < medium.bands.size(); ++b)
+    reflectance.push_back(std::clamp(static_cast<double>(wanted[static_cast<int>(b)]), 0.0, 1.0));
+  return with_reflectance(medium, reflectance);
+}
+
+template <int N>
+ColoredTransport<N>::ColoredTransport(const RenderScene& scene, const BandConversion<N>& conversion,
+                                      std::uint32_t material,
+                                      std::unique_ptr<SubsurfaceTransport<N>> inside)
+    : scene_(scene),
+      conversion_(conversion),
+      surface_(surface_of(scene, material)),
+      inside_(std::move(inside)),
+      mean_color_(mean_of_map(scene.textures, surface_.color)) {
+  if (surface_.color_use != ColorUse::invert) return;
+  const std::vector<EnteredTotals> totals =
+      exact_totals(colored_medium<N>(scene, conversion, material));
+  for (std::size_t b = 0; b < totals.size(); ++b)
+    reflected_[static_cast<int>(b)] = static_cast<float>(std::max(totals[b].reflectance, 1e-6));
+}
+
+template <int N>
+BandValues<N> ColoredTransport<N>::scale(const SurfacePoint& point) const {
+  const Vec3f color = scene_.textures.color(surface_.color, point);
+  Vec3f by{std::max(color.x, 0.0f), std::max(color.y, 0.0f), std::max(color.z, 0.0f)};
+  if (surface_.color_use == ColorUse::scale)
+    for (int c = 0; c < 3; ++c) by[c] /= mean_color_[c];
+  Bands result = conversion_.from_rgb(by);
+  for (int b = 0; b < N; ++b) result[b] = std::max(result[b], 0.0f) / reflected_[b];
+  return result;
+}
+
+template <int N>
+BandValues<N> ColoredTransport<N>::local_reflectance(const SurfacePoint& point) const {
+  Bands result = scale(point) * inside_->local_reflectance(point);
+  for (int b = 0; b < N; ++b) result[b] = std::clamp(result[b], 0.0f, 1.0f);
+  return result;
+}
+
+#define LAMINA_INSTANTIATE(N)                                                       \
+  template Material colored_medium<N>(const RenderScene&, const BandConversion<N>&, \
+                                      std::uint32_t);                               \
+  template class ColoredTransport<N>
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
+
+}  // namespace lamina

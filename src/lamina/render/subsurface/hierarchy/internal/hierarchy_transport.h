@@ -1,0 +1,114 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lamina/core/lazy_values.h"
+#include "lamina/core/progress.h"
+#include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
+#include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
+#include "lamina/render/subsurface/irradiance_cloud.h"
+#include "lamina/render/subsurface/profile/gather_profiles.h"
+#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/spacing_field.h"
+#include "lamina/surface/point_grid.h"
+
+namespace lamina {
+
+/// Subsurface transport by summing a profile over samples of the light on the surface.
+///
+/// First the surface is cut into patches, narrower than the profile where they are seen, and the
+/// light that enters each is found. Then the light that leaves at a point is a sum over all patches within reach, those
+/// far away many at a time. The sum has no noise, and the samples serve any camera. It is as smooth
+/// as the profile is wide, so it is taken at the patches that are seen, once, and between them
+/// interpolated.
+///
+/// The profiles are those of ProfileTransport, with the same assumptions: what it draws at random
+/// is summed here. Where a colour is inverted the profile between two points is that of their mean
+/// absorption (in its logarithm), so that transport is reciprocal; ProfileTransport takes that of
+/// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
+/// colour is kept.
+///
+/// Opaque objects inside stop light: the sum is scaled by the share that InnerBlockers finds.
+///
+/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample, §5.2 for objects
+/// inside.
+template <int N>
+class HierarchyTransport final : public SubsurfaceTransport<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param material  index of a translucent material; the scene must outlive the transport
+  HierarchyTransport(const RenderScene& scene, const BandConversion<N>& conversion,
+                     std::uint32_t material, const ProfileMaker& make_profile,
+                     bool is_printed_exit);
+
+  /// The spacing of samples that the settings ask for, never more than `max_points` of them [mm].
+  ///
+  /// @param pixel_size  what a pixel sees [mm]: samples need not be closer
+  [[nodiscard]] float spacing_for(float pixel_size) const;
+  /// That of `max_points` samples all over the surface [mm].
+  [[nodiscard]] float closest_spacing() const;
+
+  /// Samples the light on the surface.
+  ///
+  /// @param estimates  of the light at each sample, at random
+  /// @return           nothing if progress asked to stop
+  [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
+                                                            const SpacingField& field,
+                                                            int estimates, std::uint64_t seed,
+                                                            const Progress& progress) const;
+
+  /// Makes the samples ready to be summed. Comes before leaving_radiance.
+  void use(const IrradianceCloud& cloud);
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
+    return profiles_.local_reflectance(point);
+  }
+
+  [[nodiscard]] std::uint32_t material() const { return material_; }
+
+  /// An opaque object inside, bones say, by a coarse look: most of a scene are elsewhere.
+  struct Inside {
+    std::vector<Mesh> mesh;
+    std::uint32_t material;
+    double area, share;  ///< of it that lies inside, about [mm²], and over all of it
+  };
+  [[nodiscard]] std::vector<Inside> objects_inside() const;
+
+  /// Flux per area that leaves at a point.
+  [[nodiscard]] Bands exitance(const SurfacePoint& point) const;
+
+ private:
+  using Local = typename ProfileTransport<N>::Local;
+  /// By a sum over all samples within reach.
+  [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
+                                      const Local& local) const;
+  /// The surface of opaque objects inside.
+  [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> inner_patches(float spacing) const;
+  [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
+      const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
+  [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
+  /// The same at a sample, over what the surface's colour there makes of it.
+  [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
+  [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  const SubsurfaceSurface& surface_;
+  std::uint32_t material_;
+  ProfileTransport<N> profiles_;
+  IrradianceTree<N> tree_;
+  InnerBlockers<N> blockers_;
+  GatherProfiles<N> spread_;
+  float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
+  std::vector<CloudPoint> points_;
+  PointGrid grid_;
+  mutable LazyValues<BandValues<N>> exitance_;  ///< [point]
+};
+
+}  // namespace lamina

@@ -1,0 +1,255 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <locale>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/core/hash.h"
+#include "lamina/core/number_text.h"
+#include "lamina/io/file_bytes.h"
+
+namespace lamina {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file is written as memory has it");
+
+constexpr std::size_t fixed_numbers = 14;  // of a vertex, before those of its bands
+
+std::string hexadecimal(std::uint64_t value) {
+  return printf_text("%016llx", static_cast<unsigned long long>(value));
+}
+
+/// What a file says before its numbers, but for the number of vertices and the comments.
+std::string property_lines(std::size_t bands, bool has_spread) {
+  std::string text;
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "u", "v", "area", "red", "green",
+                           "blue", "thickness", "material"})
+    text += std::string("property float ") + name + "\n";
+  const std::vector<const char*> of_bands =
+      has_spread ? std::vector{"exitance_", "reflectance_"} : std::vector{"irradiance_"};
+  for (const char* name : of_bands)
+    for (std::size_t b = 0; b < bands; ++b)
+      text += std::string("property float ") + name + std::to_string(b) + "\n";
+  return text + "end_header\n";
+}
+
+constexpr int version = 3;  // of what the file means; older ones are made anew
+const std::string first_words =
+    "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
+const std::string no_checksum(16, '0');  // while the checksum of the file is taken
+
+std::uint64_t checksum(std::string_view bytes) {
+  Hash hash;
+  hash.add_text(bytes);
+  return hash.value();
+}
+
+/// The parts of a scene, by the words that a message uses.
+std::array<std::pair<const char*, std::uint64_t>, 5> parts(const LightFingerprint& f) {
+  return {{{"meshes", f.meshes},
+           {"materials", f.materials},
+           {"maps", f.maps},
+           {"lights", f.lights},
+           {"settings", f.settings}}};
+}
+
+std::string header(const std::vector<IrradianceCloud>& clouds, const LightFingerprint& made_for) {
+  PlainTextStream text;
+  text.precision(9);
+  text << first_words << version << ", lengths in mm\n"
+       << "comment checksum " << no_checksum << '\n';
+  for (const auto& [name, value] : parts(made_for))
+    text << "comment " << name << ' ' << hexadecimal(value) << '\n';
+  std::size_t count = 0;
+  for (const IrradianceCloud& cloud : clouds) {
+    text << "comment cloud " << cloud.material << ' ' << cloud.points.size() << ' ' << cloud.spacing
+         << '\n';
+    count += cloud.points.size();
+  }
+  text << "comment bands " << clouds.front().bands << '\n';
+  text << "element vertex " << count << '\n'
+       << property_lines(clouds.front().bands, !clouds.front().exitance.empty());
+  return text.str();
+}
+
+struct Unusable {
+  std::string why;
+};
+
+void require(bool holds) {
+  if (!holds) throw Unusable{"is damaged"};
+}
+
+/// Goes through a header line by line.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+
+  void expect(std::string_view text) {
+    require(rest_.starts_with(text));
+    rest_.remove_prefix(text.size());
+  }
+  /// The words after a beginning, if the next line has it.
+  bool next(const std::string& beginning, std::istringstream& words) {
+    const std::size_t end = rest_.find('\n', beginning.size());
+    if (!rest_.starts_with(beginning) || end == std::string_view::npos) return false;
+    words = std::istringstream(std::string(rest_.substr(beginning.size(), end - beginning.size())));
+    words.imbue(std::locale::classic());
+    rest_.remove_prefix(end + 1);
+    return true;
+  }
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+};
+
+/// What a vertex must be, whatever the checksum says.
+void check(const CloudPoint& point, float spacing, std::span<const float> of_bands) {
+  const auto is_at_least_0 = [](float x) { return x >= 0.0f && std::isfinite(x); };
+  for (int k = 0; k < 3; ++k) require(std::isfinite(point.position[k]));
+  require(std::abs(length(point.normal) - 1.0f) < 1e-3f);
+  require(std::isfinite(point.uv.x) && std::isfinite(point.uv.y));
+  require(point.area > 0.0f && point.area < 1e4f * spacing * spacing);  // about spacing²
+  for (int k = 0; k < 3; ++k) require(std::isfinite(point.albedo[k]));
+  require(point.thickness > 0.0f);
+  for (const float value : of_bands) require(is_at_least_0(value));
+}
+
+/// @throws Unusable
+std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerprint& wanted,
+                                          const std::string& name, MemoryBudget memory) {
+  Lines lines(bytes);
+  std::istringstream words;
+  int found_version = 0;
+  require(lines.next(first_words, words) && words >> found_version);
+  if (found_version != version)
+    throw Unusable{"is of version " + std::to_string(found_version) + ", not " +
+                   std::to_string(version)};
+  lines.expect("comment checksum ");
+  const std::size_t at = bytes.size() - lines.rest().size();
+  require(bytes.size() >= at + no_checksum.size());
+  const std::string stated = bytes.substr(at, no_checksum.size());
+  bytes.replace(at, no_checksum.size(), no_checksum);
+  require(stated == hexadecimal(checksum(bytes)));
+  lines.expect(no_checksum + '\n');
+  for (const auto& [part, value] : parts(wanted)) {
+    std::string found;
+    require(lines.next(std::string("comment ") + part + ' ', words) && words >> found);
+    if (found != hexadecimal(value))
+      throw Unusable{
+          std::string("was made for other ") + part +
+          (part == parts(wanted).back().first ? ", or by another version of the program" : "")};
+  }
+  std::vector<IrradianceCloud> clouds;
+  std::vector<std::size_t> sizes;  // [cloud], of its points
+  std::size_t count = 0;
+  while (lines.next("comment cloud ", words)) {
+    IrradianceCloud cloud;
+    std::size_t points = 0;
+    require(words >> cloud.material >> points >> cloud.spacing && cloud.spacing > 0.0f &&
+            std::isfinite(cloud.spacing) && points <= bytes.size() - count);
+    take(memory, 2 * sizeof cloud, name + ": its header");
+    sizes.push_back(points);
+    count += points;
+    clouds.push_back(std::move(cloud));
+  }
+  std::size_t bands = 0;
+  require(lines.next("comment bands ", words) && words >> bands && bands >= 1 && bands <= 16);
+  const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
+  const bool has_spread = lines.rest().starts_with(before_properties + property_lines(bands, true));
+  lines.expect(before_properties + property_lines(bands, has_spread));
+  const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
+  std::string_view rest = lines.rest();
+  require(rest.size() == count * stride * sizeof(float));
+  take(memory, count, sizeof(CloudPoint) + 2 * 2 * bands * sizeof(float),
+       name + ": " + std::to_string(count) + " points");
+  std::vector<float> v(stride);
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    IrradianceCloud& cloud = clouds[c];
+    cloud.bands = bands;
+    cloud.points.resize(sizes[c]);
+    for (CloudPoint& point : cloud.points) {
+      std::memcpy(v.data(), rest.data(), stride * sizeof(float));
+      rest.remove_prefix(stride * sizeof(float));
+      point = {.position = {v[0], v[1], v[2]},
+               .normal = {v[3], v[4], v[5]},
+               .uv = {v[6], v[7]},
+               .area = v[8],
+               .albedo = {v[9], v[10], v[11]},
+               .thickness = v[12] != 0.0f ? v[12] : std::numeric_limits<float>::infinity()};
+      check(point, cloud.spacing, std::span(v).subspan(fixed_numbers));
+      require(v[13] == static_cast<float>(cloud.material));
+      const auto first = v.begin() + fixed_numbers,
+                 second = first + static_cast<std::ptrdiff_t>(bands);
+      std::vector<float>& of_first = has_spread ? cloud.exitance : cloud.irradiance;
+      of_first.insert(of_first.end(), first, second);
+      cloud.reflectance.insert(cloud.reflectance.end(), second, v.end());
+    }
+  }
+  return clouds;
+}
+
+}  // namespace
+
+void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
+                            const LightFingerprint& made_for, const std::filesystem::path& file) {
+  std::string bytes = header(clouds, made_for);
+  std::vector<float> vertex;
+  for (const IrradianceCloud& cloud : clouds)
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      const auto& [p, n, uv, area, albedo, thickness] = cloud.points[i];
+      vertex = {p.x,
+                p.y,
+                p.z,
+                n.x,
+                n.y,
+                n.z,
+                uv.x,
+                uv.y,
+                area,
+                albedo.x,
+                albedo.y,
+                albedo.z,
+                std::isfinite(thickness) ? thickness : 0.0f,
+                static_cast<float>(cloud.material)};
+      const auto add = [&](const std::vector<float>& of_bands) {
+        vertex.insert(vertex.end(), &of_bands[i * cloud.bands],
+                      &of_bands[i * cloud.bands] + cloud.bands);
+      };
+      if (cloud.exitance.empty()) {
+        add(cloud.irradiance);
+      } else {
+        add(cloud.exitance);
+        add(cloud.reflectance);
+      }
+      bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
+    }
+  const std::string sum = hexadecimal(checksum(bytes));
+  bytes.replace(bytes.find("comment checksum ") + 17, sum.size(), sum);
+  write_file_bytes(file, std::as_bytes(std::span(bytes)));
+}
+
+KeptClouds load_irradiance_clouds(const std::filesystem::path& file, const LightFingerprint& wanted,
+                                  MemoryBudget memory) {
+  std::string bytes = read_file_bytes(file, memory);
+  if (!bytes.starts_with(first_words))
+    throw FileError(file.string() + ": must be a cache of light, but is another file");
+  try {
+    return {.clouds = parse_clouds(std::move(bytes), wanted, file.string(), memory),
+            .why_unusable = {}};
+  } catch (const Unusable& unusable) {
+    return {.clouds = {}, .why_unusable = unusable.why};
+  }
+}
+
+}  // namespace lamina

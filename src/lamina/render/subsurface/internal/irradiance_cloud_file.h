@@ -1,0 +1,40 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/render/film/scene_fingerprint.h"
+#include "lamina/render/subsurface/irradiance_cloud.h"
+
+namespace lamina {
+
+/// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
+/// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
+/// thickness [mm] (0: thick), material (its index), and of each band irradiance_0 …; of light that
+/// has spread exitance_0 … and reflectance_0 … instead. What it was made for, and a checksum of all
+/// of the file, are said in comments.
+///
+/// @param clouds  at least one, all of the same number of bands, and all spread or none
+/// @throws WriteError
+void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
+                            const LightFingerprint& made_for, const std::filesystem::path& file);
+
+/// What such a file holds, or why that is of no use: it may be made anew in its place.
+struct KeptClouds {
+  std::vector<IrradianceCloud> clouds;
+  std::string why_unusable;  ///< damaged, of another version, made for another scene; else empty
+};
+
+/// Reads such a file back.
+///
+/// @param memory  what reading may take.
+/// @throws FileError if it cannot be read, takes more than there is, or is no such file: then it is
+/// someone else's.
+[[nodiscard]] KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
+                                                const LightFingerprint& wanted,
+                                                MemoryBudget memory = {});
+
+}  // namespace lamina

@@ -1,0 +1,58 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/profile/gather_profiles.h"
+
+#include <algorithm>
+
+namespace lamina {
+
+template <int N>
+GatherProfiles<N>::GatherProfiles(const ProfileTransport<N>& profiles, float blur)
+    : by_thickness_(make_gather_tables<N>(profiles.by_thickness(), blur)),
+      by_absorption_(make_gather_tables<N>(profiles.by_absorption(), blur)) {}
+
+template <int N>
+typename GatherProfiles<N>::Exit GatherProfiles<N>::exit_at(
+    const Vec3f& normal, const typename ProfileTransport<N>::Local& local,
+    const ProfileTransport<N>& profiles) const {
+  const auto* first = profiles.by_thickness().data();
+  Exit exit{.normal = normal,
+            .low = &by_thickness_[static_cast<std::size_t>(local.low - first)],
+            .high = &by_thickness_[static_cast<std::size_t>(local.high - first)],
+            .blend = local.blend,
+            .is_inverted = local.is_inverted,
+            .shade = {},
+            .scale = local.scale};
+  if (local.is_inverted)
+    for (int b = 0; b < N; ++b)
+      exit.shade[b] =
+          static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  return exit;
+}
+
+/// The half-space of the colours, thinned by as much as the material itself is.
+template <int N>
+BandValues<N> GatherProfiles<N>::of_color(const Exit& exit, const Bands& reflected, float r2,
+                                          const Bands& shade) const {
+  const bool is_thin = exit.low != &by_thickness_.back();
+  const Bands of_thick = is_thin ? thick_reflectance().at(r2) : reflected;
+  Bands result;
+  for (int b = 0; b < N; ++b) {
+    const float at = 0.5f * (exit.shade[b] + shade[b]);
+    const std::size_t i = std::min(static_cast<std::size_t>(at), by_absorption_.size() - 2);
+    const auto [k, f] = by_absorption_[i].reflectance.place(r2);
+    const auto value = [&](std::size_t table) {
+      const RadialTable<N>& t = by_absorption_[table].reflectance;
+      return f > 0.0f ? t[k][b] + f * (t[k + 1][b] - t[k][b]) : t[k][b];
+    };
+    const float light = value(i), dark = value(i + 1);
+    const float thinned = !is_thin ? 1.0f : of_thick[b] > 0.0f ? reflected[b] / of_thick[b] : 0.0f;
+    result[b] = thinned * (light + (at - static_cast<float>(i)) * (dark - light));
+  }
+  return result;
+}
+
+template class GatherProfiles<4>;
+template class GatherProfiles<8>;
+template class GatherProfiles<16>;
+
+}  // namespace lamina

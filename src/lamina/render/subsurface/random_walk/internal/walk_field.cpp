@@ -1,0 +1,64 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/random_walk/internal/walk_field.h"
+
+#include "lamina/surface/surface_point.h"
+
+namespace lamina {
+namespace {
+
+constexpr float reach_in_spacings = 5.0f;
+constexpr int most_steps = 250;
+
+}  // namespace
+
+NodeLattice::NodeLattice(const Vec3f& low, const Vec3f& high, float spacing, double most) {
+  const Vec3f extent = high - low;
+  const double volume =
+      static_cast<double>(extent.x) * static_cast<double>(extent.y) * static_cast<double>(extent.z);
+  spacing_ = std::max({spacing, static_cast<float>(std::cbrt(volume / most)),
+                       1e-3f * std::max({extent.x, extent.y, extent.z, 1e-6f})});
+  per_spacing_ = 1.0f / spacing_;
+  // Half a spacing beyond the box, so that points on its border have nodes around them.
+  low_ = low - Vec3f{0.5f, 0.5f, 0.5f} * spacing_;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size_[axis] = static_cast<int>(std::ceil(extent[static_cast<int>(axis)] / spacing_)) + 2;
+}
+
+SafeDistances::SafeDistances(const RayGeometry& geometry, const std::vector<Mesh>& meshes,
+                             const NodeLattice& lattice)
+    : geometry_(geometry),
+      meshes_(meshes),
+      lattice_(lattice),
+      step_(reach_in_spacings * lattice.spacing() / most_steps),
+      steps_(lattice.count()),
+      normals_(lattice.count()) {}
+
+int SafeDistances::find_out(std::size_t node) const {
+  // Far inside, where all of the surface is as near, a query is slow and not needed.
+  const float reach = reach_in_spacings * lattice_.spacing();
+  const Hit hit = geometry_.closest_point(lattice_.position(node), reach);
+  int steps = most_steps;
+  if (hit.is_hit()) {
+    const Vec3f n = make_bare_surface_point(meshes_, hit).smooth_normal;
+    std::uint32_t packed = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      packed |= static_cast<std::uint32_t>(std::lround(512.0f + 500.0f * n[axis])) << 10 * axis;
+    normals_[node].store(packed, std::memory_order_relaxed);
+    steps = std::min(steps, static_cast<int>(0.9f * hit.distance / step_));
+  }
+  steps_[node].store(static_cast<std::uint8_t>(steps + 1), std::memory_order_release);
+  return steps + 1;
+}
+
+Vec3f SafeDistances::nearest_normal(const Vec3f& p) const {
+  const std::size_t node = lattice_.nearest(p).node;
+  (void)steps_at(node);
+  const std::uint32_t packed = normals_[node].load(std::memory_order_relaxed);
+  if (packed == 0) return {};
+  const auto coordinate = [&](int axis) {
+    return (static_cast<float>(packed >> 10 * axis & 1023u) - 512.0f) / 500.0f;
+  };
+  return normalize(Vec3f{coordinate(0), coordinate(1), coordinate(2)});
+}
+
+}  // namespace lamina

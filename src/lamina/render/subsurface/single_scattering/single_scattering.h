@@ -1,0 +1,81 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lamina/optics/phase_function.h"
+#include "lamina/render/shading/band_conversion.h"
+#include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/spectrum/band_values.h"
+
+namespace lamina {
+
+/// Adds light that was scattered exactly once to a method that leaves it out, as diffusion does.
+///
+/// A ray is refracted into the object; on it a point is drawn, by the layers' extinction; from it
+/// lamps and what is bright in the sky (LightSeen::sought) are sought through the surface, and the
+/// rest of it and other objects along a direction that the phase function draws. Layers follow the
+/// depth below the point where the ray enters, then below the point where the light does.
+/// Boundaries are taken as smooth for the path, with what the surface really lets through, and
+/// those between layers as matched.
+///
+/// Source: [Hery2003] §2; [Jensen2001] §2.1. The print's estimator divides by the
+/// extinction along the way in and so counts the falloff twice, lacks the 1/4 pi of the phase
+/// function and the (cos_i / cos_i') / n^2 of the refracted beam.
+template <int N>
+class SingleScattering final : public SubsurfaceTransport<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param is_refracted  find the way of the light by Snell's law, not on a straight line
+  /// @param multiple      the method that finds light scattered more often
+  SingleScattering(const RenderScene& scene, const BandConversion<N>& conversion,
+                   std::uint32_t material, bool is_refracted,
+                   std::unique_ptr<SubsurfaceTransport<N>> multiple);
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override {
+    return multiple_->leaving_radiance(exit, light, samples) + once(exit, light, samples);
+  }
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
+    return multiple_->local_reflectance(point);
+  }
+
+  /// Radiance of light scattered once, by one random estimate.
+  [[nodiscard]] Bands once(const ExitPoint& exit, const LightGatherer<N>& light,
+                           PixelSamples& samples) const;
+
+ private:
+  /// A scattering event on the refracted ray.
+  struct Event {
+    Vec3f inside, to_exit;
+    std::size_t layer = 0;
+    Bands weight;  ///< on the light scattered there per solid angle, on its way to the eye
+  };
+  [[nodiscard]] Event draw_event(const ExitPoint& exit, Vec2f u) const;
+  [[nodiscard]] Bands light_from_lamps(const Event& event, const LightGatherer<N>& light,
+                                       float u_light, Vec2f u) const;
+  [[nodiscard]] Bands light_from_sky(const Event& event, const LightGatherer<N>& light, Vec2f u,
+                                     PixelSamples& samples) const;
+  /// Optical thickness of the layers down to a depth [mm].
+  [[nodiscard]] Bands optical_depth(float depth) const;
+  [[nodiscard]] std::size_t layer_at(float depth) const;
+  /// Depth [mm] at which a band's optical depth is reached.
+  [[nodiscard]] float depth_at(float optical_depth, int band) const;
+
+  const RenderScene& scene_;
+  const BandConversion<N>& conversion_;
+  std::uint32_t material_;
+  bool is_refracted_;
+  int bands_;
+  float ior_;  ///< over that outside, mean of the bands
+  FirstOrderStack<Bands> layers_;
+  std::vector<PhaseFunction> phases_;  ///< [layer], of the middle band: what directions follow
+  std::unique_ptr<SubsurfaceTransport<N>> multiple_;
+};
+
+}  // namespace lamina

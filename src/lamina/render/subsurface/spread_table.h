@@ -1,0 +1,77 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/profile/profile.h"
+#include "lamina/spectrum/band_values.h"
+
+namespace lamina {
+
+/// Radii of a table, evenly spaced in their logarithm.
+struct RadiusGrid {
+  float first = 1e-3f, last = 1.0f;  ///< [mm]
+  int count = 2;
+};
+
+/// A grid that holds `kept` of the light of every band of all profiles, in (0, 1), or ends where
+/// the profiles do.
+[[nodiscard]] RadiusGrid make_radius_grid(const std::vector<Profile>& profiles,
+                                          double kept = 0.998);
+
+/// A profile in the form that rendering wants: all bands of one radius side by side, and a density
+/// of radii for all bands, reflection and transmission together.
+///
+/// The density is the sum of all their profiles. So what a sample weighs, summed over the bands, is
+/// the same at every radius, and no band weighs more than that: one set of points serves all bands,
+/// without colour grain.
+template <int N>
+class SpreadTable {
+ public:
+  /// Light beyond the grid is put back within it, at the cost of placing it too near.
+  ///
+  /// @param per_entered  factor per band that makes the profile one per flux that entered
+  SpreadTable(const Profile& profile, const RadiusGrid& grid, const BandValues<N>& per_entered);
+
+  /// [1/mm²]
+  /// @param r  [mm]; beyond the grid the value at its end
+  [[nodiscard]] BandValues<N> reflectance_profile(float r) const;
+  [[nodiscard]] BandValues<N> transmittance_profile(float r) const;
+
+  [[nodiscard]] const BandValues<N>& total_reflectance() const { return total_reflectance_; }
+  [[nodiscard]] const BandValues<N>& total_transmittance() const { return total_transmittance_; }
+
+  /// Radius [mm] for u in [0, 1), and the density of points in the plane that it has [1/mm²].
+  [[nodiscard]] float draw_radius(float u) const;
+  [[nodiscard]] float density(float r) const;
+
+  /// The same for the reflectance of one band alone.
+  [[nodiscard]] float draw_radius(float u, int band) const;
+  [[nodiscard]] float density(float r, int band) const;
+
+  /// One band of reflectance_profile.
+  [[nodiscard]] float reflectance_profile(float r, int band) const;
+
+  [[nodiscard]] float reach() const { return radii_.back(); }
+
+ private:
+  /// A density of radii, even within each cell: cell 0 is the disc within the first radius, cell i
+  /// the ring up to radius i.
+  struct Density {
+    std::vector<float> per_area;    ///< [cell] [1/mm²]
+    std::vector<float> cumulative;  ///< [cell], ends at 1
+  };
+  [[nodiscard]] Density make_density(const std::vector<double>& mass) const;
+  [[nodiscard]] float draw_radius(float u, const Density& density) const;
+  [[nodiscard]] float density_at(float r, const Density& density) const;
+  [[nodiscard]] float place(float r) const;
+
+  float log2_first_ = 0.0f, nodes_per_octave_ = 1.0f;
+  std::vector<float> radii_;
+  std::vector<BandValues<N>> reflectance_, transmittance_;  ///< [radius] [1/mm²]
+  BandValues<N> total_reflectance_, total_transmittance_;
+  Density all_;
+  std::vector<Density> of_band_;  ///< [band], of reflectance
+};
+
+}  // namespace lamina

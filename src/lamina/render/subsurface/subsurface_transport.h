@@ -1,0 +1,56 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/core/low_discrepancy.h"
+#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/spectrum/band_values.h"
+#include "lamina/surface/surface_point.h"
+
+namespace lamina {
+
+/// What methods of subsurface transport ask of the renderer: the light that enters a surface.
+template <int N>
+class LightGatherer {
+ public:
+  virtual ~LightGatherer() = default;
+
+  /// Flux per area that passes the boundary at a point, by one random estimate: light from all
+  /// lights and other surfaces, less what the boundary reflects.
+  [[nodiscard]] virtual BandValues<N> entering_irradiance(const SurfacePoint& entry,
+                                                          PixelSamples& samples) const = 0;
+
+  /// Fraction of light that comes straight through between the start and a distance along a ray.
+  [[nodiscard]] virtual BandValues<N> clear_fraction(const Ray& ray, float distance) const = 0;
+
+  /// Radiance that comes along a ray from outside, from other surfaces and the sky, by one random
+  /// estimate. Of lights that the ray meets itself, what is sought (LightSeen::sought) is left out.
+  [[nodiscard]] virtual BandValues<N> arriving_radiance(const Ray& ray,
+                                                        PixelSamples& samples) const = 0;
+};
+
+/// The point where light leaves a translucent surface towards the eye.
+struct ExitPoint {
+  const SurfacePoint& point;
+  const SurfaceBoundary& boundary;
+  float cos_o;   ///< between the normal and the direction in which it leaves
+  Vec3f to_eye;  ///< that direction, unit length
+};
+
+/// How light that enters a translucent object at one point leaves it at others. One interface for
+/// all methods: some gather along random paths, some look up what they prepared.
+template <int N>
+class SubsurfaceTransport {
+ public:
+  virtual ~SubsurfaceTransport() = default;
+
+  /// Radiance that leaves the inside of the object, by one random estimate.
+  [[nodiscard]] virtual BandValues<N> leaving_radiance(const ExitPoint& exit,
+                                                       const LightGatherer<N>& light,
+                                                       PixelSamples& samples) const = 0;
+
+  /// Fraction of the flux that entered that leaves again on the lit side, as if it did so at the
+  /// point where it entered. What paths of indirect light use.
+  [[nodiscard]] virtual BandValues<N> local_reflectance(const SurfacePoint& point) const = 0;
+};
+
+}  // namespace lamina

@@ -1,0 +1,97 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/core/parallel.h"
+
+namespace lamina {
+namespace {
+
+constexpr std::size_t chunk = 4096;
+
+int wrapped(int i, int size) {
+  i %= size;
+  return i < 0 ? i + size : i;
+}
+
+float bilinear(const Image& image, Vec2f uv) {
+  const float x = uv.x * static_cast<float>(image.width) - 0.5f;
+  const float y = (1.0f - uv.y) * static_cast<float>(image.height) - 0.5f;
+  const float x_low = std::floor(x), y_low = std::floor(y), fx = x - x_low, fy = y - y_low;
+  const int x0 = wrapped(static_cast<int>(x_low), image.width);
+  const int y0 = wrapped(static_cast<int>(y_low), image.height);
+  const int x1 = wrapped(x0 + 1, image.width), y1 = wrapped(y0 + 1, image.height);
+  return (1.0f - fy) * ((1.0f - fx) * *image.at(x0, y0) + fx * *image.at(x1, y0)) +
+         fy * ((1.0f - fx) * *image.at(x0, y1) + fx * *image.at(x1, y1));
+}
+
+}  // namespace
+
+TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& meshes,
+                      const TextureAtlas& atlas) {
+  const auto texels = atlas.texels();
+  TexelSkin result{.texels = texels.size(), .values = {}};
+  for (const SkinMap& map : maps) {
+    std::vector<float>& values = result.values.emplace_back(texels.size());
+    parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
+      for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
+        const AtlasTexel& texel = texels[i];
+        const Mesh& mesh = meshes[texel.mesh];
+        const auto& corners = mesh.triangles[texel.triangle];
+        const Vec2f uv = (1.0f - texel.u - texel.v) * mesh.uvs[corners[0]] +
+                         texel.u * mesh.uvs[corners[1]] + texel.v * mesh.uvs[corners[2]];
+        const float width = 1.0f / atlas.density(texel.chart);
+        // A tap for each texel of the map below this one, each way.
+        const float covered =
+            width * static_cast<float>(std::max(map.values.width, map.values.height));
+        const int taps = std::clamp(static_cast<int>(std::ceil(covered)), 1, 16);
+        float sum = 0.0f;
+        for (int y = 0; y < taps; ++y)
+          for (int x = 0; x < taps; ++x) {
+            const auto place = [&](int k) {
+              return width * ((static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f);
+            };
+            sum += bilinear(map.values, uv + Vec2f{place(x), place(y)});
+          }
+        values[i] = sum / static_cast<float>(taps * taps);
+      }
+    });
+  }
+  return result;
+}
+
+CellAbsorption absorption_of(SkinParameters skin, std::span<const SkinMap> maps,
+                             const TexelSkin& at_texels, double wavelength) {
+  const SkinSpectrum spectrum = skin_spectrum(wavelength);
+  CellAbsorption result;
+  const double junction = junction_factor(skin, wavelength);
+  for (std::size_t i = 0; i < at_texels.texels; ++i) {
+    for (std::size_t m = 0; m < maps.size(); ++m)
+      skin.*maps[m].parameter = static_cast<double>(at_texels.values[m][i]);
+    constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
+    result.upper.push_back(
+        static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum))));
+    result.lower.push_back(
+        static_cast<float>(std::max(least, dermis_absorption(skin, spectrum))));
+    result.absorbance.push_back(static_cast<float>(junction * skin.junction_absorption));
+  }
+  return result;
+}
+
+Vec2f barycentric_step(const std::vector<Mesh>& meshes, const AtlasTexel& texel, Vec2f step) {
+  const Mesh& mesh = meshes[texel.mesh];
+  const auto& corners = mesh.triangles[texel.triangle];
+  // In space, where the chart's grid need not be known: the step along the two edges.
+  const Vec3f e1 = mesh.positions[corners[1]] - mesh.positions[corners[0]];
+  const Vec3f e2 = mesh.positions[corners[2]] - mesh.positions[corners[0]];
+  const Vec3f d = step.x * texel.across + step.y * texel.up;
+  const float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2);
+  const float determinant = a * c - b * b;
+  if (!(determinant > 0.0f)) return {};
+  const float p = dot(d, e1), q = dot(d, e2);
+  return {(c * p - b * q) / determinant, (a * q - b * p) / determinant};
+}
+
+}  // namespace lamina

@@ -1,0 +1,301 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/texture_space/texture_space_transport.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
+#include "lamina/render/subsurface/irradiance_specks.h"
+#include "lamina/render/subsurface/surface_cells.h"
+#include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
+#include "lamina/scene/skin_totals.h"
+#include "lamina/skin_patch/skin_patch.h"
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+
+/// Levels of cells go on up to this size: Gaussians of skin are no wider [mm²].
+constexpr double largest_cell = 25.0;
+
+/// Parts thicker than this let no light through that could be seen [mm].
+constexpr float thickest = 15.0f;
+
+/// Texels that do not show get so many times fewer samples: their light comes in from afar only.
+constexpr int fewer_where_hidden = 8;
+
+/// Place of a texel along a curve that visits all of a square of 2^k by 2^k texels before it leaves
+/// it: Morton's, the bits of x and y in turn.
+std::uint32_t morton(std::int32_t x, std::int32_t y) {
+  const auto spread = [](std::int32_t value) {
+    std::uint32_t bits = static_cast<std::uint32_t>(value) & 0xffffu;
+    bits = (bits | (bits << 8)) & 0x00ff00ffu;
+    bits = (bits | (bits << 4)) & 0x0f0f0f0fu;
+    bits = (bits | (bits << 2)) & 0x33333333u;
+    return (bits | (bits << 1)) & 0x55555555u;
+  };
+  return spread(x) | (spread(y) << 1);
+}
+
+}  // namespace
+
+template <int N>
+TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::uint32_t material,
+                                                bool is_printed_exit)
+    : scene_(scene),
+      surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
+      material_(material),
+      is_printed_exit_(is_printed_exit) {
+  if (!surface_.material.skin)
+    throw InvalidInput("material \"" + scene.scene->materials[material].name +
+                       "\": method texture_space needs a material of recipe \"skin\"");
+}
+
+template <int N>
+float TextureSpaceTransport<N>::spacing_for(float pixel_size) const {
+  const TextureSpaceSettings& settings = scene_.scene->render.texture_space;
+  const auto area = static_cast<float>(surface_area(scene_.scene->meshes, material_));
+  // Finer than the narrowest profiles matter there is nothing to see.
+  constexpr float finest = 0.02f;
+  const float wanted = settings.texel > 0.0f ? settings.texel : std::max(pixel_size, finest);
+  return std::max(wanted, std::sqrt(area / static_cast<float>(settings.max_texels)));
+}
+
+template <int N>
+void TextureSpaceTransport<N>::make_texels(float spacing) {
+  spacing_ = spacing;
+  atlas_.emplace(scene_.scene->meshes, material_, spacing_);
+  if (atlas_->texels().empty())
+    throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
+                       "\": no texel of method texture_space lies on it: its faces have no area in "
+                       "texture coordinates, or are all smaller than a texel");
+}
+
+template <int N>
+void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) {
+  const TextureAtlas::Cells cells = atlas_->cells();
+  graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
+  layers_ = make_surface_layers<N>(graph_);
+  const SkinParameters& skin = surface_.material.skin->skin;
+  const TexelSkin at_texels = sample_skin(surface_.skin_maps, scene_.scene->meshes, *atlas_);
+  const auto wavelengths = surface_.material.bands.wavelengths();
+  const OperatorTotals totals = takes_exact_totals(surface_.material, scene_.scene->render)
+                                    ? OperatorTotals::exact_diffuse
+                                    : OperatorTotals::diffusion;
+  std::vector<StackTables> tables(wavelengths.size());
+  std::vector<CellAbsorption> absorption(wavelengths.size());
+  parallel_for(wavelengths.size(), [&](std::size_t b) {
+    absorption[b] = absorption_of(skin, surface_.skin_maps, at_texels, wavelengths[b]);
+    const std::vector<double> reference = {typical_absorption(absorption[b].upper),
+                                           typical_absorption(absorption[b].lower)};
+    tables[b] =
+        cached_stack_tables(cache, mapped_skin_stack(skin, wavelengths[b]), totals, reference);
+  });
+  const double above = skin.epidermis_thickness;
+  layers_->thin = make_thin_parts<N>(graph_, far_sides(), above);
+  for (std::size_t b = 0; b < wavelengths.size(); ++b) {
+    layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
+    const MappedStack stack = mapped_skin_stack(skin, wavelengths[b]);
+    add_band(static_cast<int>(b), stack.layers[1], absorption[b].lower, above, stack.layers[0].ior,
+             layers_->thin);
+  }
+  reflectance_ = uniform_reflectance(*layers_);
+  extend(reflectance_);
+}
+
+template <int N>
+std::vector<FarSide> TextureSpaceTransport<N>::far_sides() const {
+  const auto texels = atlas_->texels();
+  std::vector<FarSide> far(texels.size());
+  constexpr std::size_t chunk = 1024;
+  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    ProbeHits found;
+    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
+      const AtlasTexel& texel = texels[i];
+      constexpr float start = 0.05f;  // [mm] below the surface
+      found.count = 0;
+      scene_.geometry.all_hits({texel.position - start * texel.normal, -texel.normal},
+                               thickest - start, material_, found);
+      const Hit* nearest = nullptr;
+      for (const Hit& hit : found.all())
+        if (!nearest || hit.distance < nearest->distance) nearest = &hit;
+      if (!nearest) continue;
+      const SurfacePoint opposite = make_surface_point(scene_.scene->meshes, *nearest, 0.0f);
+      if (dot(opposite.smooth_normal, texel.normal) > -0.3f) continue;
+      const TextureAtlas::Weights weights = atlas_->weights_at(opposite);
+      float total = 0.0f;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(weights.count); ++k) {
+        if (weights.texel[k] >= texels.size()) continue;  // a border texel
+        const auto at = static_cast<std::size_t>(far[i].count++);
+        far[i].cell[at] = weights.texel[k];
+        far[i].weight[at] = weights.weight[k];
+        total += weights.weight[k];
+      }
+      if (!(total > 0.0f)) continue;
+      for (float& weight : far[i].weight) weight /= total;
+      far[i].thickness = nearest->distance + start;
+    }
+  });
+  return far;
+}
+
+template <int N>
+std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
+    const LightGatherer<N>& light, const std::vector<bool>& is_seen, std::uint64_t seed,
+    const Progress& progress) const {
+  const auto texels = atlas_->texels();
+  const auto& meshes = scene_.scene->meshes;
+  IrradianceCloud cloud{
+      .material = material_,
+      .bands = surface_.material.bands.size(),
+      .spacing = spacing_,
+      .points = std::vector<CloudPoint>(texels.size()),
+      .irradiance = std::vector<float>(texels.size() * surface_.material.bands.size())};
+  const SurfaceMaterial& material = scene_.scene->materials[material_];
+  const int full = scene_.scene->render.texture_space.irradiance_samples;
+  constexpr std::size_t chunk = 256;
+  std::atomic<bool> is_stopped = false;
+  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
+    if (is_stopped) return;
+    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
+      const AtlasTexel& texel = texels[i];
+      const auto point_at = [&](Vec2f moved) {
+        // Moved within the plane of its face, as far as that goes.
+        const Vec2f d = barycentric_step(meshes, texel, moved);
+        float u = texel.u + d.x, v = texel.v + d.y;
+        if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
+        SurfacePoint point = make_surface_point(
+            meshes,
+            {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
+            spacing_);
+        if (material.bump || material.normal_map)
+          point.normal = bent_normal(scene_.textures, material, point);
+        return point;
+      };
+      const bool is_full = is_seen.empty() || is_seen[i];
+      const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+      const std::uint32_t along = morton(texel.x, texel.y);
+      Bands irradiance;
+      for (int s = 0; s < count; ++s) {
+        PixelSamples samples(
+            seed + 0x9d2c5680u, 2 * texel.chart + (is_full ? 0 : 1),
+            along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
+        const Vec2f place = samples.next_2d();
+        irradiance +=
+            light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
+      }
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        cloud.irradiance[i * cloud.bands + b] =
+            irradiance[static_cast<int>(b)] / static_cast<float>(count);
+      const SurfacePoint middle = point_at({0.0f, 0.0f});
+      cloud.points[i] = {.position = texel.position,
+                         .normal = middle.normal,
+                         .uv = middle.uv,
+                         .area = texel.area,
+                         .albedo = {1, 1, 1},
+                         .thickness = 0.0f};
+    }
+    if (!report(progress, 0.0)) is_stopped = true;
+  });
+  if (is_stopped) return std::nullopt;
+  return cloud;
+}
+
+template <int N>
+void TextureSpaceTransport<N>::spread(IrradianceCloud& cloud) {
+  const std::size_t texels = cloud.points.size();
+  CellField<N> entering(texels);
+  for (std::size_t i = 0; i < texels; ++i)
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
+  dim_specks(graph_.levels.front(), entering);
+  const CellField<N> leaving =
+      transport(*layers_, entering, scene_.scene->render.texture_space.terms);
+  layers_.reset();
+  graph_ = {};
+  const auto kept = [&](const CellField<N>& field) {
+    std::vector<float> values(texels * cloud.bands);
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        values[i * cloud.bands + b] =
+            std::max(field[i][static_cast<int>(b)], 0.0f);  // where weights overshoot
+    return values;
+  };
+  cloud.exitance = kept(leaving);
+  cloud.reflectance = kept(reflectance_);
+  cloud.irradiance = {};
+}
+
+template <int N>
+void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
+  const std::size_t texels = atlas_->texels().size();
+  if (cloud.points.size() != texels || cloud.exitance.empty())
+    throw InvalidInput("texture_space: " + std::to_string(cloud.points.size()) +
+                       " samples of light do not fit " + std::to_string(texels) + " texels");
+  for (std::size_t i = 0; i < texels; ++i) {
+    const Vec3f offset = cloud.points[i].position - atlas_->texels()[i].position;
+    if (!(length(offset) < 0.01f * spacing_))
+      throw InvalidInput("texture_space: sample of light " + std::to_string(i) +
+                         " must lie on its texel, but is " + number_text(length(offset)) +
+                         " mm away: another version of lamina made the cache; remove it");
+  }
+  const auto field_of = [&](const std::vector<float>& values) {
+    CellField<N> field;
+    field.reserve(texels + atlas_->borders().size());
+    field.resize(texels);
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        field[i][static_cast<int>(b)] = values[i * cloud.bands + b];
+    extend(field);
+    return field;
+  };
+  exitance_ = field_of(cloud.exitance);
+  reflectance_ = field_of(cloud.reflectance);
+}
+
+template <int N>
+void TextureSpaceTransport<N>::extend(CellField<N>& field) const {
+  for (const TextureAtlas::Border& border : atlas_->borders()) {
+    Bands value;
+    for (const auto& [texel, weight] : border.from) value += weight * field[texel];
+    field.push_back(value);
+  }
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::looked_up(const CellField<N>& field,
+                                                  const SurfacePoint& point) const {
+  const TextureAtlas::Weights weights = atlas_->weights_at(point);
+  Bands value;
+  for (int k = 0; k < weights.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    value += weights.weight[i] * field[weights.texel[i]];
+  }
+  return value;
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::local_reflectance(const SurfacePoint& point) const {
+  return looked_up(reflectance_, point);
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::leaving_radiance(const ExitPoint& exit,
+                                                         const LightGatherer<N>& /*light*/,
+                                                         PixelSamples& /*samples*/) const {
+  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
+                                         : exit_distribution(exit.boundary, exit.cos_o);
+  return leaving * looked_up(exitance_, exit.point);
+}
+
+template class TextureSpaceTransport<4>;
+template class TextureSpaceTransport<8>;
+template class TextureSpaceTransport<16>;
+
+}  // namespace lamina

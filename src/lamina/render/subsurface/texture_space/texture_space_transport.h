@@ -1,0 +1,92 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lamina/core/progress.h"
+#include "lamina/io/disk_cache.h"
+#include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/irradiance_cloud.h"
+#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
+#include "lamina/scattering/heterogeneous/surface_transport.h"
+
+namespace lamina {
+
+/// Subsurface transport in texture space, through skin whose parameters are maps.
+///
+/// The surface is cut into texels, the light that enters each is found, and light spreads from
+/// texel to texel through epidermis and dermis with the profiles that the maps give each of them,
+/// over the borders of charts as within them. What leaves is looked up where the eye looks. So
+/// everything is done once, for any camera; detail is that of the texels.
+///
+/// Source: [Donner2008] §4; docs/heterogeneous_skin.md.
+template <int N>
+class TextureSpaceTransport final : public SubsurfaceTransport<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param material  index of a translucent material; the scene must outlive the transport.
+  /// @throws InvalidInput if the material is no recipe of skin.
+  TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
+
+  /// The width of texels that the settings ask for, never more than `max_texels` of them [mm].
+  ///
+  /// @param pixel_size  what a pixel sees at least [mm]: texels need not be smaller
+  [[nodiscard]] float spacing_for(float pixel_size) const;
+
+  /// Cuts the surface into texels. Comes before all else.
+  /// @param spacing  of the texels [mm]
+  /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
+  void make_texels(float spacing);
+
+  /// Works out what skin is at each texel. Comes before sample_light.
+  /// @param cache  of tables
+  void make_layers(const std::optional<DiskCache>& cache);
+
+  /// Samples the light on the texels.
+  ///
+  /// @param is_seen  [texel] whether it shows; others get fewer samples. Empty: all do.
+  /// @return         nothing if progress asked to stop
+  [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
+                                                            const std::vector<bool>& is_seen,
+                                                            std::uint64_t seed,
+                                                            const Progress& progress) const;
+
+  /// Lets light that was sampled spread, and forgets the layers.
+  void spread(IrradianceCloud& cloud);
+
+  /// Takes light that has spread. Comes before leaving_radiance.
+  /// @throws InvalidInput if it is of other texels.
+  void use(const IrradianceCloud& cloud);
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
+
+  [[nodiscard]] std::uint32_t material() const { return material_; }
+  [[nodiscard]] std::span<const AtlasTexel> texels() const { return atlas_->texels(); }
+  [[nodiscard]] std::span<const std::string> warnings() const { return atlas_->warnings(); }
+  [[nodiscard]] float spacing() const { return spacing_; }
+
+ private:
+  [[nodiscard]] Bands looked_up(const CellField<N>& field, const SurfacePoint& point) const;
+  /// What lies opposite each texel, if it is near.
+  [[nodiscard]] std::vector<FarSide> far_sides() const;
+  /// Adds the border texels to a field of texels.
+  void extend(CellField<N>& field) const;
+
+  const RenderScene& scene_;
+  const SubsurfaceSurface& surface_;
+  std::uint32_t material_;
+  bool is_printed_exit_;
+  float spacing_ = 0.0f;
+  std::optional<TextureAtlas> atlas_;
+  CellGraph graph_;
+  std::optional<SurfaceLayers<N>> layers_;
+  CellField<N> reflectance_, exitance_;  ///< [texel, border texels too]
+};
+
+}  // namespace lamina

@@ -1,0 +1,65 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lamina/scattering/heterogeneous/cell_graph.h"
+#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/spectrum/band_values.h"
+
+namespace lamina {
+
+/// Numbers of all bands on the cells of a surface.
+template <int N>
+using CellField = std::vector<BandValues<N>>;
+
+/// How many blurs a graph of cells offers: heat that spreads over the surface for some time, which
+/// on a plane makes Gaussians. Wide ones run on coarse levels. Every blur keeps the light, across
+/// seams too, and those of the finest level are their own adjoints. The first is none.
+[[nodiscard]] std::size_t rung_count(const CellGraph& graph);
+
+/// A matrix, [variance][rung]: each Gaussian as the sum of the graph's blurs that comes next to it
+/// on a lattice of typical cells.
+///
+/// @param variances  [mm²], >= 0.
+[[nodiscard]] std::vector<double> cell_rungs_of_gaussians(const CellGraph& graph,
+                                                          std::span<const double> variances);
+
+/// MappedOperator of all bands at once.
+template <int N>
+struct CellOperator {
+  std::size_t powers = 0;
+  std::vector<BandValues<N>> weights;  ///< [power][rung]
+  std::vector<BandValues<N>> totals;   ///< [power]
+};
+
+/// Blurs of which some cells take one, or two next to each other: what lies between them.
+template <int N>
+struct CellMixture {
+  std::vector<std::uint32_t> cells;         ///< that take any
+  CellField<N> place;                       ///< [of cells], 0 at the first blur
+  std::vector<std::vector<float>> weights;  ///< [blur][rung]
+};
+
+/// @param cells  ascending
+/// @param place  [of cells], in [0, blurs - 1] for each band
+/// @param rungs  [blur][rung], as cell_rungs_of_gaussians gives them
+template <int N>
+[[nodiscard]] CellMixture<N> make_cell_mixture(const CellGraph& graph,
+                                               std::vector<std::uint32_t> cells, CellField<N> place,
+                                               std::span<const double> rungs);
+
+/// What several operators make of light: as `apply` does on a grid.
+///
+/// @param coordinate  [cell], in [-1, 1] for each band.
+/// @param mixture     of blurs of the same light, if not null.
+/// @return            [operator], and behind them that of the mixture, 0 at cells that take none
+template <int N>
+[[nodiscard]] std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& input,
+                                              const CellField<N>& coordinate,
+                                              std::span<const CellOperator<N>* const> operators,
+                                              const CellMixture<N>* mixture = nullptr);
+
+}  // namespace lamina

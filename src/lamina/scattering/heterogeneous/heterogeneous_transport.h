@@ -1,0 +1,75 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/mapped_operator.h"
+
+namespace lamina {
+
+/// A layer on a grid of texels: its operators, and where in their range of absorptions each texel
+/// lies.
+struct TransportLayer {
+  Plane coordinate;
+  std::array<MappedOperator, 4> operators;  ///< R+, T+, R-, T-; a half-space has the first only
+};
+
+/// Layers whose absorption varies over the surface, with absorbing sheets between them; one band.
+struct HeterogeneousLayers {
+  BlurLadder ladder;
+  std::vector<TransportLayer> layers;  ///< from the lit surface downward
+  std::vector<Plane> junctions;        ///< [layer - 1] what a crossing leaves, in [0, 1]
+};
+
+/// @param sigma_a        [layer] maps of one size [1/mm], > 0, finite.
+/// @param absorbance     [layer - 1] of the sheets between layers, natural, per crossing: light
+///                       that crosses is multiplied by exp(-absorbance) [Donner2008] eq. 8.
+/// @param mm_per_texel   > 0.
+/// @param tolerance      of each operator, of its largest total.
+[[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
+                                                            const std::vector<Plane>& sigma_a,
+                                                            const std::vector<Plane>& absorbance,
+                                                            double mm_per_texel,
+                                                            double tolerance = 5e-5);
+
+/// Whose absorption a profile is that of.
+enum class ProfileAt {
+  exit,  ///< the point where light comes out [Donner2008] eq. 5
+  both   ///< the mean, of square roots, of where it enters and comes out: several times slower
+};
+
+struct TransportOptions {
+  ProfileAt profile = ProfileAt::exit;
+  int terms = 2;  ///< times that light goes down and comes back; 0: as many as `kept` asks for
+  bool closes_locally = true;  ///< the terms left out as if the texel's surroundings were like it
+  double kept = 0.999;         ///< part of the light that goes down which no terms may miss
+};
+
+struct TransportResult {
+  Plane reflected;         ///< flux that leaves at the lit surface
+  Plane transmitted;       ///< and at the other one; 0 under a half-space
+  int terms = 0;           ///< that were summed
+  double last_term = 0.0;  ///< the last one's share of what went down, closure left out
+};
+
+/// What becomes of light that has entered at the lit surface.
+///
+///     M = R1+[Φ] + T1-[A R2+[A T1+[Φ]]] + T1-[A R2+[A R1-[A R2+[A T1+[Φ]]]]] + ...
+///
+/// where every operator takes its profile where light comes out. All that comes back is summed
+/// before one T1-. Before the last R2+, light that goes down becomes that of all further terms, as
+/// in a uniform skin like the one at the texel: so a uniform skin under uniform light is exact from
+/// one term on.
+///
+/// Linear in the light; every step is a blur, which is its own adjoint, or a product with a map.
+///
+/// @param irradiance  flux that enters per area, of the maps' size.
+///
+/// Source: [Donner2008] eqs. 5-8; the closure is lamina's.
+[[nodiscard]] TransportResult transport(const HeterogeneousLayers& layers, const Plane& irradiance,
+                                        const TransportOptions& options = {});
+
+}  // namespace lamina

@@ -1,0 +1,75 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/scattering/layered_bsdf/higher_orders.h"
+
+namespace lamina {
+namespace {
+
+void check_angle(double angle, const std::string& name) {
+  if (!(0.0 <= angle && angle < 0.5 * std::numbers::pi))
+    throw InvalidInput(name + ": must lie in [0, pi/2), but is " + number_text(angle));
+}
+
+Vec3 direction(double theta, double phi, bool is_above) {
+  const double z = std::cos(theta), sine = std::sin(theta);
+  return {sine * std::cos(phi), sine * std::sin(phi), is_above ? z : -z};
+}
+
+}  // namespace
+
+StackBsdf layered_bsdf(const LayerStack& stack, ScatteringOrders which, double theta_i,
+                       std::span<const double> theta_o, std::span<const double> phi_o) {
+  check_angle(theta_i, "angle of incidence");
+  for (const double theta : theta_o) check_angle(theta, "angle to look from");
+  const FirstOrderStack<double> first = make_first_order(stack);
+  HigherOrders higher;
+  if (which == ScatteringOrders::all) higher = make_higher_orders(stack);
+  const StackBeam<double> in =
+      make_beam(first, {-std::sin(theta_i), 0.0, std::cos(theta_i)});  // goes on to azimuth 0
+
+  const std::size_t count = theta_o.size() * phi_o.size();
+  StackBsdf result{.brdf = std::vector<double>(count),
+                   .btdf = std::vector<double>(count),
+                   .unscattered_reflectance = in.reflected,
+                   .unscattered_transmittance = first.is_transmissive() ? in.ground : 0.0,
+                   .estimated_error = higher.estimated_error,
+                   .is_accurate = true};
+  for (const bool is_above : {true, false}) {
+    if (!is_above && !first.is_transmissive()) continue;
+    std::vector<double>& values = is_above ? result.brdf : result.btdf;
+    for (std::size_t i = 0; i < theta_o.size(); ++i)
+      for (std::size_t j = 0; j < phi_o.size(); ++j) {
+        const StackBeam<double> out = make_beam(first, direction(theta_o[i], phi_o[j], is_above));
+        double& value = values[i * phi_o.size() + j];
+        value = first_order_bsdf(first, in, out);
+        if (which == ScatteringOrders::all) value += higher_orders_bsdf(higher, in, out);
+      }
+  }
+  return result;
+}
+
+double misplaced_light(std::span<const double> a, std::span<const double> b,
+                       std::span<const double> theta_o, std::span<const double> phi_o) {
+  assert(a.size() == b.size() && a.size() == theta_o.size() * phi_o.size());
+  double misplaced = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < theta_o.size(); ++i)
+    for (std::size_t j = 0; j < phi_o.size(); ++j) {
+      const bool is_edge = j == 0 || j + 1 == phi_o.size();
+      const double weight = (is_edge ? 0.5 : 1.0) * std::sin(theta_o[i]) * std::cos(theta_o[i]);
+      const std::size_t k = i * phi_o.size() + j;
+      misplaced += weight * std::abs(a[k] - b[k]);
+      all += weight * b[k];
+    }
+  return all > 0.0 ? misplaced / all : 0.0;
+}
+
+}  // namespace lamina

@@ -1,0 +1,183 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/transport_profile/exact_profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_band.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_cost.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+
+namespace lamina {
+namespace {
+
+constexpr int nodes_of_responses = 10, modes_of_responses = 6;
+constexpr int fewer_nodes_of_responses = 7, fewer_modes_of_responses = 4;
+/// Optical thickness that a layer without scattering must have.
+constexpr double least_of_absorber = 3.0;
+constexpr int fewest_nodes = 6, fewest_modes = 4;  ///< of a profile
+
+void check(std::span<const LayerStack> stacks, const ExactProfileOptions& options) {
+  if (!(1e-4 <= options.accuracy && options.accuracy <= 0.1))
+    throw InvalidInput("accuracy: must lie in [1e-4, 0.1], but is " +
+                       number_text(options.accuracy));
+  for (std::size_t b = 0; b < stacks.size(); ++b) {
+    const std::string band = "band " + std::to_string(b);
+    detail::require_smooth(stacks[b], "the exact profile of " + band);
+    const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
+                                      [](const Layer& l) { return l.medium.sigma_s > 0.0; });
+    if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");
+  }
+  detail::require_affordable(detail::solution_cost(stacks, fewest_nodes, fewest_modes, 24));
+}
+
+/// Light that the profile adds up to: what leaves scattered, of diffuse light all but what the
+/// surface mirrors.
+detail::FrequencyResponse flux_of_profile(const AddingDoublingTotals& solved,
+                                          const LayerStack& stack, Illumination illumination) {
+  const SlabTotals& totals = solved.totals;
+  if (illumination == Illumination::diffuse)
+    return {totals.diffuse_reflectance, totals.transmittance};
+  return {
+      totals.specular_reflectance + totals.diffuse_reflectance - solved.unscattered_reflectance,
+      totals.transmittance - (1.0 - stack.ground().reflectance) * solved.unscattered_transmittance};
+}
+
+/// A plate that neither scatters nor absorbs much throws rings of light far out by its reflections,
+/// of which frequencies show little: errors of 70 % and more, at any thickness.
+/// @throws InvalidInput naming the layer.
+void refuse_clear_plates(std::span<const LayerStack> stacks) {
+  for (std::size_t b = 0; b < stacks.size(); ++b)
+    for (std::size_t l = 0; l < stacks[b].layers().size(); ++l) {
+      const Layer& layer = stacks[b].layers()[l];
+      const double optical_thickness = layer.medium.sigma_a * layer.thickness;
+      const bool has_bottom = std::isfinite(layer.thickness);  // else nothing comes back
+      if (layer.medium.sigma_s > 0.0 || !has_bottom || optical_thickness >= least_of_absorber)
+        continue;
+      throw InvalidInput("band " + std::to_string(b) + ", layer " + std::to_string(l) +
+                         ": does not scatter, so its sigma_a times thickness must be at least 3 "
+                         "for an exact profile, but is " +
+                         number_text(optical_thickness) + "; monte_carlo takes such plates");
+    }
+}
+
+/// 1 where an error is no smaller than its value.
+double relative(double error, double value) { return error < value ? error / value : 1.0; }
+
+}  // namespace
+
+std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
+  std::vector<LayerStack> turned;
+  for (const LayerStack& stack : stacks) {
+    const std::string band = "band " + std::to_string(turned.size());
+    if (is_semi_infinite(stack))
+      throw InvalidInput(band + ": light from below needs a finite last layer, but it is infinite");
+    if (stack.ground().reflectance > 0.0)
+      throw InvalidInput(band + ": light from below needs a black ground, but its reflectance is " +
+                         number_text(stack.ground().reflectance));
+    turned.push_back(flipped(stack));
+  }
+  return turned;
+}
+
+ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
+                           const ExactProfileOptions& options) {
+  check(stacks, options);
+  refuse_clear_plates(stacks);
+  if (options.is_from_below) {
+    ExactProfileOptions from_above = options;
+    from_above.is_from_below = false;
+    return exact_profile(lit_from_below(stacks), radii, from_above);
+  }
+  const HankelPlan plan = make_hankel_plan(radii);
+  const std::size_t bands = stacks.size(), count = plan.r.size();
+  ExactProfile result;
+  Profile& profile = result.profile;
+  profile.per = ProfilePer::arriving_flux;
+  profile.bands = bands;
+  profile.r = plan.r;
+  profile.reflectance_profile.resize(count * bands);
+  profile.transmittance_profile.resize(count * bands);
+  result.relative_error.assign(count * bands, 0.0);
+  result.transmittance_error.assign(count * bands, 0.0);
+  result.estimated_error.assign(bands, 0.0);
+  const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
+  const std::vector<AddingDoublingTotals> totals =
+      adding_doubling(stacks, incidence, {.accuracy = 1e-6, .progress = options.progress});
+  for (const AddingDoublingTotals& of_band : totals) {
+    profile.total_reflectance.push_back(of_band.totals.diffuse_reflectance);
+    profile.total_transmittance.push_back(of_band.totals.transmittance);
+  }
+
+  std::vector<detail::BandProfile> solved(bands);
+  parallel_for(bands, [&](std::size_t b) {
+    const auto flux = flux_of_profile(totals[b], stacks[b], options.illumination);
+    solved[b] = detail::solve_band(stacks[b], plan, options, flux);
+  });
+  for (std::size_t b = 0; b < bands; ++b) {
+    const detail::BandProfile& band = solved[b];
+    result.estimated_error[b] = band.estimated_error;
+    result.nodes.push_back(band.nodes);
+    result.modes.push_back(band.modes);
+    for (std::size_t i = 0; i < count; ++i) {
+      profile.reflectance_profile[i * bands + b] = band.profile.reflectance[i];
+      profile.transmittance_profile[i * bands + b] = band.profile.transmittance[i];
+      result.relative_error[i * bands + b] =
+          relative(band.error.reflectance[i], band.profile.reflectance[i]);
+      result.transmittance_error[i * bands + b] =
+          relative(band.error.transmittance[i], band.profile.transmittance[i]);
+    }
+  }
+  result.is_accurate = std::ranges::all_of(result.estimated_error,
+                                           [&](double error) { return error <= options.accuracy; });
+  return result;
+}
+
+SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> stacks,
+                                                    std::span<const double> k,
+                                                    const ExactProfileOptions& options) {
+  check(stacks, options);
+  if (options.is_from_below) {
+    ExactProfileOptions from_above = options;
+    from_above.is_from_below = false;
+    return spatial_frequency_response(lit_from_below(stacks), k, from_above);
+  }
+  for (const double frequency : k)
+    if (!(std::isfinite(frequency) && frequency >= 0.0))
+      throw InvalidInput("spatial frequency: must be finite and >= 0 [1/mm], but is " +
+                         number_text(frequency));
+  const std::size_t bands = stacks.size();
+  SpatialFrequencyResponse result{.k = {k.begin(), k.end()},
+                                  .reflectance = std::vector<double>(k.size() * bands),
+                                  .transmittance = std::vector<double>(k.size() * bands),
+                                  .reflectance_error = std::vector<double>(k.size() * bands),
+                                  .transmittance_error = std::vector<double>(k.size() * bands)};
+  for (std::size_t b = 0; b < bands; ++b) {
+    const auto solver =
+        detail::make_frequency_solver(stacks[b], nodes_of_responses, modes_of_responses);
+    const auto coarse = detail::make_frequency_solver(stacks[b], fewer_nodes_of_responses,
+                                                      fewer_modes_of_responses);
+    const auto respond = [&](std::size_t i) {
+      const auto by = [&](const detail::FrequencySolver& each) {
+        return options.illumination == Illumination::diffuse ? detail::diffuse_response(each, k[i])
+                                                             : detail::response(each, k[i]);
+      };
+      const auto all = by(solver), by_fewer = by(coarse);
+      const std::size_t at = i * bands + b;
+      result.reflectance[at] = all.reflectance;
+      result.transmittance[at] = all.transmittance;
+      result.reflectance_error[at] = std::abs(all.reflectance - by_fewer.reflectance);
+      result.transmittance_error[at] = std::abs(all.transmittance - by_fewer.transmittance);
+    };
+    const double part = 1.0 / static_cast<double>(bands), before = part * static_cast<double>(b);
+    parallel_for(k.size(), respond, part_of(options.progress, before, before + part));
+  }
+  return result;
+}
+
+}  // namespace lamina

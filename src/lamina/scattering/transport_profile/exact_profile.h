@@ -1,0 +1,82 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lamina/core/progress.h"
+#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/profile/hankel.h"
+#include "lamina/scattering/profile/profile.h"
+
+namespace lamina {
+
+/// How light arrives at the point r = 0.
+enum class Illumination {
+  normal_beam,  ///< along the normal
+  diffuse       ///< equal radiance from the whole hemisphere
+};
+
+struct ExactProfileOptions {
+  double accuracy =
+      0.005;  ///< asked of the profile, relative, in [1e-4, 0.1], where there is light: see below
+  double r_lowest = 0.01;  ///< the accuracy is asked from this radius on [mm]
+  double r_highest = 6.0;  ///< and up to this one [mm]
+  Illumination illumination = Illumination::normal_beam;
+  bool is_from_below = false;  ///< lit on the lower side, which reflectance then means, too
+  Progress progress = {};      ///< told that the work goes on, not how far it is
+};
+
+/// A profile by radiative transfer, with an estimate of its error.
+struct ExactProfile {
+  Profile profile;                          ///< per arriving flux
+  std::vector<double> relative_error;       ///< [i][band], estimated, of the reflectance profile
+  std::vector<double> transmittance_error;  ///< [i][band], the same of the transmittance profile
+  std::vector<double> estimated_error;      ///< [band], largest within the radii asked
+  std::vector<int> nodes, modes;            ///< [band], of the last solution
+  bool is_accurate = false;                 ///< every estimate is within the accuracy asked
+};
+
+/// R(r) and T(r) of a layered material around a point of light by the equation of radiative
+/// transfer, one spatial frequency at a time; no diffusion, no noise.
+///
+/// Light scattered once is taken out at every frequency and put in exactly over radius. Directions,
+/// azimuthal modes and frequencies grow until a further step changes less than asked, wherever a
+/// ring of the profile holds more than 1e-4 of the flux in the fullest ring of equal relative
+/// width. Light of a beam that leaves unscattered is in the totals and not in the profile. Diffuse
+/// light spreads without being scattered: it is in both, and only what the lit surface mirrors is
+/// left out of R(r).
+///
+/// Diffuse light with all that leaves collected is what a renderer with a Fresnel factor at the
+/// entry and one at the exit needs: see docs/exact_profiles.md.
+///
+/// @param stacks  [band], at least one; every band must scatter.
+/// @throws InvalidInput naming a rough boundary, a wrong grid, a stack without a lower side, or a
+/// plate that neither scatters nor absorbs nine tenths: its reflections throw rings far out, which
+/// frequencies do not resolve.
+/// @throws Interrupted if progress asks to stop.
+///
+/// Source: docs/exact_profiles.md.
+[[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,
+                                         const RadialGrid& radii = {},
+                                         const ExactProfileOptions& options = {});
+
+/// The same stacks with above and below exchanged.
+/// @throws InvalidInput if a stack has no lower side, or a ground that reflects.
+[[nodiscard]] std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks);
+
+/// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
+/// domain imaging measures. Always by 10 nodes and 6 azimuthal modes: no accuracy can be asked.
+/// The errors are what changes from 7 nodes and 4 modes: some 1e-3 of the value up to the largest
+/// sigma_t of a layer, all of it where a forward peak is sharp and waves are short.
+struct SpatialFrequencyResponse {
+  std::vector<double> k;                                       ///< [i] [1/mm]
+  std::vector<double> reflectance;                             ///< [i][band]
+  std::vector<double> transmittance;                           ///< [i][band]
+  std::vector<double> reflectance_error, transmittance_error;  ///< [i][band] estimated, absolute
+};
+[[nodiscard]] SpatialFrequencyResponse spatial_frequency_response(
+    std::span<const LayerStack> stacks, std::span<const double> k,
+    const ExactProfileOptions& options = {});
+
+}  // namespace lamina

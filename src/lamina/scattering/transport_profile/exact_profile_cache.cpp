@@ -1,0 +1,161 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/transport_profile/exact_profile_cache.h"
+
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "exact_profile_fingerprint.h"
+
+// Structures are taken apart by structured bindings: a new member does not compile until it is
+// written here, too.
+namespace lamina {
+namespace {
+
+/// Values one after the other, as this machine has them.
+class Writer {
+ public:
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  void put(const std::vector<T>& values) {
+    put(values.size());
+    for (const T& value : values) put(value);
+  }
+  void put_text(std::string_view text) {
+    put(text.size());
+    bytes_ += text;
+  }
+  [[nodiscard]] std::string bytes() && { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : rest_(bytes) {}
+
+  template <class T>
+  void get(T& value) {
+    is_good_ = is_good_ && rest_.size() >= sizeof value;
+    if (!is_good_) return;
+    std::memcpy(&value, rest_.data(), sizeof value);
+    rest_.remove_prefix(sizeof value);
+  }
+  template <class T>
+  void get(std::vector<T>& values) {
+    std::size_t size = 0;
+    get(size);
+    is_good_ = is_good_ && size <= rest_.size() / sizeof(T);
+    if (!is_good_) return;
+    values.resize(size);
+    for (T& value : values) get(value);
+  }
+  /// Whether all was there and nothing is left.
+  [[nodiscard]] bool is_done() const { return is_good_ && rest_.empty(); }
+
+ private:
+  std::string_view rest_;
+  bool is_good_ = true;
+};
+
+void put(Writer& writer, const HenyeyGreenstein& phase) {
+  writer.put('h');
+  writer.put(phase.g);
+}
+void put(Writer& writer, const Rayleigh&) { writer.put('r'); }
+void put(Writer& writer, const PhaseMixture& mixture) {
+  writer.put('m');
+  writer.put(mixture.lobes.size());
+  for (const auto& [weight, phase] : mixture.lobes) {
+    writer.put(weight);
+    std::visit([&](const auto& lobe) { put(writer, lobe); }, phase);
+  }
+}
+
+void put(Writer& writer, const Interface& boundary) {
+  const auto& [roughness, distribution] = boundary;
+  writer.put(roughness);
+  writer.put(distribution);
+}
+
+void put(Writer& writer, const LayerStack& stack) {
+  writer.put(stack.ior_above());
+  writer.put(stack.ior_below());
+  const auto& [ground_top, ground_reflectance] = stack.ground();
+  put(writer, ground_top);
+  writer.put(ground_reflectance);
+  writer.put(stack.layers().size());
+  for (const Layer& layer : stack.layers()) {
+    const auto& [medium, thickness, top, phase] = layer;
+    const auto& [sigma_a, sigma_s, g, ior] = medium;
+    for (const double value : {sigma_a, sigma_s, g, ior, thickness}) writer.put(value);
+    put(writer, top);
+    std::visit([&](const auto& kind) { put(writer, kind); }, phase_function(layer));
+  }
+}
+
+std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
+                   const ExactProfileOptions& options) {
+  Writer writer;
+  writer.put_text("exact profile, format 2, solver " LAMINA_EXACT_PROFILE_FINGERPRINT);
+  const auto& [first, last, size] = radii;
+  writer.put(first);
+  writer.put(last);
+  writer.put(size);
+  const auto& [accuracy, r_lowest, r_highest, illumination, is_from_below, progress] = options;
+  for (const double value : {accuracy, r_lowest, r_highest}) writer.put(value);
+  writer.put(illumination);
+  writer.put(is_from_below);
+  writer.put(stacks.size());
+  for (const LayerStack& stack : stacks) put(writer, stack);
+  return std::move(writer).bytes();
+}
+
+/// Calls `act` for every member of a result, for writing as for reading.
+template <class Result, class Act>
+void for_each_member(Result& result, const Act& act) {
+  auto& [profile, relative_error, transmittance_error, estimated_error, nodes, modes, is_accurate] =
+      result;
+  auto& [per, bands, r, reflectance, transmittance, total_reflectance, total_transmittance] =
+      profile;
+  act(per), act(bands), act(r), act(reflectance), act(transmittance);
+  act(total_reflectance), act(total_transmittance);
+  act(relative_error), act(transmittance_error), act(estimated_error), act(nodes), act(modes), act(is_accurate);
+}
+
+std::string packed(const ExactProfile& result) {
+  Writer writer;
+  for_each_member(result, [&](const auto& member) { writer.put(member); });
+  return std::move(writer).bytes();
+}
+
+std::optional<ExactProfile> unpacked(std::string_view bytes) {
+  Reader reader(bytes);
+  ExactProfile result;
+  for_each_member(result, [&](auto& member) { reader.get(member); });
+  return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;
+}
+
+}  // namespace
+
+CachedExactProfile cached_exact_profile(const std::optional<DiskCache>& cache,
+                                        std::span<const LayerStack> stacks, const RadialGrid& radii,
+                                        const ExactProfileOptions& options) {
+  if (!cache) return {exact_profile(stacks, radii, options)};
+  const std::string key = key_of(stacks, radii, options);
+  if (const auto bytes = load(*cache, key))
+    if (auto result = unpacked(*bytes)) return {std::move(*result), true};
+  ExactProfile result = exact_profile(stacks, radii, options);
+  store(*cache, key, packed(result));
+  return {std::move(result)};
+}
+
+}  // namespace lamina

@@ -1,0 +1,28 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "lamina/io/disk_cache.h"
+#include "lamina/scattering/transport_profile/exact_profile.h"
+
+namespace lamina {
+
+/// `exact_profile`, solved only if the cache does not have it, and kept there.
+///
+/// A profile is found by all that it follows from: the layers, radii and options to the last bit,
+/// and the source code of the solver. So a cache never needs to be emptied.
+///
+/// @param cache  may be absent; `user_cache()` is the user's.
+/// @throws InvalidInput, Interrupted as `exact_profile`.
+struct CachedExactProfile {
+  ExactProfile result;
+  bool was_cached = false;
+};
+[[nodiscard]] CachedExactProfile cached_exact_profile(const std::optional<DiskCache>& cache,
+                                                      std::span<const LayerStack> stacks,
+                                                      const RadialGrid& radii = {},
+                                                      const ExactProfileOptions& options = {});
+
+}  // namespace lamina

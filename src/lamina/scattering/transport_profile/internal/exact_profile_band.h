@@ -1,0 +1,31 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/profile/hankel.h"
+#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_diffuse_curves.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+
+namespace lamina::detail {
+
+/// One band's profile, with an estimate of its error.
+struct BandProfile {
+  ProfileCurves profile;
+  ProfileCurves error;           ///< estimated, absolute [1/mm²]
+  double estimated_error = 0.0;  ///< largest, relative, where it is asked for
+  int nodes = 0, modes = 0, frequencies = 0;
+};
+
+/// Nodes, azimuthal modes and frequencies are chosen one after the other, each with the other two
+/// kept low, until one step more changes little: their errors hardly depend on one another. Then
+/// their changes are added up, or the band is solved once with all three.
+///
+/// @param flux  what the profile adds up to over the plane. How much light there is takes fewer
+///              directions to know than where it goes: what they miss is put right by a factor.
+[[nodiscard]] BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
+                                     const ExactProfileOptions& options,
+                                     const FrequencyResponse& flux);
+
+}  // namespace lamina::detail

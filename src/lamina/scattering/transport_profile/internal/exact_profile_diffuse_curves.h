@@ -1,0 +1,24 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/profile/hankel.h"
+
+namespace lamina::detail {
+
+struct ProfileCurves {
+  std::vector<double> reflectance, transmittance;             ///< [i] [1/mm²]
+  double total_reflectance = 0.0, total_transmittance = 0.0;  ///< integrals over the plane
+};
+
+/// Of diffuse light from above on one point, what is not scattered or scattered once and otherwise
+/// not reflected, over the plan's radii: all that `diffuse_response` has beyond
+/// `unscattered_response` and `diffuse_single_on_grid` comes on top.
+///
+/// @param on_grid  the same stack on the grid of those.
+[[nodiscard]] ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on_grid,
+                                                  const HankelPlan& plan);
+
+}  // namespace lamina::detail

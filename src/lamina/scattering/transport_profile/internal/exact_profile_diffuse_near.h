@@ -1,0 +1,20 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+
+namespace lamina::detail {
+
+/// Of diffuse light from above on one point, what is scattered once and neither before nor after
+/// reflected, at distance r [mm] > 0 from that point [1/mm²]: ray by ray. Slow: near the point,
+/// where it grows as 1/r, nothing else will do.
+///
+/// @param on_grid  the same stack on any grid.
+[[nodiscard]] SingleScatteringProfile diffuse_single_profile(const LayerStack& stack,
+                                                             const GridStack& on_grid, double r);
+
+/// What 2 pi r times the reflectance above goes to at r = 0 [1/mm].
+[[nodiscard]] double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid);
+
+}  // namespace lamina::detail

@@ -1,0 +1,23 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+
+namespace lamina::detail {
+
+/// Light of an oblique beam that is scattered once and neither before nor after reflected, as
+/// `oblique_response` has it: on the grid, with the azimuths that the modes can tell apart.
+[[nodiscard]] std::vector<FrequencyResponse> oblique_single_on_grid(const FrequencySolver& solver,
+                                                                    double k);
+
+/// The same exactly, at (x, y) [mm] from where the beam comes in; it goes on towards +x. [1/mm²]
+///
+/// @param p  ior_above times the sine of the beam's angle
+[[nodiscard]] SingleScatteringProfile oblique_single_profile(const LayerStack& stack,
+                                                             const GridStack& on_grid, double p,
+                                                             double x, double y);
+
+}  // namespace lamina::detail

@@ -1,0 +1,177 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/transport_profile/internal/exact_profile_unscattered.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/scattering/transport_profile/internal/straight_ray.h"
+
+namespace lamina::detail {
+namespace {
+
+using std::numbers::pi;
+
+constexpr int most_mirrors = 3;
+constexpr double least_path = 1e-7;
+
+/// The widest p that is in every medium.
+double widest(const GridStack& stack) { return *std::ranges::min_element(stack.ior); }
+
+double fresnel_factor(const GridStack& stack, const UnscatteredPath& path, double p) {
+  double factor = path.count;
+  for (std::size_t q = 0; q < path.crossings.size(); ++q) {
+    const double r = interface_reflectance(stack, q, p);
+    factor *= std::pow(1.0 - r, path.crossings[q]) * std::pow(r, path.mirrors[q]);
+  }
+  return factor;
+}
+
+double depth_along(const GridStack& stack, const UnscatteredPath& path, double p) {
+  double depth = 0.0;
+  for (std::size_t l = 0; l < stack.layers.size(); ++l)
+    if (path.passes[l] > 0 && stack.layers[l].sigma_t > 0.0)
+      depth += path.passes[l] * stack.layers[l].sigma_t * stack.layers[l].thickness /
+               ray_cos(p, stack.layers[l].ior);
+  return depth;
+}
+
+double aside(const GridStack& stack, const UnscatteredPath& path, double p) {
+  double x = 0.0;
+  for (std::size_t l = 0; l < stack.layers.size(); ++l)
+    if (path.passes[l] > 0)
+      x += path.passes[l] * stack.layers[l].thickness * p /
+           (stack.layers[l].ior * ray_cos(p, stack.layers[l].ior));
+  return x;
+}
+
+/// How fast `aside` grows with p.
+double aside_slope(const GridStack& stack, const UnscatteredPath& path, double p) {
+  double slope = 0.0;
+  for (std::size_t l = 0; l < stack.layers.size(); ++l) {
+    const double cos = ray_cos(p, stack.layers[l].ior);
+    if (path.passes[l] > 0)
+      slope += path.passes[l] * stack.layers[l].thickness / (stack.layers[l].ior * cos * cos * cos);
+  }
+  return slope;
+}
+
+/// p in [0, highest] at which a growing distance(p) reaches x, which it does.
+template <class Distance>
+double p_where(const Distance& distance, double highest, double x) {
+  double low = 0.0, high = 0.5 * pi;
+  for (int step = 0; step < 50; ++step) {
+    const double middle = 0.5 * (low + high);
+    (distance(highest * std::sin(middle)) > x ? high : low) = middle;
+  }
+  return highest * std::sin(0.5 * (low + high));
+}
+
+double unscattered_density(const GridStack& stack, const UnscatteredPath& path, double r) {
+  const double highest = widest(stack);
+  const auto distance = [&](double p) { return aside(stack, path, p); };
+  if (distance(highest) <= r) return 0.0;
+  const double p = p_where(distance, highest, r);
+  const double flux = fresnel_factor(stack, path, p) * std::exp(-depth_along(stack, path, p));
+  return flux * 2.0 * p / (stack.ior[0] * stack.ior[0] * aside_slope(stack, path, p)) /
+         (2.0 * pi * r);
+}
+
+}  // namespace
+
+std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack) {
+  struct Ray {
+    UnscatteredPath path;
+    std::size_t medium;  ///< 0 is above
+    bool is_down;
+  };
+  const std::size_t layers = stack.layers.size();
+  const double highest = widest(stack);
+  const auto strength = [&](const UnscatteredPath& path) {
+    double most = 0.0;
+    for (const double share : {0.0, 0.5, 0.8, 0.95, 0.995})
+      most = std::max(most, fresnel_factor(stack, path, share * highest) *
+                                std::exp(-depth_along(stack, path, share * highest)));
+    return most;
+  };
+  Ray start{.path = {.passes = std::vector<int>(layers),
+                     .crossings = std::vector<int>(layers + 1),
+                     .mirrors = std::vector<int>(layers + 1)},
+            .medium = 1,
+            .is_down = true};
+  start.path.crossings[0] = 1;
+  std::vector<Ray> going{start};
+  std::vector<UnscatteredPath> found;
+  const auto add = [&](UnscatteredPath path, bool is_up) {
+    path.is_up = is_up;
+    for (UnscatteredPath& other : found)
+      if (other.passes == path.passes && other.crossings == path.crossings &&
+          other.mirrors == path.mirrors && other.is_up == is_up) {
+        other.count += path.count;
+        return;
+      }
+    found.push_back(std::move(path));
+  };
+  int mirrors = 0;
+  while (!going.empty()) {
+    Ray ray = std::move(going.back());
+    going.pop_back();
+    ++ray.path.passes[ray.medium - 1];
+    if (!std::isfinite(stack.layers[ray.medium - 1].thickness)) continue;
+    const std::size_t interface = ray.is_down ? ray.medium : ray.medium - 1;
+    Ray mirrored = ray;
+    ++mirrored.path.mirrors[interface];
+    mirrored.is_down = !ray.is_down;
+    mirrors = 0;
+    for (const int m : mirrored.path.mirrors) mirrors += m;
+    if (mirrors <= most_mirrors && strength(mirrored.path) > least_path) going.push_back(mirrored);
+    ++ray.path.crossings[interface];
+    if (strength(ray.path) <= least_path) continue;
+    ray.medium = ray.is_down ? ray.medium + 1 : ray.medium - 1;
+    if (ray.medium == 0)
+      add(std::move(ray.path), true);
+    else if (ray.medium <= layers)
+      going.push_back(std::move(ray));
+    else if (stack.ground_reflectance == 0.0)
+      add(std::move(ray.path), false);
+  }
+  return found;
+}
+
+FrequencyResponse unscattered_response(const GridStack& stack,
+                                       const std::vector<UnscatteredPath>& paths,
+                                       const AzimuthWaves& waves, double k) {
+  const double above2 = stack.ior[0] * stack.ior[0];
+  FrequencyResponse result;
+  for (const UnscatteredPath& path : paths) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < active_count(stack.grid, widest(stack)); ++i) {
+      if (i == stack.grid.extra[0]) continue;
+      const double p = stack.grid.p[i];
+      double depth = 0.0;
+      for (std::size_t l = 0; l < stack.layers.size(); ++l)
+        if (path.passes[l] > 0)
+          depth += path.passes[l] * node_extinction(stack.layers[l], i) *
+                   stack.layers[l].thickness / stack.layers[l].cos[i];
+      const double c = k * aside(stack, path, p);
+      double mean = 0.0;
+      for (std::size_t q = 0; q < waves.rate.size(); ++q)
+        mean += (waves.weight[0][q] * std::exp(waves.rate[q] * c)).real();
+      sum +=
+          stack.grid.etendue[i] / above2 * fresnel_factor(stack, path, p) * std::exp(-depth) * mean;
+    }
+    (path.is_up ? result.reflectance : result.transmittance) += sum;
+  }
+  return result;
+}
+
+SingleScatteringProfile unscattered_profile(const GridStack& stack,
+                                            const std::vector<UnscatteredPath>& paths, double r) {
+  SingleScatteringProfile profile;
+  for (const UnscatteredPath& path : paths)
+    (path.is_up ? profile.reflectance : profile.transmittance) +=
+        unscattered_density(stack, path, r);
+  return profile;
+}
+
+}  // namespace lamina::detail

@@ -1,0 +1,34 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+
+namespace lamina::detail {
+
+/// A way of light through the stack without scattering, known by what it meets.
+struct UnscatteredPath {
+  std::vector<int> passes;     ///< [layer] how often it goes through
+  std::vector<int> crossings;  ///< [interface] how often refracted there
+  std::vector<int> mirrors;    ///< [interface] how often reflected there
+  int count = 1;               ///< ways that meet the same
+  bool is_up = false;          ///< whether it ends above
+};
+
+/// All ways from above with at most three reflections that carry more than 1e-7 of the light.
+[[nodiscard]] std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack);
+
+/// Diffuse light from above on one point that leaves along these paths, over its flux; what the top
+/// surface mirrors is not among them. At spatial frequency k, with the azimuthal modes of `waves`.
+[[nodiscard]] FrequencyResponse unscattered_response(const GridStack& stack,
+                                                     const std::vector<UnscatteredPath>& paths,
+                                                     const AzimuthWaves& waves, double k);
+
+/// The same at distance r [mm] > 0 from that point [1/mm²].
+[[nodiscard]] SingleScatteringProfile unscattered_profile(const GridStack& stack,
+                                                          const std::vector<UnscatteredPath>& paths,
+                                                          double r);
+
+}  // namespace lamina::detail

@@ -1,0 +1,251 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/transport_profile/oblique_profile.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
+#include "lamina/core/quadrature.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/profile/bessel.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_cost.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_oblique_single.h"
+#include "lamina/scattering/transport_profile/internal/exact_profile_spectrum.h"
+
+namespace lamina {
+namespace {
+
+using std::numbers::pi;
+
+constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
+constexpr int coarse_modes = 5, fine_modes = 7;
+/// Where spectra are ended for a look at what their tails are worth. All of the change counts as
+/// error, twice what it does in exact_profile_band.cpp: there are fewer frequencies.
+constexpr double earlier_end = 0.7;
+constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in exact_profile.cpp
+constexpr std::size_t azimuths = 32;  ///< over half a circle, at least, for light scattered once
+constexpr double group = 3.0;         ///< ratio of radii that share frequencies
+constexpr double last_kr = 80.0;      ///< at the least radius of a group, where the taper ends
+
+/// One moment on one side as a function of k: odd ones fall with k, and become even without that.
+struct MomentSpectrum {
+  detail::Spectrum even;
+  double corner = 0.0;  ///< [1/mm], 0 for even moments
+  [[nodiscard]] double at(double k) const {
+    return detail::evaluate(even, k) * (corner > 0.0 ? k / std::hypot(k, corner) : 1.0);
+  }
+};
+
+MomentSpectrum moment_spectrum(const detail::FrequencyGrid& grid, std::vector<double> values,
+                               bool is_odd) {
+  const double corner = is_odd ? grid.scale : 0.0;
+  if (is_odd)
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] *= std::hypot(grid.k[i], corner) / grid.k[i];
+  return {detail::make_spectrum(grid, values), corner};
+}
+
+/// Inverse Hankel transforms of orders m = 0, 1, ... at all radii, [i][m]. Panels of a geometric
+/// series up to the period of the Bessel functions, of that period from there on.
+std::vector<double> transforms(const std::vector<MomentSpectrum>& spectra,
+                               std::span<const double> r, double lowest_k) {
+  static const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
+  const std::size_t count = spectra.size();
+  std::vector<double> result(r.size() * count), bessel(count);
+  for (std::size_t first = 0, last = 0; first < r.size(); first = last) {
+    while (last < r.size() && r[last] <= group * r[first]) ++last;
+    const double end = last_kr / r[first], period = 2.0 * pi / r[last - 1];
+    std::vector<double> edges{0.0, std::min(0.1 * lowest_k, 0.1 * period)};
+    while (edges.back() < end) edges.push_back(edges.back() + std::min(0.6 * edges.back(), period));
+    for (std::size_t e = 0; e + 1 < edges.size(); ++e)
+      for (std::size_t q = 0; q < rule.nodes.size(); ++q) {
+        const double k = edges[e] + (edges[e + 1] - edges[e]) * rule.nodes[q];
+        const double weight = rule.weights[q] * (edges[e + 1] - edges[e]) * k / (2.0 * pi) *
+                              std::exp(-std::pow(k / (0.5 * end), 6.0));
+        std::vector<double> values;
+        for (const MomentSpectrum& spectrum : spectra) values.push_back(weight * spectrum.at(k));
+        for (std::size_t i = first; i < last; ++i) {
+          detail::bessel_functions(k * r[i], bessel);
+          for (std::size_t m = 0; m < count; ++m) result[i * count + m] += values[m] * bessel[m];
+        }
+      }
+  }
+  return result;
+}
+
+struct HigherOrders {
+  std::array<std::vector<double>, 2> moments;  ///< [side][i][m]
+  /// [side][i] what changes of moment 0 where the tail of the spectrum begins earlier.
+  std::array<std::vector<double>, 2> change_by_tail;
+};
+
+/// What is not scattered once and straight, m up to the modes.
+HigherOrders higher_orders(const LayerStack& stack, const GridDirection& beam, int node_count,
+                           int modes, std::span<const double> r, const Progress& progress) {
+  const auto solver = detail::make_frequency_solver(stack, node_count, modes, std::array{beam});
+  const auto grid = detail::make_frequency_grid(solver.stack, frequencies);
+  const auto count = static_cast<std::size_t>(modes) + 1;
+  std::vector<std::vector<double>> values(2 * count, std::vector<double>(grid.k.size()));
+  const auto respond = [&](std::size_t i) {
+    const auto all = detail::oblique_response(solver, grid.k[i]);
+    const auto once = detail::oblique_single_on_grid(solver, grid.k[i]);
+    for (std::size_t m = 0; m < count; ++m) {
+      const double factor = (m == 0 ? 1.0 : std::numbers::sqrt2) * (m % 2 == 0 ? 1.0 : -1.0);
+      values[m][i] = factor * (all[m].reflectance - once[m].reflectance);
+      values[count + m][i] = factor * (all[m].transmittance - once[m].transmittance);
+    }
+  };
+  parallel_for(grid.k.size(), respond, progress);
+  HigherOrders result;
+  for (auto& side : result.moments) side.resize(r.size() * count);
+  for (auto& side : result.change_by_tail) side.resize(r.size());
+  for (std::size_t side = 0; side < (is_semi_infinite(stack) ? 1u : 2u); ++side) {
+    std::vector<MomentSpectrum> spectra;
+    for (std::size_t m = 0; m < count; ++m)
+      spectra.push_back(moment_spectrum(grid, values[side * count + m], m % 2 == 1));
+    result.moments[side] = transforms(spectra, r, grid.scale);
+    const auto earlier =
+        transforms({{detail::ended_at(spectra[0].even, earlier_end)}}, r, grid.scale);
+    for (std::size_t i = 0; i < r.size(); ++i)
+      result.change_by_tail[side][i] = std::abs(result.moments[side][i * count] - earlier[i]);
+  }
+  return result;
+}
+
+/// Light scattered once and straight, [side][i][m].
+std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
+                                                  const GridDirection& beam,
+                                                  std::span<const double> r, std::size_t count,
+                                                  const Progress& progress) {
+  const auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{beam}).stack;
+  const double p = beam.ior * beam.sin;
+  const std::size_t points = std::max(azimuths, 2 * count);
+  std::array<std::vector<double>, 2> sides;
+  for (auto& side : sides) side.resize(r.size() * count);
+  const auto average = [&](std::size_t i) {
+    for (std::size_t q = 0; q < points; ++q) {
+      const double phi = (static_cast<double>(q) + 0.5) * pi / static_cast<double>(points);
+      const auto once = detail::oblique_single_profile(stack, on_grid, p, r[i] * std::cos(phi),
+                                                       r[i] * std::sin(phi));
+      for (std::size_t m = 0; m < count; ++m) {
+        const double weight = (m == 0 ? 1.0 : 2.0) / static_cast<double>(points) *
+                              std::cos(static_cast<double>(m) * phi);
+        sides[0][i * count + m] += weight * once.reflectance;
+        sides[1][i * count + m] += weight * once.transmittance;
+      }
+    }
+  };
+  parallel_for(r.size(), average, progress);
+  return sides;
+}
+
+/// Relative errors of moment 0 from absolute ones. Changes ring: the largest nearby counts.
+void add_estimates(ObliqueProfile& profile, std::size_t side, std::size_t band,
+                   const std::vector<double>& left, const std::vector<double>& mean) {
+  constexpr double nearby = 1.2, least_ring = 1e-4, r_lowest = 0.01, r_highest = 6.0;
+  if (std::ranges::all_of(mean, [](double value) { return value == 0.0; })) return;  // no light
+  const std::vector<double>& r = profile.r;
+  std::vector<double>& error = side == 0 ? profile.estimated_error : profile.transmittance_error;
+  double fullest = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i) fullest = std::max(fullest, r[i] * r[i] * mean[i]);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    double most = 0.0;
+    for (std::size_t j = 0; j < r.size() && r[j] <= nearby * r[i]; ++j) {
+      if (r[j] * nearby < r[i]) continue;
+      const bool is_known = mean[j] > 0.0 && std::isfinite(left[j]);
+      most = std::max(most, is_known ? left[j] / mean[j] : std::numeric_limits<double>::infinity());
+    }
+    error[i * profile.bands + band] = std::min(1.0, most);
+    const bool counts = r_lowest <= r[i] && r[i] <= r_highest &&
+                        !(r[i] * r[i] * std::abs(mean[i]) <= least_ring * fullest);
+    if (counts) profile.largest_error[band] = std::max(profile.largest_error[band], most);
+  }
+}
+
+void check(std::span<const LayerStack> stacks, double theta, int moments) {
+  if (!(theta >= 0.0 && theta < 0.5 * pi))
+    throw InvalidInput("incidence: must lie in [0, 90) degrees, but is " +
+                       number_text(theta * 180.0 / pi));
+  if (moments < 1 || moments > 32)
+    throw InvalidInput("moments: must lie in [1, 32], but are " + std::to_string(moments));
+  for (std::size_t b = 0; b < stacks.size(); ++b) {
+    const std::string band = "band " + std::to_string(b);
+    detail::require_smooth(stacks[b], "the exact profile of " + band);
+    if (std::ranges::none_of(stacks[b].layers(),
+                             [](const Layer& l) { return l.medium.sigma_s > 0.0; }))
+      throw InvalidInput(band + ": at least one layer must scatter, but none does");
+  }
+  detail::require_affordable(detail::solution_cost(stacks, nodes, fine_modes, frequencies));
+}
+
+}  // namespace
+
+ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
+                               const RadialGrid& grid, int moments, const Progress& progress) {
+  check(stacks, theta, moments);
+  const std::size_t bands = stacks.size(), count = static_cast<std::size_t>(moments);
+  ObliqueProfile profile{.bands = bands, .moments = count, .r = radii(grid)};
+  const std::size_t size = profile.r.size();
+  profile.reflectance_moments.resize(size * count * bands);
+  profile.transmittance_moments.resize(size * count * bands);
+  profile.estimated_error.resize(size * bands);
+  profile.transmittance_error.resize(size * bands);
+  profile.largest_error.resize(bands);
+  for (const auto& totals :
+       adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
+    profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
+    profile.total_transmittance.push_back(totals.totals.transmittance);
+  }
+  for (std::size_t b = 0; b < bands; ++b) {
+    const GridDirection beam = direction_in(stacks[b].ior_above(), theta);
+    const auto part = [&](double begin, double end) {  // of this band
+      return part_of(progress, (static_cast<double>(b) + begin) / static_cast<double>(bands),
+                     (static_cast<double>(b) + end) / static_cast<double>(bands));
+    };
+    const auto once = single_moments(stacks[b], beam, profile.r, count, part(0.0, 0.2));
+    const auto by_fewer =
+        higher_orders(stacks[b], beam, fewer_nodes, coarse_modes, profile.r, part(0.2, 0.3));
+    const auto coarse =
+        higher_orders(stacks[b], beam, nodes, coarse_modes, profile.r, part(0.3, 0.5));
+    const auto fine = higher_orders(stacks[b], beam, nodes, fine_modes, profile.r, part(0.5, 1.0));
+    constexpr std::size_t few = coarse_modes + 1, many = fine_modes + 1;
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::vector<double>& values =
+          side == 0 ? profile.reflectance_moments : profile.transmittance_moments;
+      std::vector<double> left(size), mean(size);  // of moment 0
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto step = [&](std::size_t m) {
+          return fine.moments[side][i * many + m] - coarse.moments[side][i * few + m];
+        };
+        for (std::size_t m = 0; m < count; ++m) {
+          double value = once[side][i * count + m];
+          if (m < many) value += fine.moments[side][i * many + m];
+          if (m < few) value += step_to_come * step(m);
+          values[(i * count + m) * bands + b] = value;
+        }
+        mean[i] = values[i * count * bands + b];
+        left[i] = error_per_step * std::abs(step(0)) +
+                  std::abs(coarse.moments[side][i * few] - by_fewer.moments[side][i * few]) +
+                  fine.change_by_tail[side][i];
+      }
+      add_estimates(profile, side, b, left, mean);
+    }
+  }
+  return profile;
+}
+
+double reflectance_at(const ObliqueProfile& profile, std::size_t i, double phi, std::size_t band) {
+  double sum = 0.0;
+  for (std::size_t m = 0; m < profile.moments; ++m)
+    sum += profile.reflectance_moments[(i * profile.moments + m) * profile.bands + band] *
+           std::cos(static_cast<double>(m) * phi);
+  return sum;
+}
+
+}  // namespace lamina

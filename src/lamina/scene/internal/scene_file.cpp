@@ -1,0 +1,294 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scene/internal/scene_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "lamina/scene/common_bands.h"
+#include "lamina/scene/method_settings.h"
+
+namespace lamina {
+namespace scene_file {
+
+namespace {
+
+/// Of the smaller copies of an image that a TextureStore makes.
+std::size_t bytes_of_smaller_copies(const Image& image) {
+  std::size_t texels = 0;
+  for (int w = image.width, h = image.height; w > 1 || h > 1;) {
+    w = std::max(w / 2, 1), h = std::max(h / 2, 1);
+    texels += static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  }
+  return texels * sizeof(Vec3f);
+}
+
+}  // namespace
+
+std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
+  const std::filesystem::path path = file.file_path().lexically_normal();
+  const auto found = index_of_.find({path, encoding});
+  if (found != index_of_.end()) return found->second;
+  Image image = load_for(file, [&] {
+    Image loaded = load_image(path, encoding, file.memory());
+    lamina::take(file.memory(), bytes_of_smaller_copies(loaded),
+                 path.string() + ": its smaller copies");
+    require_finite(loaded, path);
+    return loaded;
+  });
+  return index_of_[{path, encoding}] = add(std::move(image));
+}
+
+std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding) {
+  const std::size_t whole = load(file, encoding);
+  if (!channel_index(images_[whole], "A")) return whole;
+  const auto found = coverage_of_.find(whole);
+  if (found != coverage_of_.end()) return found->second;
+  const Image& image = images_[whole];
+  lamina::take(
+      file.memory(),
+      image.pixels.size() / image.channel_count() * sizeof(float) + bytes_of_smaller_copies(image),
+      file.where() + ": its alpha");
+  return coverage_of_[whole] = add(select_channels(image, {"A"}));
+}
+
+std::size_t Images::add(Image image) {
+  images_.push_back(std::move(image));
+  return images_.size() - 1;
+}
+
+Vec3 decode_vector(const JsonInput& value, double scale) {
+  const double most = longest / std::max(scale, 1e-9);
+  const std::vector<double> v = value.numbers(3, between(-most, most));
+  return scale * Vec3{v[0], v[1], v[2]};
+}
+
+Vec3 decode_direction(const JsonInput& value) {
+  const Vec3 v = decode_vector(value);
+  if (!(length(v) > 0.0)) value.fail("must be a direction, but is 0 0 0");
+  return normalize(v);
+}
+
+Vec3f decode_color(const JsonInput& value, const NumberRange& range) {
+  const std::vector<double> v = value.number_or_numbers(3, range);
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+}  // namespace scene_file
+
+namespace {
+
+using scene_file::decode_direction;
+using scene_file::decode_vector;
+using scene_file::DecodedMaterial;
+using scene_file::longest;
+
+Camera decode_camera(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object(
+      {"position", "look_at", "up", "horizontal_fov", "aperture_diameter", "focus_distance"});
+  Camera camera{.position = decode_vector(object.required("position"), mm_per_unit),
+                .look_at = decode_vector(object.required("look_at"), mm_per_unit)};
+  const Vec3 forward = camera.look_at - camera.position;
+  if (!(length(forward) > 0.0))
+    object.required("look_at").fail("must differ from the camera's position");
+  if (const auto up = object.optional("up")) camera.up = decode_direction(*up);
+  if (length(cross(normalize(forward), camera.up)) < 1e-6)
+    (object.has("up") ? object.required("up") : value)
+        .fail("the camera's up must not be parallel to its direction of view");
+  double degrees = 40.0;
+  if (const auto fov = object.optional("horizontal_fov"))
+    degrees = fov->number(between(0.01, 175.0, "deg"));
+  camera.horizontal_fov = degrees * std::numbers::pi / 180.0;
+  const NumberRange length_range = between(0.0, longest / mm_per_unit);
+  if (const auto aperture = object.optional("aperture_diameter"))
+    camera.aperture_diameter = mm_per_unit * aperture->number(length_range);
+  if (const auto distance = object.optional("focus_distance"))
+    camera.focus_distance = mm_per_unit * distance->number(length_range);
+  return camera;
+}
+
+Film decode_film(const JsonInput& value) {
+  const JsonObject object = value.object({"width", "height", "exposure", "view"});
+  Film film;
+  constexpr int most = 16384;
+  if (const auto width = object.optional("width"))
+    film.width = static_cast<int>(width->integer(1, most));
+  if (const auto height = object.optional("height"))
+    film.height = static_cast<int>(height->integer(1, most));
+  if (const auto exposure = object.optional("exposure"))
+    film.exposure = static_cast<float>(exposure->number(between(-50.0, 50.0, "stops")));
+  if (const auto view = object.optional("view"))
+    film.view = view->choice<View>({{"standard", View::standard}, {"filmic", View::filmic}});
+  return film;
+}
+
+HierarchySettings decode_hierarchy(const JsonInput& value) {
+  const JsonObject object =
+      value.object({"spacing_mm", "max_points", "irradiance_samples", "error", "refine"});
+  HierarchySettings settings;
+  if (const auto spacing = object.optional("spacing_mm"))
+    settings.spacing = static_cast<float>(spacing->number(between(0.0, 1e6, "mm")));
+  if (const auto points = object.optional("max_points"))
+    settings.max_points = static_cast<int>(points->integer(1000, 20'000'000));
+  if (const auto samples = object.optional("irradiance_samples"))
+    settings.irradiance_samples = static_cast<int>(samples->integer(0, 1 << 20));
+  if (const auto error = object.optional("error"))
+    settings.error = static_cast<float>(error->number(between(1e-4, 1.0, "sr")));
+  if (const auto refine = object.optional("refine"))
+    settings.refine = static_cast<float>(refine->number(between(0.0, 1.0)));
+  return settings;
+}
+
+TextureSpaceSettings decode_texture_space(const JsonInput& value) {
+  const JsonObject object = value.object({"texel_mm", "max_texels", "irradiance_samples", "terms"});
+  TextureSpaceSettings settings;
+  if (const auto texel = object.optional("texel_mm"))
+    settings.texel = static_cast<float>(texel->number(between(0.0, 1e6, "mm")));
+  if (const auto texels = object.optional("max_texels"))
+    settings.max_texels = static_cast<int>(texels->integer(1000, 20'000'000));
+  if (const auto samples = object.optional("irradiance_samples"))
+    settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
+  if (const auto terms = object.optional("terms"))
+    settings.terms = static_cast<int>(terms->integer(1, 100));
+  return settings;
+}
+
+ShadowMapSettings decode_shadow_map(const JsonInput& value) {
+  const JsonObject object = value.object({"resolution", "lamp_views", "dome_views", "lookups"});
+  ShadowMapSettings settings;
+  if (const auto resolution = object.optional("resolution"))
+    settings.resolution = static_cast<int>(resolution->integer(16, 8192));
+  if (const auto views = object.optional("lamp_views"))
+    settings.lamp_views = static_cast<int>(views->integer(1, 4096));
+  if (const auto views = object.optional("dome_views"))
+    settings.dome_views = static_cast<int>(views->integer(1, 4096));
+  if (const auto lookups = object.optional("lookups"))
+    settings.lookups = static_cast<int>(lookups->integer(1, 4096));
+  return settings;
+}
+
+RenderSettings decode_render_settings(const JsonInput& value) {
+  const JsonObject object = value.object(
+      {"method", "profile", "orders", "factors", "single_scattering", "samples_per_pixel", "noise",
+       "max_bounces", "seed", "hierarchy", "texture_space", "shadow_map"});
+  using Method = RenderSettings::Method;
+  RenderSettings settings;
+  if (const auto method = object.optional("method"))
+    settings.method = method->choice<Method>({{"auto", Method::automatic},
+                                              {"profile", Method::profile},
+                                              {"layered_bsdf", Method::layered_bsdf},
+                                              {"hierarchy", Method::hierarchy},
+                                              {"shadow_map", Method::shadow_map},
+                                              {"texture_space", Method::texture_space},
+                                              {"random_walk", Method::random_walk}});
+  if (const auto orders = object.optional("orders"))
+    settings.orders = orders->choice<LayeredOrders>({{"first", LayeredOrders::first},
+                                                     {"all", LayeredOrders::all},
+                                                     {"random_walk", LayeredOrders::random_walk}});
+  if (const auto factors = object.optional("factors"))
+    for (const JsonInput& factor : factors->array(1, 4))
+      settings.factors.*
+          factor.choice<bool LayeredFactors::*>({{"fresnel", &LayeredFactors::fresnel},
+                                                 {"seeliger", &LayeredFactors::seeliger},
+                                                 {"depth", &LayeredFactors::depth},
+                                                 {"phase", &LayeredFactors::phase}}) = true;
+  using SingleScattering = RenderSettings::SingleScattering;
+  if (const auto single = object.optional("single_scattering"))
+    settings.single_scattering =
+        single->choice<SingleScattering>({{"none", SingleScattering::none},
+                                          {"straight", SingleScattering::straight},
+                                          {"refracted", SingleScattering::refracted}});
+  using Profile = RenderSettings::Profile;
+  if (const auto profile = object.optional("profile"))
+    settings.profile = profile->choice<Profile>({{"exact", Profile::exact},
+                                                 {"multipole", Profile::multipole},
+                                                 {"dipole", Profile::dipole}});
+  if (const auto samples = object.optional("samples_per_pixel"))
+    settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
+  if (const auto noise = object.optional("noise"))
+    settings.noise = static_cast<float>(noise->number(between(0.0, 1.0)));
+  if (const auto bounces = object.optional("max_bounces"))
+    settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
+  if (const auto seed = object.optional("seed"))
+    settings.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
+  if (const auto hierarchy = object.optional("hierarchy"))
+    settings.hierarchy = decode_hierarchy(*hierarchy);
+  if (const auto texture_space = object.optional("texture_space"))
+    settings.texture_space = decode_texture_space(*texture_space);
+  if (const auto shadow_map = object.optional("shadow_map"))
+    settings.shadow_map = decode_shadow_map(*shadow_map);
+  return settings;
+}
+
+/// The value at a path such as "subsurface.skin" below an object, if it is there.
+std::optional<JsonInput> value_at(const JsonInput& object, std::string_view path) {
+  std::optional<JsonInput> value = object;
+  while (value && !path.empty()) {
+    const std::size_t dot = std::min(path.find('.'), path.size());
+    value = value->is_object() ? value->peek(path.substr(0, dot)) : std::nullopt;
+    path.remove_prefix(std::min(dot + 1, path.size()));
+  }
+  return value;
+}
+
+/// Remembers where a file gives what some methods do not honour.
+template <class Settings>
+void note_places(const JsonInput& value, const std::string& path, const Settings& settings,
+                 Scene& scene) {
+  for (const auto& setting : settings)
+    if (const auto given = value_at(value, setting.key))
+      scene.places[path + "." + std::string(setting.key)] = given->where();
+}
+
+Scene decode_scene(const JsonInput& root) {
+  const JsonObject file = root.file_object("scene", 1,
+                                           {"$schema", "name", "mm_per_unit", "camera", "film",
+                                            "materials", "meshes", "lights", "render"});
+  const double mm_per_unit = file.required("mm_per_unit").number(between(1e-6, 1e6, "mm"));
+  Scene scene;
+  for (const std::string_view text : {"$schema", "name"})  // for other readers
+    if (const auto given = file.optional(text)) (void)given->string();
+  // What is cheap to check comes before what takes time to load.
+  scene.camera = decode_camera(file.required("camera"), mm_per_unit);
+  if (const auto film = file.optional("film")) scene.film = decode_film(*film);
+  if (const auto render = file.optional("render")) scene.render = decode_render_settings(*render);
+  if (const auto render = file.optional("render"))
+    note_places(*render, "render", render_settings, scene);
+  scene_file::Images images;
+  std::vector<DecodedMaterial> materials;
+  for (const auto& [name, value] : file.required("materials").entries()) {
+    materials.push_back(decode_surface_material(name, value, images));
+    note_places(value, "materials." + name, material_settings, scene);
+  }
+  for (const JsonInput& light : file.required("lights").array(0, 100'000))
+    scene.lights.push_back(decode_light(light, images, mm_per_unit));
+  for (const JsonInput& mesh : file.required("meshes").array(1, 100'000)) {
+    auto [decoded, warnings] = decode_mesh(mesh, materials, mm_per_unit);
+    scene.meshes.push_back(std::move(decoded));
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
+  }
+  for (const DecodedMaterial& material : materials) {
+    for (const std::string& warning : material.warnings)
+      scene.warnings.push_back("material \"" + material.material.name + "\": " + warning);
+  }
+  if (scene.lights.empty())
+    scene.warnings.push_back(file.required("lights").where() +
+                             " is empty: the picture will be black");
+  for (DecodedMaterial& material : materials)
+    scene.materials.push_back(std::move(material.material));
+  make_bands_common(scene);
+  for (const BandChange& change : scene.band_changes)
+    scene.warnings.push_back(describe(change, scene));
+  scene.images = images.take();
+  return scene;
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
+  return decode_scene(document.root());
+}
+
+}  // namespace lamina

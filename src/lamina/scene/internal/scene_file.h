@@ -1,0 +1,97 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
+#include "lamina/io/json_input.h"
+#include "lamina/scene/scene.h"
+
+// What the decoders of a scene file share: one each for materials, meshes and lights.
+
+namespace lamina::scene_file {
+
+/// Lengths beyond this [mm] are taken for mistakes.
+inline constexpr double longest = 1e9;
+
+/// Light beyond this is taken for a mistake.
+inline constexpr double brightest = 1e12;
+
+/// Calls `load`, and says in its errors which value of the scene asked for it.
+template <class Load>
+auto load_for(const JsonInput& value, const Load& load) {
+  try {
+    return load();
+  } catch (const FileError& error) {
+    throw FileError(value.where() + ": " + error.what());
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(value.where() + ": " + error.what());
+  }
+}
+
+/// The images of a scene, each file once.
+class Images {
+ public:
+  /// The index of an image, which is loaded if it is new. All its numbers are finite.
+  [[nodiscard]] std::size_t load(const JsonInput& file, ColorEncoding encoding);
+
+  /// The same of its alpha channel, or of the whole image if it has none.
+  [[nodiscard]] std::size_t load_coverage(const JsonInput& file, ColorEncoding encoding);
+
+  /// The index of an image that is made, not loaded.
+  [[nodiscard]] std::size_t add(Image image);
+
+  [[nodiscard]] Image& operator[](std::size_t index) { return images_[index]; }
+  [[nodiscard]] std::vector<Image> take() { return std::move(images_); }
+
+ private:
+  std::vector<Image> images_;
+  std::map<std::pair<std::filesystem::path, ColorEncoding>, std::size_t> index_of_;
+  std::map<std::size_t, std::size_t> coverage_of_;  ///< by index of the whole image
+};
+
+/// A material and whether an image varies it, which takes texture coordinates.
+struct DecodedMaterial {
+  SurfaceMaterial material;
+  std::string mapped;  ///< the first field that an image varies; empty if there is none
+  std::vector<std::string> warnings;  ///< what was done to its maps
+};
+
+[[nodiscard]] DecodedMaterial decode_surface_material(const std::string& name,
+                                                      const JsonInput& value, Images& images);
+
+/// A homogeneous material by its look: the color that it has in diffuse light once that has
+/// entered, and how far light spreads in it. By the dipole, of whose half-space both are met
+/// exactly. Source: [JensenBuhler2002] §5, [Hery2003] §2.
+[[nodiscard]] Material decode_look(const JsonInput& value);
+
+/// The quantity of a material that a key such as "dermis.blood" names; its terms are left empty.
+[[nodiscard]] LayerMap find_quantity(const JsonInput& value, const std::string& key,
+                                     const Material& material);
+
+struct DecodedMesh {
+  Mesh mesh;
+  std::vector<std::string> warnings;
+};
+
+[[nodiscard]] DecodedMesh decode_mesh(const JsonInput& value,
+                                      const std::vector<DecodedMaterial>& materials,
+                                      double mm_per_unit);
+
+[[nodiscard]] Light decode_light(const JsonInput& value, Images& images, double mm_per_unit);
+
+/// Three numbers as a vector, times `scale`.
+[[nodiscard]] Vec3 decode_vector(const JsonInput& value, double scale = 1.0);
+
+/// The same; not all of them may be 0. Unit length.
+[[nodiscard]] Vec3 decode_direction(const JsonInput& value);
+
+/// A number, or three for red, green and blue.
+[[nodiscard]] Vec3f decode_color(const JsonInput& value, const NumberRange& range);
+
+}  // namespace lamina::scene_file

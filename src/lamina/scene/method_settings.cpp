@@ -1,0 +1,86 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scene/method_settings.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "lamina/core/error.h"
+
+namespace lamina {
+namespace {
+
+/// "profile, hierarchy or shadow_map".
+std::string listed(const MethodSet& set) {
+  std::vector<std::string_view> names;
+  for (const auto& [name, method] : named_methods)
+    if (set.has(method)) names.push_back(name);
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + std::string(names[i]);
+  return list;
+}
+
+/// Where a key stands, as far as it is known.
+std::string place(const Scene& scene, const std::string& path) {
+  const auto found = scene.places.find(path);
+  return found == scene.places.end() ? path : found->second;
+}
+
+template <class Setting>
+std::string refusal_of(const Scene& scene, const std::string& path, const Setting& setting,
+                       RenderSettings::Method method) {
+  return place(scene, path) + ": method \"" + std::string(method_name(method)) +
+         "\" does not honour it, " + std::string(setting.reason) + ": leave it out, or take " +
+         listed(setting.honoured_by);
+}
+
+/// Whether a key of `render` is there, if only with its default.
+bool is_asked(const Scene& scene, const RenderSetting& setting, const std::string& path) {
+  return setting.is_asked(scene.render) || scene.places.contains(path);
+}
+
+std::string path_of(const RenderSetting& setting) { return "render." + std::string(setting.key); }
+
+}  // namespace
+
+std::string_view method_name(RenderSettings::Method method) {
+  for (const auto& [name, known] : named_methods)
+    if (known == method) return name;
+  return "";
+}
+
+std::optional<std::string> refusal(const Scene& scene, RenderSettings::Method method) {
+  if (method == RenderSettings::Method::automatic) return std::nullopt;
+  for (const RenderSetting& setting : render_settings)
+    if (const std::string path = path_of(setting);
+        !setting.honoured_by.has(method) && is_asked(scene, setting, path))
+      return refusal_of(scene, path, setting, method);
+  for (const SurfaceMaterial& material : scene.materials)
+    if (const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface))
+      for (const MaterialSetting& setting : material_settings)
+        if (!setting.honoured_by.has(method) && setting.is_asked(*surface))
+          return refusal_of(scene, "materials." + material.name + "." + std::string(setting.key),
+                            setting, method);
+  return std::nullopt;
+}
+
+void require_honoured(const Scene& scene) {
+  if (const auto why = refusal(scene, scene.render.method)) throw InvalidInput(*why);
+}
+
+std::vector<std::string> leave_out_unhonoured(Scene& scene) {
+  std::vector<std::string> lines;
+  if (scene.render.method == RenderSettings::Method::automatic) return lines;
+  for (const RenderSetting& setting : render_settings) {
+    const std::string path = path_of(setting);
+    if (setting.honoured_by.has(scene.render.method) || !is_asked(scene, setting, path)) continue;
+    lines.push_back(place(scene, path) + ": left out, method \"" +
+                    std::string(method_name(scene.render.method)) + "\" does not honour it, " +
+                    std::string(setting.reason));
+    setting.leave_out(scene.render);
+    scene.places.erase(path);
+  }
+  return lines;
+}
+
+}  // namespace lamina

@@ -1,0 +1,282 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/core/vec.h"
+#include "lamina/image/image.h"
+#include "lamina/image/tone.h"
+#include "lamina/materials/material.h"
+#include "lamina/mesh/mesh.h"
+#include "lamina/skin_maps/skin_maps.h"
+
+namespace lamina {
+
+/// An image that varies a quantity over a surface.
+struct ImageMap {
+  std::size_t image = 0;  ///< index into Scene::images
+  Vec2f repeat{1, 1};     ///< copies over the unit square of texture coordinates
+};
+
+/// Seeded, band-limited noise in space, for surfaces without texture coordinates too.
+struct NoiseMap {
+  enum class Kind {
+    smooth,    ///< gradient noise, about Gaussian, mean 0, standard deviation 1
+    cellular,  ///< pits around scattered points, 0 at a point and 1 between them, as pores
+  };
+  Kind kind = Kind::smooth;
+  float size = 1.0f;  ///< of the largest feature [mm]
+  int octaves = 1;    ///< each half the size of the last
+  std::uint32_t seed = 0;
+};
+
+/// A source of texture values, mapped as offset + scale * value.
+struct TextureMap {
+  std::variant<ImageMap, NoiseMap> source;
+  float scale = 1.0f, offset = 0.0f;
+  float low = -std::numeric_limits<float>::infinity();  ///< the result is kept in [low, high]
+  float high = std::numeric_limits<float>::infinity();
+};
+
+/// A linear Rec.709 colour, optionally times a map.
+struct ColorParameter {
+  Vec3f value{1, 1, 1};
+  std::optional<TextureMap> map;
+};
+
+/// A number, optionally times a map.
+struct ScalarParameter {
+  float value = 1.0f;
+  std::optional<TextureMap> map;
+};
+
+/// A quantity of one layer, or of a recipe of skin, that varies over a surface.
+struct LayerMap {
+  enum class Quantity {
+    thickness,  ///< [mm]
+    sigma_a,
+    sigma_s,   ///< factors of the layer's coefficients
+    fraction,  ///< volume fraction of a part of its mixture
+    skin,      ///< a number of the recipe, whatever it does to the layers
+  };
+  std::size_t layer = 0;  ///< index into Material::layers
+  Quantity quantity = Quantity::fraction;
+  std::size_t part = 0;  ///< index into the layer's mixture, or into skin_parameter_ranges
+  std::vector<ScalarParameter> terms;  ///< the value is their sum
+};
+
+/// A layered translucent material under a rough surface.
+struct SubsurfaceSurface {
+  Material material;
+  ColorParameter color;  ///< what it does is `color_use`'s to say
+  enum class ColorUse {
+    none,
+    scale,   ///< the map over its mean scales the light leaving: [DonnerJensen2005] §3.1
+    invert,  ///< the map is the diffuse reflectance wanted; albedo inversion: [Hery2003] §2
+  } color_use = ColorUse::none;
+  ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
+                                             ///< taken from geometry
+  std::vector<LayerMap> maps;                ///< for method layered_bsdf
+  std::vector<SkinMap> skin_maps;            ///< of the recipe, for method texture_space
+};
+
+struct DiffuseSurface {
+  ColorParameter color{.value = {0.5f, 0.5f, 0.5f}};  ///< reflectance
+};
+
+/// Which light a rough dielectric passes on, and how its facets hide one another.
+enum class FacetScattering {
+  single,    ///< light that meets one facet, Smith's masking; the rest is lost: [Walter2007]
+  multiple,  ///< light that meets any number of them, so none is lost: [Heitz2016]
+  xu_sun,    ///< one facet, with the visibility of [XuSun2008] Eq. 24
+};
+
+/// Smooth or rough dielectric: glass, a wet eye. Light inside it has the radiance that its lights
+/// state; a single sheet of it parts two half-spaces, of which the one behind is the dielectric.
+struct DielectricSurface {
+  float ior = 1.5f;
+  ScalarParameter roughness{.value = 0.0f};   ///< microfacet alpha
+  std::optional<ScalarParameter> smoothness;  ///< s of a Gaussian surface: alpha is 2 / s
+  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
+  FacetScattering scattering = FacetScattering::single;
+};
+
+/// Layers so thin that light leaves where it entered, on either side: a leaf, paper. The mesh is
+/// one sheet of triangles; its normals are on the side of the first layer.
+struct ThinSurface {
+  Material material;
+  ColorParameter color;                      ///< scales the scattered light on both sides
+  std::optional<ScalarParameter> thickness;  ///< of the sheet [mm], all layers together; absent:
+                                             ///< as the material has it
+};
+
+/// Torrance-Sparrow reflection on top of a surface: oil, moisture, wax.
+struct Coat {
+  float ior = 1.45f;
+  ScalarParameter roughness{.value = 0.3f};  ///< microfacet alpha
+  ScalarParameter weight{.value = 1.0f};     ///< in [0, 1]
+  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
+};
+
+struct SurfaceMaterial {
+  std::string name;
+  std::variant<DiffuseSurface, SubsurfaceSurface, DielectricSurface, ThinSurface> surface;
+  std::optional<ScalarParameter> opacity;  ///< share of the surface that is there, of diffuse and
+                                           ///< thin ones only
+  std::optional<Coat> coat;
+  std::optional<TextureMap> bump;      ///< height [mm], outward
+  std::optional<ImageMap> normal_map;  ///< tangent space, OpenGL convention
+};
+
+struct PointLight {
+  Vec3 position;    ///< [mm]
+  Vec3f intensity;  ///< [W/sr], linear Rec.709
+};
+struct DirectionalLight {
+  Vec3 direction;    ///< towards the light, unit length
+  Vec3f irradiance;  ///< on a surface facing the light
+};
+struct RectangleLight {
+  Vec3 center, edge_u, edge_v;  ///< [mm]; whole edges; it shines along edge_u x edge_v
+  Vec3f radiance;
+};
+struct EnvironmentLight {
+  std::optional<std::size_t> image;  ///< latitude-longitude, of Scene::images; else constant
+  Vec3f scale{1, 1, 1};
+  float rotation = 0.0f;   ///< about +y, the map's up axis [rad]
+  bool is_visible = true;  ///< to the camera; else the background is black
+};
+using Light = std::variant<PointLight, DirectionalLight, RectangleLight, EnvironmentLight>;
+
+struct Camera {
+  Vec3 position{0, 0, 100}, look_at{}, up{0, 1, 0};  ///< [mm]
+  double horizontal_fov = 0.7;                       ///< [rad], in (0, pi)
+  double aperture_diameter = 0.0;                    ///< [mm]; 0 is a pinhole
+  double focus_distance = 0.0;                       ///< [mm]; 0: at look_at
+};
+
+struct Film {
+  int width = 512, height = 512;
+  float exposure = 0.0f;  ///< [stops], for the PNG only
+  View view = View::filmic;
+};
+
+/// How the method `hierarchy` samples light on surfaces and sums it.
+struct HierarchySettings {
+  float spacing = 0.0f;         ///< of samples [mm]; 0: from the profile and the size of a pixel
+  int max_points = 1'000'000;   ///< of a material, whatever the spacing
+  int irradiance_samples = 0;  ///< random estimates of the light at each sample; 0: as many as the
+                               ///< samples of a pixel are worth, at most 32
+  float error = 0.06f;         ///< solid angle up to which samples are summed as one [sr]
+  float refine = 0.0f;  ///< change of the light up to which samples are made closer; 0: at once
+  friend bool operator==(const HierarchySettings&, const HierarchySettings&) = default;
+};
+
+/// How the method `texture_space` samples light on a surface and spreads it.
+struct TextureSpaceSettings {
+  float texel = 0.0f;          ///< width of a texel [mm]; 0: from the size of a pixel
+  int max_texels = 1'000'000;  ///< of a material, whatever the width
+  int irradiance_samples = 4;  ///< random estimates of the light at each texel that is seen
+  int terms = 2;  ///< times that light comes back from the dermis before the series is closed
+  friend bool operator==(const TextureSpaceSettings&, const TextureSpaceSettings&) = default;
+};
+
+/// How the method `shadow_map` sees surfaces from lights and draws points on them.
+struct ShadowMapSettings {
+  int resolution = 512;  ///< of a light: its square is the texels of all its buffers together
+  int lamp_views = 16;   ///< points of a rectangle that light is seen from
+  int dome_views = 64;   ///< directions of an environment
+  int lookups = 16;      ///< points drawn for each sample of a pixel
+  friend bool operator==(const ShadowMapSettings&, const ShadowMapSettings&) = default;
+};
+
+/// What the method layered_bsdf follows inside the layers.
+enum class LayeredOrders {
+  first,        ///< light scattered once
+  all,          ///< with a term of higher orders that has their flux
+  random_walk,  ///< all, by random paths below the surface: noise in place of the term's error
+};
+
+/// Factors of the first order of a single layer. Where any is asked for, a surface shows their
+/// product, unshaded: [HanrahanKrueger1993] Plate 1.
+struct LayeredFactors {
+  bool fresnel = false;   ///< what the boundary lets through, both ways
+  bool seeliger = false;  ///< mu_i / (mu_i + mu_o)
+  bool depth = false;     ///< 1 - exp(-tau (1 / mu_i + 1 / mu_o))
+  bool phase = false;     ///< 4 pi p
+  [[nodiscard]] bool any() const { return fresnel || seeliger || depth || phase; }
+};
+
+struct RenderSettings {
+  enum class Method {
+    profile,
+    layered_bsdf,
+    hierarchy,
+    shadow_map,
+    texture_space,
+    random_walk,
+    automatic,  ///< one of these, by what the scene needs and what it costs
+  };
+  Method method = Method::automatic;
+  LayeredOrders orders = LayeredOrders::all;
+  LayeredFactors factors;
+  /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the
+  /// light, or by the way that Snell's law takes.
+  enum class SingleScattering { none, straight, refracted };
+  SingleScattering single_scattering = SingleScattering::none;
+  /// Where the profiles of translucent materials come from.
+  enum class Profile { exact, multipole, dipole };
+  Profile profile = Profile::multipole;
+  int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
+  /// Standard error over brightness below which a part of the picture gets no more samples; what is
+  /// darker than a quarter of the mean counts as that bright. 0: all get the same.
+  float noise = 0.0f;
+  int max_bounces = 4;  ///< of light between surfaces
+  std::uint64_t seed = 0;
+  HierarchySettings hierarchy;
+  TextureSpaceSettings texture_space;
+  ShadowMapSettings shadow_map;
+};
+
+/// A translucent material that was given for other bands than the scene is rendered with.
+struct BandChange {
+  std::uint32_t material = 0;  ///< index into Scene::materials
+  BandSet from = BandSet::rgb();
+  double color_error = 0.0;  ///< largest of R, G, B: of the color of a thick piece in diffuse
+                             ///< light, or of what a thin one reflects and lets through
+};
+
+/// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.
+struct Scene {
+  Camera camera;
+  Film film;
+  RenderSettings render;
+  std::vector<Image> images;  ///< linear
+  std::vector<SurfaceMaterial> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Light> lights;
+  std::vector<BandChange> band_changes;
+  std::vector<std::string>
+      warnings;  ///< of loading, one line each: flipped normals, zero-area faces
+  /// Where a file says what some methods do not honour, by its path such as "render.orders", as
+  /// messages name it.
+  std::map<std::string, std::string> places;
+};
+
+/// Reads a scene file and all that it names; paths in it are relative to it.
+/// @param memory  what reading them may take in all.
+/// @throws FileError, InvalidInput with file, line and field.
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {});
+
+}  // namespace lamina

@@ -1,0 +1,336 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include "lamina/io/nearest_name.h"
+#include "lamina/materials/material_file.h"
+#include "lamina/scene/internal/scene_file.h"
+
+namespace lamina::scene_file {
+namespace {
+
+/// What the numbers of an image are for.
+enum class Use { color, scalar, coverage };
+
+constexpr double largest_factor = 1e6;  // of a map; beyond, taken for a mistake
+
+NoiseMap decode_noise(const JsonInput& value) {
+  const JsonObject object = value.object({"kind", "size", "octaves", "seed"});
+  NoiseMap noise;
+  if (const auto kind = object.optional("kind"))
+    noise.kind = kind->choice<NoiseMap::Kind>(
+        {{"smooth", NoiseMap::Kind::smooth}, {"cellular", NoiseMap::Kind::cellular}});
+  noise.size = static_cast<float>(object.required("size").number(between(1e-6, 1e6, "mm")));
+  if (const auto octaves = object.optional("octaves"))
+    noise.octaves = static_cast<int>(octaves->integer(1, 16));
+  if (const auto seed = object.optional("seed"))
+    noise.seed = static_cast<std::uint32_t>(seed->integer(0, 0xffffffff));
+  return noise;
+}
+
+/// Decodes materials one by one and remembers where the first image is.
+class MaterialDecoder {
+ public:
+  explicit MaterialDecoder(Images& images) : images_(images) {}
+
+  DecodedMaterial run(const std::string& name, const JsonInput& value) {
+    result_.material.name = name;
+    constexpr std::array<std::string_view, 4> kinds = {"subsurface", "diffuse", "dielectric",
+                                                       "thin"};
+    const auto count = std::ranges::count_if(
+        kinds, [&](std::string_view kind) { return value.peek(kind).has_value(); });
+    if (count == 1) {
+      if (value.peek("subsurface"))
+        decode_subsurface(value);
+      else if (value.peek("diffuse"))
+        decode_diffuse(value);
+      else if (value.peek("dielectric"))
+        decode_dielectric(value);
+      else
+        decode_thin(value);
+      return std::move(result_);
+    }
+    // A misspelled key is named as such before the kind is missed.
+    (void)value.object({"subsurface", "diffuse", "dielectric", "thin", "color", "color_use",
+                        "thickness", "opacity", "coat", "bump", "normal_map"});
+    value.fail(
+        count == 0
+            ? "must have \"subsurface\", \"diffuse\", \"dielectric\" or \"thin\", but has none"
+            : "must have only one of \"subsurface\", \"diffuse\", \"dielectric\" and \"thin\"");
+  }
+
+ private:
+  /// The keys of all kinds of materials.
+  void decode_common(const JsonObject& object) {
+    SurfaceMaterial& material = result_.material;
+    if (const auto coat = object.optional("coat")) material.coat = decode_coat(*coat);
+    if (const auto bump = object.optional("bump")) {
+      const JsonObject map =
+          bump->object({"map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
+      material.bump = decode_map(map, Use::scalar);
+    }
+    if (const auto normals = object.optional("normal_map")) {
+      if (normals->is_string()) {
+        material.normal_map = ImageMap{.image = image(*normals, ColorEncoding::linear)};
+      } else {
+        const JsonObject map = normals->object({"map", "repeat"});
+        material.normal_map = decode_image_map(map, ColorEncoding::linear);
+      }
+    }
+  }
+
+  void warn_of_sizes(std::span<const SkinMap> maps) {
+    const auto size = [](const SkinMap& map) {
+      return std::to_string(map.values.width) + " x " + std::to_string(map.values.height);
+    };
+    for (const SkinMap& map : maps)
+      if (size(map) != size(maps.front()))
+        result_.warnings.push_back("skin." + std::string(map.name) + ": " + size(map) +
+                                   " texels, where " + std::string(maps.front().name) + " has " +
+                                   size(maps.front()) +
+                                   ": each is resampled to the texels of the surface");
+  }
+
+  /// Oil on skin, as the recipe says, unless a coat says more.
+  void decode_oiliness(const Material& layers) {
+    if (layers.oiliness > 0.0)
+      result_.material.coat = Coat{.weight = {.value = static_cast<float>(layers.oiliness)}};
+  }
+
+  void decode_subsurface(const JsonInput& value) {
+    const JsonObject object = value.object(
+        {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
+    SubsurfaceSurface surface;
+    surface.material = decode_layers_of(
+        object.required("subsurface"), [&](const SkinParameterRange& range, const JsonInput& map) {
+          surface.skin_maps.push_back(decode_skin_map(range, map, result_.warnings));
+          const auto& pixels = surface.skin_maps.back().values.pixels;
+          return std::accumulate(pixels.begin(), pixels.end(), 0.0) /
+                 static_cast<double>(pixels.size());
+        });
+    if (!surface.skin_maps.empty()) {
+      result_.mapped = "subsurface.skin." + std::string(surface.skin_maps.front().name);
+      warn_of_sizes(surface.skin_maps);
+    }
+    decode_oiliness(surface.material);
+    using ColorUse = SubsurfaceSurface::ColorUse;
+    if (const auto color = object.optional("color")) {
+      surface.color = decode_color_parameter(*color);
+      surface.color_use = ColorUse::scale;
+    }
+    if (const auto use = object.optional("color_use")) {
+      surface.color_use =
+          use->choice<ColorUse>({{"scale", ColorUse::scale}, {"invert", ColorUse::invert}});
+      if (!object.has("color")) use->fail("there is no \"color\" that it could be the use of");
+    }
+    surface.thickness.value = 0.0F;
+    if (const auto thickness = object.optional("thickness")) {
+      surface.thickness = decode_scalar_parameter(*thickness, between(0.0, longest, "mm"));
+      if (std::isfinite(surface.material.layers.back().thickness))
+        thickness->fail(
+            "the layers of the material say how thick it is: leave it out, or make the last one "
+            "infinite");
+    }
+    if (const auto maps = object.optional("maps"))
+      for (const auto& [key, given] : maps->entries()) {
+        LayerMap map = find_quantity(given, key, surface.material);
+        if (given.is_array())
+          for (const JsonInput& term : given.array(1, 16))
+            map.terms.push_back(decode_scalar_parameter(term, between(0.0, largest_factor)));
+        else
+          map.terms.push_back(decode_scalar_parameter(given, between(0.0, largest_factor)));
+        surface.maps.push_back(std::move(map));
+      }
+    result_.material.surface = std::move(surface);
+    decode_common(object);
+  }
+
+  void decode_diffuse(const JsonInput& value) {
+    const JsonObject object = value.object({"diffuse", "opacity", "coat", "bump", "normal_map"});
+    result_.material.surface =
+        DiffuseSurface{.color = decode_color_parameter(object.required("diffuse"))};
+    decode_opacity(object);
+    decode_common(object);
+  }
+
+  void decode_thin(const JsonInput& value) {
+    const JsonObject object =
+        value.object({"thin", "color", "thickness", "opacity", "coat", "bump", "normal_map"});
+    const JsonInput layers = object.required("thin");
+    ThinSurface surface{.material = decode_layers_of(layers)};
+    decode_oiliness(surface.material);
+    if (std::isinf(surface.material.layers.back().thickness))
+      layers.fail("must be a material of finite layers, but its last one is infinitely thick");
+    if (const auto color = object.optional("color")) surface.color = decode_color_parameter(*color);
+    if (const auto thickness = object.optional("thickness"))
+      surface.thickness = decode_scalar_parameter(
+          *thickness, {.low = 0.0, .high = longest, .includes_low = false, .unit = "mm"});
+    result_.material.surface = std::move(surface);
+    decode_opacity(object);
+    decode_common(object);
+  }
+
+  void decode_opacity(const JsonObject& object) {
+    if (const auto opacity = object.optional("opacity"))
+      result_.material.opacity =
+          decode_scalar_parameter(*opacity, between(0.0, 1.0), Use::coverage);
+  }
+
+  void decode_dielectric(const JsonInput& value) {
+    const JsonObject object = value.object({"dielectric", "coat", "bump", "normal_map"});
+    const JsonObject inner =
+        object.required("dielectric")
+            .object({"ior", "roughness", "smoothness", "distribution", "scattering"});
+    DielectricSurface surface;
+    surface.ior = static_cast<float>(inner.required("ior").number(between(0.1, 10.0)));
+    if (const auto roughness = inner.optional("roughness"))
+      surface.roughness = decode_scalar_parameter(*roughness, between(0.0, 1.0));
+    if (const auto smoothness = inner.optional("smoothness")) {
+      if (inner.has("roughness")) smoothness->fail("must not stand beside \"roughness\"");
+      surface.smoothness = decode_scalar_parameter(*smoothness, between(0.1, 1e4));
+    }
+    if (const auto distribution = inner.optional("distribution"))
+      surface.distribution = decode_distribution(*distribution);
+    if (const auto scattering = inner.optional("scattering")) {
+      surface.scattering =
+          scattering->choice<FacetScattering>({{"single", FacetScattering::single},
+                                               {"multiple", FacetScattering::multiple},
+                                               {"xu_sun", FacetScattering::xu_sun}});
+      if (surface.scattering == FacetScattering::xu_sun &&
+          surface.distribution == MicrofacetDistribution::ggx)
+        scattering->fail("\"xu_sun\" has Gaussian slopes, which is \"beckmann\"");
+    }
+    result_.material.surface = surface;
+    decode_common(object);
+  }
+
+  Coat decode_coat(const JsonInput& value) {
+    const JsonObject object = value.object({"ior", "roughness", "weight", "distribution"});
+    Coat coat;
+    if (const auto ior = object.optional("ior"))
+      coat.ior = static_cast<float>(ior->number(between(1.0, 10.0)));
+    if (const auto roughness = object.optional("roughness"))
+      coat.roughness = decode_scalar_parameter(*roughness, between(0.0, 1.0));
+    if (const auto weight = object.optional("weight"))
+      coat.weight = decode_scalar_parameter(*weight, between(0.0, 1.0));
+    if (const auto distribution = object.optional("distribution"))
+      coat.distribution = decode_distribution(*distribution);
+    return coat;
+  }
+
+  static MicrofacetDistribution decode_distribution(const JsonInput& value) {
+    return value.choice<MicrofacetDistribution>(
+        {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
+  }
+
+  /// A built-in material by name, a material file by path, or a material file as an object.
+  static Material decode_layers_of(const JsonInput& value, const RecipeMaps& maps = {}) {
+    if (value.is_object() && value.peek("diffuse_color")) return decode_look(value);
+    if (value.is_object()) return decode_material(value, maps);
+    if (!value.is_string())
+      value.refuse("must be a built-in material, a material file, or what one says");
+    const std::string name = value.string();
+    std::vector<std::string_view> names;
+    for (const Material& material : builtin_materials()) names.push_back(material.name);
+    if (std::ranges::find(names, name) != names.end()) return find_material(name);
+    std::error_code ignored;
+    const bool looks_like_a_file = name.find_first_of("./\\") != std::string::npos;
+    if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
+      value.fail("there is no built-in material and no file \"" + name + "\"" +
+                 did_you_mean(name, names));
+    return load_for(value, [&] { return load_material(value.file_path(), value.memory(), maps); });
+  }
+
+  ColorParameter decode_color_parameter(const JsonInput& value) {
+    ColorParameter parameter;
+    if (!value.is_object()) {
+      parameter.value = decode_color(value, between(0.0, 1.0));
+      return parameter;
+    }
+    const JsonObject object =
+        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
+    if (const auto factor = object.optional("value"))
+      parameter.value = decode_color(*factor, between(0.0, 1.0));
+    parameter.map = decode_map(object, Use::color);
+    return parameter;
+  }
+
+  ScalarParameter decode_scalar_parameter(const JsonInput& value, const NumberRange& range,
+                                          Use use = Use::scalar) {
+    ScalarParameter parameter;
+    if (!value.is_object()) {
+      parameter.value = static_cast<float>(value.number(range));
+      return parameter;
+    }
+    const JsonObject object =
+        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
+    if (const auto factor = object.optional("value"))
+      parameter.value = static_cast<float>(factor->number(range));
+    parameter.map = decode_map(object, use);
+    return parameter;
+  }
+
+  TextureMap decode_map(const JsonObject& object, Use use) {
+    const bool has_image = object.has("map"), has_noise = object.has("noise");
+    if (has_image == has_noise)
+      object.value().fail(has_image ? "must have \"map\" or \"noise\", but has both"
+                                    : "must have \"map\" or \"noise\", but has neither");
+    TextureMap map;
+    if (has_image) {
+      map.source = decode_image_map(object, decode_encoding(object, use), use);
+    } else {
+      for (const std::string_view key : {"encoding", "repeat"})
+        if (const auto given = object.optional(key)) given->fail("is for a \"map\" only");
+      map.source = decode_noise(object.required("noise"));
+    }
+    const NumberRange range = between(-largest_factor, largest_factor);
+    if (const auto scale = object.optional("scale"))
+      map.scale = static_cast<float>(scale->number(range));
+    if (const auto offset = object.optional("offset"))
+      map.offset = static_cast<float>(offset->number(range));
+    if (const auto clamp = object.optional("clamp")) {
+      const std::vector<double> ends = clamp->numbers(2, range);
+      map.low = static_cast<float>(ends[0]);
+      map.high = static_cast<float>(ends[1]);
+      if (!(map.low <= map.high)) clamp->refuse("must be two numbers, the lower one first");
+    }
+    return map;
+  }
+
+  /// Colours must say how they are encoded; other quantities are linear unless they say otherwise.
+  static ColorEncoding decode_encoding(const JsonObject& object, Use use) {
+    if (use != Use::color && !object.has("encoding")) return ColorEncoding::linear;
+    return object.required("encoding")
+        .choice<ColorEncoding>({{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
+  }
+
+  ImageMap decode_image_map(const JsonObject& object, ColorEncoding encoding,
+                            Use use = Use::color) {
+    ImageMap map{.image = image(object.required("map"), encoding, use)};
+    if (const auto repeat = object.optional("repeat")) {
+      const auto times = repeat->number_or_numbers(2, between(-1e4, 1e4));
+      map.repeat = {static_cast<float>(times[0]), static_cast<float>(times[1])};
+    }
+    return map;
+  }
+
+  std::size_t image(const JsonInput& file, ColorEncoding encoding, Use use = Use::color) {
+    if (result_.mapped.empty()) result_.mapped = file.path();
+    return use == Use::coverage ? images_.load_coverage(file, encoding)
+                                : images_.load(file, encoding);
+  }
+
+  Images& images_;
+  DecodedMaterial result_;
+};
+
+}  // namespace
+
+DecodedMaterial decode_surface_material(const std::string& name, const JsonInput& value,
+                                        Images& images) {
+  return MaterialDecoder(images).run(name, value);
+}
+
+}  // namespace lamina::scene_file

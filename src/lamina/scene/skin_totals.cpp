@@ -1,0 +1,53 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scene/skin_totals.h"
+
+#include <variant>
+
+namespace lamina {
+namespace {
+
+/// Whether all light that a method finds is that of radiative transfer.
+bool is_exact(const Material& material, const RenderSettings& settings) {
+  using Method = RenderSettings::Method;
+  switch (settings.method) {
+    case Method::random_walk:
+    case Method::layered_bsdf:
+      return true;
+    case Method::texture_space:
+      return takes_exact_totals(material, settings);
+    default:
+      return settings.profile == RenderSettings::Profile::exact ||
+             takes_exact_totals(material, settings);
+  }
+}
+
+}  // namespace
+
+bool takes_exact_totals(const Material& material, const RenderSettings& settings) {
+  return material.skin && are_for_exact_totals(material.skin->constants) &&
+         settings.single_scattering == RenderSettings::SingleScattering::none;
+}
+
+std::vector<SkinTotals> skin_totals(const Scene& scene) {
+  std::vector<SkinTotals> found;
+  for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
+    const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[i].surface);
+    if (surface && surface->material.skin)
+      found.push_back(
+          {i, surface->material.skin->constants, is_exact(surface->material, scene.render)});
+  }
+  return found;
+}
+
+std::string describe(const SkinTotals& totals, const Scene& scene) {
+  std::string line = scene.materials[totals.material].name + ": skin with the constants \"" +
+                     std::string(name_of(totals.constants)) + "\", totals by " +
+                     (totals.is_exact ? "radiative transfer" : "diffusion");
+  if (are_for_exact_totals(totals.constants) && !totals.is_exact)
+    line += ": brighter than the skin that they were fitted to, for light scattered once is added";
+  if (totals.constants == SkinConstants::calibrated_diffusion && totals.is_exact)
+    line += ": darker than the skin that they were fitted to by diffusion";
+  return line;
+}
+
+}  // namespace lamina

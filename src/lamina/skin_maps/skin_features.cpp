@@ -1,0 +1,255 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/skin_maps/skin_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lamina/core/random.h"
+#include "lamina/skin_maps/internal/skin_canvas.h"
+
+namespace lamina {
+namespace {
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3.0 - 2.0 * x);
+}
+
+/// Smooth noise of mean 0 and variance about 1 whose features are `size` apart: cubic blends of
+/// random numbers on a lattice, three octaves.
+class Noise {
+ public:
+  Noise(std::uint64_t seed, double size) : seed_(seed), size_(size) {}
+
+  [[nodiscard]] double operator()(Point p) const {
+    double sum = 0.0, amount = 1.0, size = size_;
+    for (std::uint64_t octave = 0; octave < 3; ++octave, amount *= 0.5, size *= 0.5)
+      sum += amount * lattice_noise({p.x / size, p.y / size}, octave);
+    return 1.6 * sum;
+  }
+
+ private:
+  [[nodiscard]] double lattice_noise(Point p, std::uint64_t octave) const {
+    const double left = std::floor(p.x), top = std::floor(p.y);
+    const double u = smooth_step(p.x - left), v = smooth_step(p.y - top);
+    const auto at = [&](double x, double y) {
+      const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
+      const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(y));
+      Random random = make_random(seed_ + octave, column * 0x9e3779b97f4a7c15u ^ row);
+      return 2.0 * random.uniform() - 1.0;
+    };
+    return (1.0 - v) * ((1.0 - u) * at(left, top) + u * at(left + 1.0, top)) +
+           v * ((1.0 - u) * at(left, top + 1.0) + u * at(left + 1.0, top + 1.0));
+  }
+
+  std::uint64_t seed_;
+  double size_;
+};
+
+double between(Random& random, const Span2& span) {
+  return span[0] + random.uniform() * (span[1] - span[0]);
+}
+double between_logarithms(Random& random, const Span2& span) {
+  return std::exp(between(random, {std::log(span[0]), std::log(span[1])}));
+}
+
+void apply(const MelaninSpots& spots, std::uint64_t seed, Canvas& canvas) {
+  const Grid& grid = canvas.grid;
+  Random random = make_random(seed, 0);
+  const double area = grid.across() * grid.down() / 100.0;  // [cm²]
+  const auto count = static_cast<int>(std::lround(spots.density * area));
+  std::vector<double> added(grid.size(), 0.0);
+  for (int i = 0; i < count; ++i) {
+    const Point middle = {random.uniform() * grid.across(), random.uniform() * grid.down()};
+    const double radius = 0.5 * between_logarithms(random, spots.diameter);
+    const double melanin = between(random, spots.melanin);
+    const double stretch = 1.0 + 0.25 * random.uniform(),
+                 turn = std::numbers::pi * random.uniform();
+    const Noise ragged(seed + 1 + static_cast<std::uint64_t>(i), 1.3 * radius);
+    const double rim = std::min(spots.rim, 2.0 / 3.0 * radius);
+    grid.within(middle, 2.0 * radius + rim, [&](std::size_t texel, Point p) {
+      const double dx = p.x - middle.x, dy = p.y - middle.y;
+      const double along = dx * std::cos(turn) + dy * std::sin(turn);
+      const double aside = dy * std::cos(turn) - dx * std::sin(turn);
+      const double distance = std::hypot(along / stretch, aside * stretch);
+      const double unevenness = ragged(p);
+      const double inside = radius * (1.0 + 0.15 * unevenness) - distance;
+      const double dark = melanin * std::max(0.0, 1.0 + 0.2 * unevenness);
+      added[texel] = std::max(added[texel], dark * smooth_step(0.5 + 0.5 * inside / rim));
+    });
+  }
+  for (std::size_t i = 0; i < added.size(); ++i)
+    mix_in(canvas.skin[i].melanin, canvas.skin[i].melanin_blend, added[i], spots.melanin_blend);
+}
+
+/// Draws vessels into a map of their blood, 1 in the middle of one at no depth.
+class VeinPen {
+ public:
+  VeinPen(const Grid& grid, Random& random, std::vector<double>& blood)
+      : grid_(grid), random_(random), blood_(blood) {}
+
+  /// One vessel from a point on, and its branches.
+  void draw(Point p, double direction, double diameter, double depth, int branches) {
+    const double reach = 1.2 * std::hypot(grid_.across(), grid_.down());
+    const double step = 0.25 * diameter;
+    // Across a tube the chord falls off like a Gaussian of a fourth of the diameter; light spreads
+    // by about half the depth on its way up.
+    const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
+    const double most = 0.25 * diameter / spread;
+    const double heading = direction;
+    double bend = 0.0;
+    for (double s = 0.0; s < reach; s += step) {
+      // Winding, but on its way: a spring pulls it back to where it headed.
+      bend = 0.95 * bend + 0.4 * (random_.uniform() - 0.5) * std::sqrt(step);
+      direction += (bend - 0.08 * (direction - heading)) * step;
+      p = {p.x + step * std::cos(direction), p.y + step * std::sin(direction)};
+      grid_.within(p, 3.0 * spread, [&](std::size_t texel, Point at) {
+        const double d2 = (at.x - p.x) * (at.x - p.x) + (at.y - p.y) * (at.y - p.y);
+        blood_[texel] = std::max(blood_[texel], most * std::exp(-0.5 * d2 / (spread * spread)));
+      });
+      if (branches > 0 && random_.uniform() < 0.08 * step) {
+        --branches;
+        const double side = random_.uniform() < 0.5 ? 1.0 : -1.0;
+        draw(p, direction + side * (0.4 + 0.5 * random_.uniform()), 0.7 * diameter, depth,
+             branches);
+      }
+    }
+  }
+
+ private:
+  const Grid& grid_;
+  Random& random_;
+  std::vector<double>& blood_;
+};
+
+void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
+  const Grid& grid = canvas.grid;
+  Random random = make_random(seed, 0);
+  std::vector<double> blood(grid.size(), 0.0);
+  VeinPen pen(grid, random, blood);
+  for (int i = 0; i < veins.count; ++i) {
+    const double angle = 2.0 * std::numbers::pi * random.uniform();
+    const double half = 0.55 * std::hypot(grid.across(), grid.down());
+    const double aside = 0.8 * (random.uniform() - 0.5) * std::min(grid.across(), grid.down());
+    const Point start = {0.5 * grid.across() - half * std::cos(angle) - aside * std::sin(angle),
+                         0.5 * grid.down() - half * std::sin(angle) + aside * std::cos(angle)};
+    const double diameter = between(random, veins.diameter), depth = between(random, veins.depth);
+    pen.draw(start, angle, diameter, depth, 3);
+  }
+  for (std::size_t i = 0; i < blood.size(); ++i) {
+    SkinParameters& skin = canvas.skin[i];
+    mix_in(skin.hemoglobin_dermis, skin.saturation_dermis, veins.hemoglobin * blood[i],
+           veins.saturation);
+    skin.junction_absorption += veins.absorbance * blood[i];
+  }
+}
+
+void apply(const Blotches& blotches, std::uint64_t seed, Canvas& canvas) {
+  const Noise noise(seed, blotches.size);
+  std::vector<double> levels(canvas.grid.size());
+  canvas.grid.everywhere([&](std::size_t texel, Point p) { levels[texel] = noise(p); });
+  std::vector<double> sorted = levels;  // to find the level that so much of the noise exceeds
+  std::ranges::sort(sorted);
+  const double rim = sorted[static_cast<std::size_t>((1.0 - blotches.coverage) *
+                                                     static_cast<double>(sorted.size() - 1))];
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double inside = smooth_step(0.5 + 0.8 * (levels[i] - rim));
+    canvas.skin[i].hemoglobin_dermis += inside * blotches.hemoglobin_dermis;
+    canvas.skin[i].melanin += inside * blotches.melanin;
+  }
+}
+
+void apply(const Tattoo& tattoo, std::uint64_t, Canvas& canvas) {
+  const double height = tattoo.width * tattoo.image.height / tattoo.image.width;
+  canvas.grid.within({tattoo.at[0], tattoo.at[1]}, 0.5 * std::max(tattoo.width, height),
+                     [&](std::size_t texel, Point p) {
+                       canvas.skin[texel].junction_absorption +=
+                           tattoo.absorbance * ink_at(tattoo.image,
+                                                      (p.x - tattoo.at[0]) / tattoo.width + 0.5,
+                                                      (p.y - tattoo.at[1]) / height + 0.5);
+                     });
+}
+
+void apply(const PressedDisc& disc, std::uint64_t seed, Canvas& canvas) {
+  const Noise ragged(seed, 0.5 * disc.diameter);
+  canvas.grid.everywhere([&](std::size_t texel, Point p) {
+    SkinParameters& skin = canvas.skin[texel];
+    const double distance = std::hypot(p.x - disc.at[0], p.y - disc.at[1]);
+    const double left = share_left(disc, distance, ragged(p));
+    skin.hemoglobin_dermis *= left;
+    skin.hemoglobin_epidermis *= left;
+  });
+}
+
+void apply(const Unevenness& uneven, std::uint64_t seed, Canvas& canvas) {
+  const Noise melanin(seed, uneven.melanin_size), blood(seed + 1000, uneven.hemoglobin_size);
+  canvas.grid.everywhere([&](std::size_t texel, Point p) {
+    SkinParameters& skin = canvas.skin[texel];
+    skin.melanin *= std::exp(uneven.melanin * melanin(p));
+    const double more = std::exp(uneven.hemoglobin * blood(p));
+    skin.hemoglobin_dermis *= more;
+    skin.hemoglobin_epidermis *= more;
+  });
+}
+
+/// Maps of what is not the same everywhere, brought into its range.
+std::vector<SkinMap> varying_maps(const Canvas& canvas) {
+  std::vector<SkinMap> maps;
+  for (const SkinParameterRange& range : skin_parameter_ranges()) {
+    if (!may_be_map(range.name)) continue;
+    const auto differs = [&](const SkinParameters& skin) {
+      return skin.*range.value != canvas.skin.front().*range.value;
+    };
+    if (std::ranges::none_of(canvas.skin, differs)) continue;
+    SkinMap map{range.name, range.value, make_image(canvas.grid.width, canvas.grid.height, {"Y"})};
+    for (std::size_t i = 0; i < canvas.skin.size(); ++i)
+      map.values.pixels[i] =
+          static_cast<float>(std::clamp(canvas.skin[i].*range.value, range.low, range.high));
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
+
+}  // namespace
+
+void mix_in(double& amount, double& composition, double added, double composition_of_it) {
+  if (added <= 0.0) return;
+  composition = (amount * composition + added * composition_of_it) / (amount + added);
+  amount += added;
+}
+
+double ink_at(const Image& image, double u, double v) {
+  if (!(0.0 <= u && u < 1.0 && 0.0 <= v && v < 1.0)) return 0.0;
+  // bilinear, clamped at the edges
+  const double x = u * image.width - 0.5, y = v * image.height - 0.5;
+  const double left = std::floor(x), top = std::floor(y);
+  const auto at = [&](double i, double j) {
+    return static_cast<double>(*image.at(std::clamp(static_cast<int>(i), 0, image.width - 1),
+                                         std::clamp(static_cast<int>(j), 0, image.height - 1)));
+  };
+  const double s = x - left, t = y - top;
+  return (1 - t) * ((1 - s) * at(left, top) + s * at(left + 1, top)) +
+         t * ((1 - s) * at(left, top + 1) + s * at(left + 1, top + 1));
+}
+
+double share_left(const PressedDisc& disc, double distance, double raggedness) {
+  const double rim = 0.15 * disc.diameter;
+  const double inside = 0.5 * disc.diameter * (1.0 + 0.05 * raggedness) - distance;
+  return 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
+}
+
+std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe, const Progress& progress) {
+  const Grid grid{recipe.width, recipe.height, recipe.mm_per_texel};
+  Canvas canvas{grid, std::vector<SkinParameters>(grid.size(), recipe.base.skin)};
+  std::uint64_t seed = recipe.seed * 1'000'003u;
+  double done = 0.0;
+  for (const SkinFeature& feature : recipe.features) {
+    std::visit([&](const auto& each) { apply(each, seed, canvas); }, feature);
+    seed += 10'007;
+    report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
+  }
+  return varying_maps(canvas);
+}
+
+}  // namespace lamina

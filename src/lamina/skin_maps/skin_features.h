@@ -1,0 +1,131 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/core/progress.h"
+#include "lamina/image/image.h"
+#include "lamina/skin_maps/map_example.h"
+#include "lamina/skin_maps/skin_maps.h"
+
+namespace lamina {
+
+class JsonObject;
+
+// What grows, flows or is drawn in skin, as changes to the maps of its parameters. All lengths are
+// in mm; places are measured from the upper left corner.
+
+/// Two numbers between which things vary.
+using Span2 = std::array<double, 2>;
+
+/// Spots of melanin with ragged rims: freckles, or moles. Where spots overlap the darker one
+/// counts.
+struct MelaninSpots {
+  double density = 8.0;          ///< [1/cm²]
+  Span2 diameter = {0.4, 2.0};   ///< small ones are more frequent: even in the logarithm
+  Span2 melanin = {0.01, 0.04};  ///< added at the middle
+  double melanin_blend = 0.35;   ///< of the melanin that is added
+  double rim = 0.25;             ///< over which a spot fades, at most a third of its diameter
+};
+
+/// Vessels of venous blood: tubes that wander, and branch. A tube at a depth is seen as wide as
+/// diameter and depth together, so its share of blood is spread over that width.
+struct Veins {
+  int count = 2;
+  Span2 diameter = {0.5, 1.2};
+  Span2 depth = {0.3, 1.0};
+  double hemoglobin = 0.06;  ///< of the dermis at the middle of a tube of no depth
+  double saturation = 0.4;   ///< of that blood
+  double absorbance = 0.0;   ///< of the junction above it, added: a dark bluish shade, as of blood
+                             ///< so deep that little but red light gets there
+};
+
+/// Patches in which there is more of something, with soft rims: a flush, a rash, a tan.
+struct Blotches {
+  double size = 4.0;                               ///< typical distance between them
+  double coverage = 0.4;                           ///< share of the area
+  double hemoglobin_dermis = 0.01, melanin = 0.0;  ///< added at the middle
+};
+
+/// Ink at the junction of epidermis and dermis, as dark as an image is.
+struct Tattoo {
+  Image image;              ///< "Y": share of the ink
+  Span2 at = {0.0, 0.0};    ///< its middle
+  double width = 10.0;      ///< its height follows
+  double absorbance = 1.5;  ///< of the darkest ink, per crossing
+};
+
+/// A finger has just been there: blood is pressed out of a disc.
+struct PressedDisc {
+  Span2 at = {0.0, 0.0};
+  double diameter = 8.0;
+  double share = 0.8;  ///< of the blood that is gone
+};
+
+/// Natural unevenness: melanin and blood times exp(amount * noise).
+struct Unevenness {
+  double melanin = 0.12, melanin_size = 0.8;
+  double hemoglobin = 0.2, hemoglobin_size = 2.5;
+};
+
+/// The maps of a small piece of skin, captured or made, spread over all of it.
+struct Synthesis {
+  MapExample example;
+  bool are_factors = false;                ///< the maps over their means multiply what is there
+  std::vector<std::string> warnings = {};  ///< what was clamped, and which maps hold one value only
+};
+
+using SkinFeature =
+    std::variant<MelaninSpots, Veins, Blotches, Tattoo, PressedDisc, Unevenness, Synthesis>;
+
+/// What `lamina maps` makes maps of.
+struct SkinMapRecipe {
+  int width = 512, height = 512;
+  double mm_per_texel = 0.05;
+  std::uint64_t seed = 0;
+  SkinMaps base;                      ///< numbers only
+  std::vector<SkinFeature> features;  ///< one after the other
+};
+
+/// Decodes a feature of a kind, as a recipe names it: "freckles", "moles", "veins", "blotches",
+/// "tattoo", "pressed", "unevenness", "synthesis". @throws InvalidInput
+[[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
+
+/// Sets the parameters that the example's maps are of. @param share  of the change, in [0, 1]
+void change(SkinParameters& skin, const Synthesis& synthesis, std::span<const double> values,
+            double share);
+
+/// Adds blood or melanin of another composition: shares mix by amount.
+void mix_in(double& amount, double& composition, double added, double composition_of_it);
+
+/// Ink of an image at a place in it, both from 0 to 1, v downward; 0 outside.
+[[nodiscard]] double ink_at(const Image& image, double u, double v);
+
+/// Share of the blood that a finger leaves at a distance from its middle [mm].
+/// @param raggedness  of its rim: noise of mean 0 and variance 1
+[[nodiscard]] double share_left(const PressedDisc& disc, double distance, double raggedness);
+
+// What these features have in common on a patch and on a mesh; places are left out.
+[[nodiscard]] Tattoo decode_ink(const JsonObject& object);
+[[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
+[[nodiscard]] Veins decode_vein_look(const JsonObject& object);
+
+/// Reads a recipe; docs/heterogeneous_skin.md has the format. @throws FileError, InvalidInput
+[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file,
+                                                 MemoryBudget memory = {});
+
+/// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;
+/// a feature does not depend on those after it.
+/// @throws Interrupted if progress asks to stop.
+[[nodiscard]] std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe,
+                                                  const Progress& progress = {});
+
+}  // namespace lamina

@@ -1,0 +1,83 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/core/progress.h"
+#include "lamina/image/image.h"
+#include "lamina/io/disk_cache.h"
+#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
+#include "lamina/skin_maps/skin_maps.h"
+#include "lamina/spectrum/band_set.h"
+
+namespace lamina {
+
+/// A flat piece of skin under a pattern of light. Beyond its edges both go on as their mirror
+/// image.
+struct SkinPatch {
+  std::string name;
+  int width = 0, height = 0;  ///< texels
+  double mm_per_texel = 0.1;
+  BandSet bands = default_spectral_bands();
+  SkinMaps skin;       ///< maps of any size
+  Image light;         ///< [y][x] irradiance that arrives, one channel, of the patch's size
+  double theta = 0.0;  ///< angle of incidence [rad], in [0, pi/2)
+  OperatorTotals totals = OperatorTotals::exact_profile;
+  TransportOptions transport;
+  /// [y][x] by band, of the patch's size: a texture of the reflectances that skin is to have in
+  /// even light. What leaves is multiplied by them over those that it has. Empty: none
+  Image albedo;
+  std::vector<std::string> warnings;
+};
+
+/// Reads a patch file; docs/heterogeneous_skin.md has the format.
+/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
+[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file,
+                                        MemoryBudget memory = {});
+
+/// How one band was solved.
+struct SkinPatchBand {
+  double mean_reflectance = 0.0;  ///< exitance over irradiance, both summed over the patch
+  double fit_error = 0.0;         ///< largest of the tables over the absorptions of the maps
+  int terms = 0;
+  double last_term = 0.0;  ///< share of the last term, as in TransportResult
+};
+
+struct SkinPatchResult {
+  /// Exitance [y][x] by band, "400nm" .., in the unit of the irradiance; then "R", "G", "B" in
+  /// linear sRGB under D65. Of a fold of skin also "transmitted.400nm" ...
+  Image image;
+  std::vector<SkinPatchBand> bands;
+  std::vector<StackTables> tables;                      ///< [band]
+  double table_seconds = 0.0, transport_seconds = 0.0;  ///< summed over threads
+};
+
+/// The light that leaves the patch; mirror reflection is left out.
+///
+/// @param cache  keeps the tables; absent: none.
+/// @throws Interrupted if progress asks to stop.
+[[nodiscard]] SkinPatchResult render_skin_patch(const SkinPatch& patch,
+                                                const std::optional<DiskCache>& cache = {},
+                                                const Progress& progress = {});
+
+/// The geometric mean of absorptions. Where they differ it is rounded to a fourth of a natural
+/// logarithm, so that similar maps share their tables.
+[[nodiscard]] double typical_absorption(std::span<const float> sigma_a);
+
+/// The layers of a patch in one band, without their absorption.
+[[nodiscard]] MappedStack mapped_skin_stack(const SkinParameters& skin, double wavelength);
+
+/// What the maps make of a band: absorption of each layer [1/mm] and absorbance of each junction.
+struct SkinPlanes {
+  std::vector<Plane> sigma_a;     ///< [layer]
+  std::vector<Plane> absorbance;  ///< [layer - 1]
+};
+[[nodiscard]] SkinPlanes skin_planes(const SkinMaps& maps, int width, int height,
+                                     double wavelength);
+
+}  // namespace lamina

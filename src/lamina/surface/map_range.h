@@ -1,0 +1,17 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lamina/scene/scene.h"
+
+namespace lamina {
+
+/// The lowest and the highest value that a sum of terms can have; of noise, all but one point in a
+/// thousand.
+[[nodiscard]] std::pair<float, float> range_of(const std::vector<Image>& images,
+                                               std::span<const ScalarParameter> terms);
+
+}  // namespace lamina

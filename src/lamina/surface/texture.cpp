@@ -1,0 +1,190 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/surface/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/spectrum/color.h"
+#include "lamina/surface/noise.h"
+
+namespace lamina {
+namespace {
+
+std::array<std::size_t, 3> color_channels(const Image& image) {
+  const auto find = [&](const char* name, std::size_t otherwise) {
+    const auto at = std::find(image.channels.begin(), image.channels.end(), name);
+    return at != image.channels.end() ? static_cast<std::size_t>(at - image.channels.begin())
+                                      : otherwise;
+  };
+  if (image.channel_count() < 3) return {0, 0, 0};
+  return {find("R", 0), find("G", 1), find("B", 2)};
+}
+
+int wrap(int i, int size) {
+  const int rest = i % size;
+  return rest < 0 ? rest + size : rest;
+}
+
+/// Height in mm of a bump map moved by a step on the surface.
+float height_at(const TextureStore& textures, const TextureMap& bump, SurfacePoint point,
+                const Vec3f& step, Vec2f uv_step) {
+  point.position += step;
+  point.uv = point.uv + uv_step;
+  return textures.scalar(bump, point);
+}
+
+Vec3f bend_by_bump(const TextureStore& textures, const TextureMap& bump,
+                   const SurfacePoint& point) {
+  const Vec3f& n = point.smooth_normal;
+  Vec3f slope;  // gradient of the height along the surface
+  if (const auto* noise = std::get_if<NoiseMap>(&bump.source)) {
+    const Framef frame = make_frame(n);
+    const float step = std::max(0.5f * point.footprint, 0.02f * noise->size);
+    const float here = textures.scalar(bump, point);
+    const auto rise = [&](const Vec3f& along) {
+      return (height_at(textures, bump, point, step * along, {}) - here) / step;
+    };
+    slope = rise(frame.x) * frame.x + rise(frame.y) * frame.y;
+  } else {
+    const Vec3f normal_area = cross(point.du, point.dv);
+    const float area = length(normal_area);
+    if (!(area > 0.0f)) return n;
+    const float step = std::max(point.uv_footprint, 1.0f / 4096.0f);
+    const auto rise = [&](Vec2f along) {
+      return (height_at(textures, bump, point, {}, 0.5f * step * along) -
+              height_at(textures, bump, point, {}, -0.5f * step * along)) /
+             step;
+    };
+    // gradient = h_u (dv x n) + h_v (n x du), over the area of du x dv
+    const Vec3f unit = normal_area / area;
+    slope = (rise({1, 0}) * cross(point.dv, unit) + rise({0, 1}) * cross(unit, point.du)) / area;
+    slope = slope - dot(slope, n) * n;
+  }
+  return normalize(n - slope);
+}
+
+Vec3f bend_by_normal_map(const TextureStore& textures, const ImageMap& map,
+                         const SurfacePoint& point, const Vec3f& n) {
+  if (dot(point.du, point.du) == 0.0f || dot(point.dv, point.dv) == 0.0f) return n;
+  const Vec3f m = 2.0f * textures.color(map, point) - Vec3f{1, 1, 1};
+  Vec3f t = point.du - dot(point.du, n) * n;
+  if (!(dot(t, t) > 0.0f)) return n;
+  t = normalize(t);
+  Vec3f b = cross(n, t);
+  if (dot(b, point.dv) < 0.0f) b = -b;
+  const Vec3f bent = m.x * t + m.y * b + std::max(m.z, 0.05f) * n;
+  return normalize(bent);
+}
+
+}  // namespace
+
+TextureStore::TextureStore(const std::vector<Image>& images) {
+  for (const Image& image : images) {
+    Pyramid pyramid{&image, color_channels(image), {}};
+    pyramid.levels.push_back({image.width, image.height, {}});
+    while (pyramid.levels.back().width > 1 || pyramid.levels.back().height > 1) {
+      const std::size_t above = pyramid.levels.size() - 1;
+      const int w = pyramid.levels[above].width, h = pyramid.levels[above].height;
+      Level level{std::max(w / 2, 1), std::max(h / 2, 1), {}};
+      level.texels.reserve(static_cast<std::size_t>(level.width) *
+                           static_cast<std::size_t>(level.height));
+      for (int y = 0; y < level.height; ++y)
+        for (int x = 0; x < level.width; ++x) {
+          // The box of texels that this one stands for; three wide where the size is odd.
+          const int x0 = x * w / level.width, x1 = std::max((x + 1) * w / level.width, x0 + 1);
+          const int y0 = y * h / level.height, y1 = std::max((y + 1) * h / level.height, y0 + 1);
+          Vec3f total;
+          for (int j = y0; j < y1; ++j)
+            for (int i = x0; i < x1; ++i) total += texel(pyramid, above, i, j);
+          level.texels.push_back(total / static_cast<float>((x1 - x0) * (y1 - y0)));
+        }
+      pyramid.levels.push_back(std::move(level));
+    }
+    pyramids_.push_back(std::move(pyramid));
+  }
+}
+
+Vec3f TextureStore::texel(const Pyramid& pyramid, std::size_t level, int x, int y) const {
+  if (level > 0) {
+    const Level& l = pyramid.levels[level];
+    return l.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(l.width) +
+                    static_cast<std::size_t>(x)];
+  }
+  const float* pixel = pyramid.image->at(x, y);
+  const auto& [r, g, b] = pyramid.channels;
+  return {pixel[r], pixel[g], pixel[b]};
+}
+
+Vec3f TextureStore::bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv) const {
+  const int w = pyramid.levels[level].width, h = pyramid.levels[level].height;
+  const float x = uv.x * static_cast<float>(w) - 0.5f;
+  const float y = (1.0f - uv.y) * static_cast<float>(h) - 0.5f;
+  const float x_low = std::floor(x), y_low = std::floor(y);
+  const float fx = x - x_low, fy = y - y_low;
+  const int x0 = wrap(static_cast<int>(x_low), w), y0 = wrap(static_cast<int>(y_low), h);
+  const int x1 = x0 + 1 == w ? 0 : x0 + 1, y1 = y0 + 1 == h ? 0 : y0 + 1;
+  const Vec3f top =
+      (1.0f - fx) * texel(pyramid, level, x0, y0) + fx * texel(pyramid, level, x1, y0);
+  const Vec3f low =
+      (1.0f - fx) * texel(pyramid, level, x0, y1) + fx * texel(pyramid, level, x1, y1);
+  return (1.0f - fy) * top + fy * low;
+}
+
+Vec3f TextureStore::color(const ImageMap& map, const SurfacePoint& point) const {
+  const Pyramid& pyramid = pyramids_[map.image];
+  Vec2f uv{point.uv.x * map.repeat.x, point.uv.y * map.repeat.y};
+  uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
+  if (!(uv.x >= 0.0f && uv.y >= 0.0f)) uv = {};  // coordinates that are not numbers
+  const float texels =
+      point.uv_footprint * std::max(map.repeat.x * static_cast<float>(pyramid.levels[0].width),
+                                    map.repeat.y * static_cast<float>(pyramid.levels[0].height));
+  if (!(texels > 1.0f)) return bilinear(pyramid, 0, uv);
+  const float level = std::min(std::log2(texels), static_cast<float>(pyramid.levels.size() - 1));
+  const auto fine = static_cast<std::size_t>(level);
+  const float blend = level - static_cast<float>(fine);
+  const Vec3f value = bilinear(pyramid, fine, uv);
+  if (blend == 0.0f || fine + 1 == pyramid.levels.size()) return value;
+  return (1.0f - blend) * value + blend * bilinear(pyramid, fine + 1, uv);
+}
+
+Vec3f TextureStore::mean_color(std::size_t image) const {
+  const Pyramid& pyramid = pyramids_[image];
+  return texel(pyramid, pyramid.levels.size() - 1, 0, 0);
+}
+
+float TextureStore::scalar(const TextureMap& map, const SurfacePoint& point) const {
+  const auto* noise = std::get_if<NoiseMap>(&map.source);
+  const float value = noise ? evaluate(*noise, point.position, point.footprint)
+                            : luminance(color(std::get<ImageMap>(map.source), point));
+  return clamped(map, map.offset + map.scale * value);
+}
+
+Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) const {
+  if (std::holds_alternative<NoiseMap>(map.source)) {
+    const float value = scalar(map, point);
+    return {value, value, value};
+  }
+  Vec3f value = color(std::get<ImageMap>(map.source), point);
+  for (int c = 0; c < 3; ++c) value[c] = clamped(map, map.offset + map.scale * value[c]);
+  return value;
+}
+
+float TextureStore::scalar(const ScalarParameter& parameter, const SurfacePoint& point) const {
+  return parameter.map ? parameter.value * scalar(*parameter.map, point) : parameter.value;
+}
+
+Vec3f TextureStore::color(const ColorParameter& parameter, const SurfacePoint& point) const {
+  if (!parameter.map) return parameter.value;
+  const Vec3f value = color(*parameter.map, point);
+  return {parameter.value.x * value.x, parameter.value.y * value.y, parameter.value.z * value.z};
+}
+
+Vec3f bent_normal(const TextureStore& textures, const SurfaceMaterial& material,
+                  const SurfacePoint& point) {
+  Vec3f n = point.smooth_normal;
+  if (material.bump) n = bend_by_bump(textures, *material.bump, point);
+  if (material.normal_map) n = bend_by_normal_map(textures, *material.normal_map, point, n);
+  return n;
+}
+
+}  // namespace lamina
