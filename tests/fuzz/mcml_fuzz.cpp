@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/mcml_input.h"
+#include "lamina/scattering/monte_carlo/mcml_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

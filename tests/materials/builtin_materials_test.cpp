@@ -12,7 +12,7 @@
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {
@@ -293,7 +293,7 @@ TEST(BuiltinMaterials, LeafAndPaperReflectAndTransmitWhatTheirCommentsSay) {
 TEST(FindMaterial, KnowsNamesAndFiles) {
   EXPECT_EQ(find_material("jade").name, "jade");
   const std::string file =
-      std::string(LAMINA_SOURCE_DIR) + "/tests/reference/materials_good/half_space.json";
+      std::string(LAMINA_SOURCE_DIR) + "/tests/inputs/material/good/half_space.json";
   EXPECT_EQ(find_material(file).layers[0].sigma_a, (std::vector{0.1, 0.2, 0.3}));
 }
 

@@ -14,7 +14,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path reference = fs::path(LAMINA_SOURCE_DIR) / "tests/reference";
+const fs::path inputs = fs::path(LAMINA_SOURCE_DIR) / "tests/inputs";
 
 std::string message_of(const std::function<void()>& work) {
   try {
@@ -51,7 +51,7 @@ void expect_equal(const Material& a, const Material& b) {
 }
 
 TEST(MaterialFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
-  std::ifstream expected(reference / "materials_bad/expected.txt");
+  std::ifstream expected(inputs / "material/bad/expected.txt");
   std::set<std::string> listed;
   for (std::string line; std::getline(expected, line);) {
     if (line.starts_with("#")) continue;
@@ -60,19 +60,19 @@ TEST(MaterialFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
     fields >> file >> level >> std::ws;
     std::getline(fields, text);
     listed.insert(file);
-    const fs::path path = reference / "materials_bad" / file;
+    const fs::path path = inputs / "material/bad" / file;
     const std::string message = message_of([&] { (void)load_material(path); });
     EXPECT_TRUE(message.starts_with(path.string() + ":" + text))
         << "expected  " << path.string() << ":" << text << "\ngot       " << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
-  for (const fs::path& file : files_in(reference / "materials_bad"))
+  for (const fs::path& file : files_in(inputs / "material/bad"))
     EXPECT_TRUE(listed.contains(file.filename())) << file << " is not in expected.txt";
   EXPECT_GT(listed.size(), 60U);
 }
 
 TEST(MaterialFile, FilesThatAreNoneAreRefused) {
-  const std::string folder = (reference / "materials_bad").string();
+  const std::string folder = (inputs / "material/bad").string();
   EXPECT_EQ(message_of([&] { (void)load_material(folder); }),
             folder + ": is a folder, but must be a file");
   EXPECT_THROW((void)load_material("no/such/file.json"), FileError);
@@ -88,7 +88,7 @@ TEST(MaterialFile, MillionNestedBracketsAreRefusedAtOnce) {
 }
 
 void damage(const std::string& file) {
-  std::ifstream stream(reference / "materials_good" / file);
+  std::ifstream stream(inputs / "material/good" / file);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
   ASSERT_FALSE(text.empty());
   for (std::size_t size = 0; size < text.size(); ++size) {
@@ -117,7 +117,7 @@ TEST(MaterialFile, DamagedTextNeverDoesHarm) {
 }
 
 TEST(MaterialFile, ReadsEveryKey) {
-  const Material material = load_material(reference / "materials_good/every_key.json");
+  const Material material = load_material(inputs / "material/good/every_key.json");
   EXPECT_EQ(material.name, "every key \u2014 \"quoted\"");
   EXPECT_EQ(material.source, "a test");
   EXPECT_EQ(material.bands, BandSet({400.0, 500.5, 600.0, 700.0}));
@@ -164,7 +164,7 @@ TEST(MaterialFile, UnitsChangeNumbersOnlyByTheirSize) {
 
 TEST(MaterialFile, FormattedMaterialReadsBackToEqualNumbers) {
   std::vector<Material> materials = builtin_materials();
-  for (const fs::path& file : files_in(reference / "materials_good"))
+  for (const fs::path& file : files_in(inputs / "material/good"))
     materials.push_back(load_material(file));
   ASSERT_GT(materials.size(), 25U);
   for (const Material& material : materials) {

@@ -12,7 +12,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/materials/pigments.h"
 #include "lamina/optics/mie.h"
-#include "lamina/scattering/adding_doubling.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/spectrum/band_color.h"
 
 namespace lamina {

@@ -13,8 +13,8 @@
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
-#include "lamina/scattering/adding_doubling.h"
-#include "lamina/scattering/layered_diffusion.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/spectrum/band_color.h"
 
 namespace lamina {

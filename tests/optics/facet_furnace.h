@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lamina/core/estimate.h"
-#include "lamina/optics/facet_walk.h"
+#include "lamina/optics/rough/internal/facet_walk.h"
 
 namespace lamina {
 

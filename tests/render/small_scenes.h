@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/render/render.h"
-#include "lamina/render/scene.h"
+#include "lamina/scene/scene.h"
 
 namespace lamina {
 

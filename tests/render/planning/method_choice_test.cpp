@@ -1,0 +1,202 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+// Which method a scene gets that leaves it open, and what it is said to cost.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/render/subsurface/spacing_field.h"
+#include "lamina/render/subsurface/surface_cells.h"
+#include "render/small_scenes.h"
+
+namespace lamina {
+namespace {
+
+using Method = RenderSettings::Method;
+
+Scene lit_ball(Method method = Method::automatic) {
+  Scene scene = translucent_scene(method, make_sphere(5.0f, 32),
+                                  half_space({0.1, 0.3, 1.0}, 10.0, 1.3), EnvironmentLight{});
+  scene.meshes[0].is_closed = true;
+  scene.camera = camera_above(12.0);
+  scene.film = {.width = 32, .height = 32};
+  scene.render.max_bounces = 1;
+  return scene;
+}
+
+Material skin_by_bands() {
+  return parse_material(
+      R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm",
+           "bands": [450, 540, 640], "skin": { "constants": "calibrated_diffusion" } })",
+      "test");
+}
+
+SubsurfaceSurface& surface_of(Scene& scene) {
+  return std::get<SubsurfaceSurface>(scene.materials[0].surface);
+}
+
+RenderStatistics chosen_for(const Scene& scene) { return render(scene).statistics; }
+
+TEST(MethodChoice, FollowsWhatTheMaterialsNeed) {
+  Scene scene = lit_ball();
+  surface_of(scene).maps = {{.quantity = LayerMap::Quantity::sigma_a, .terms = {{.value = 0.5f}}}};
+  EXPECT_EQ(chosen_for(scene).method, Method::layered_bsdf);
+
+  scene = lit_ball();
+  surface_of(scene).material = skin_by_bands();
+  Image map = make_image(2, 2, {"R"});
+  for (float& value : map.pixels) value = 0.02f;
+  surface_of(scene).skin_maps = {{.name = "melanin", .parameter = &SkinParameters::melanin, .values = map}};
+  scene.render.texture_space.texel = 0.5f;
+  const RenderStatistics of_maps = chosen_for(scene);
+  EXPECT_EQ(of_maps.method, Method::texture_space);
+  EXPECT_NE(of_maps.why_method.find("maps"), std::string::npos) << of_maps.why_method;
+
+  // A black ball inside: only the sum over samples knows of it.
+  scene = lit_ball();
+  scene.meshes.push_back(make_sphere(2.0f, 12, 1));
+  scene.materials.push_back(diffuse_material(0.0f));
+  EXPECT_EQ(chosen_for(scene).method, Method::hierarchy);
+
+  // Without scattering there is no profile.
+  scene = lit_ball();
+  surface_of(scene).material = half_space({0.1, 0.3, 1.0}, 0.0, 1.3);
+  EXPECT_EQ(chosen_for(scene).method, Method::layered_bsdf);
+}
+
+TEST(MethodChoice, FollowsSettingsOfOneMethod) {
+  const auto with = [](auto&& change) {
+    Scene scene = lit_ball();
+    change(scene.render);
+    return chosen_for(scene).method;
+  };
+  EXPECT_EQ(with([](RenderSettings& s) { s.orders = LayeredOrders::first; }), Method::layered_bsdf);
+  EXPECT_EQ(with([](RenderSettings& s) { s.hierarchy.spacing = 1.0f; }), Method::hierarchy);
+  EXPECT_EQ(with([](RenderSettings& s) { s.shadow_map.resolution = 64; }), Method::shadow_map);
+}
+
+// Few samples of many pixels draw the light, many sum it; either way the same scene gets the same
+// method, and its picture is the one of that method.
+TEST(MethodChoice, WeighsWorkAndIsThatOfTheMethodByName) {
+  Scene scene = lit_ball();
+  scene.render.samples_per_pixel = 1;
+  EXPECT_EQ(chosen_for(scene).method, Method::profile);
+  scene.render.samples_per_pixel = 256;
+  RenderResult open = render(scene);
+  EXPECT_EQ(open.statistics.method, Method::hierarchy);
+  EXPECT_NE(open.statistics.why_method.find("times the work"), std::string::npos);
+  scene.render.method = Method::hierarchy;
+  const RenderResult named = render(scene);
+  EXPECT_EQ(named.image.pixels, open.image.pixels);
+  EXPECT_TRUE(named.statistics.why_method.empty());
+  scene.materials[0] = diffuse_material(0.5f);
+  scene.render.method = Method::automatic;
+  EXPECT_EQ(chosen_for(scene).method, Method::profile);
+}
+
+TEST(MethodChoice, SaysWhatItIsAndCostsBeforeTheWork) {
+  Scene scene = lit_ball();
+  std::vector<std::string> lines;
+  bool has_begun = false;
+  const RenderResult result = render(scene,
+                                     {.on_notice =
+                                          [&](const std::string& line) {
+                                            EXPECT_FALSE(has_begun);
+                                            lines.push_back(line);
+                                          }},
+                                     [&](double finished) {
+                                       has_begun = has_begun || finished > 0.0;
+                                       return true;
+                                     });
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].starts_with("method profile (")) << lines[0];
+  EXPECT_TRUE(lines[0].ends_with(" CPU-s")) << lines[0];
+}
+
+// Within a factor of 3, for every method.
+TEST(MethodChoice, ExpectsTheTimeThatItTakes) {
+  for (const Method method : {Method::profile, Method::layered_bsdf, Method::hierarchy,
+                              Method::shadow_map, Method::texture_space, Method::random_walk}) {
+    Scene scene = lit_ball(method);
+    scene.render.samples_per_pixel = method == Method::random_walk ? 16 : 128;
+    scene.film = {.width = 48, .height = 48};
+    if (method == Method::texture_space) surface_of(scene).material = skin_by_bands();
+    const RenderStatistics statistics = chosen_for(scene);
+    EXPECT_LT(std::abs(std::log(statistics.expected_cpu_seconds / statistics.cpu_seconds)),
+              std::log(3.0))
+        << static_cast<int>(method) << ": " << statistics.expected_cpu_seconds << " for "
+        << statistics.cpu_seconds;
+  }
+}
+
+TEST(SpacingField, DoublesAwayFromWhatIsSeen) {
+  const std::vector<Vec3f> seen = {{0, 0, 0}, {3, 0, 0}};
+  const SpacingField field(seen, 0.1f, 0.0f);
+  EXPECT_EQ(field.level({0, 0, 0}), 0);
+  EXPECT_EQ(field.level({3.5f, 0.5f, 0}), 0);
+  int before = 0;
+  for (float d = 0.0f; d < 200.0f; d += 0.05f) {
+    const int level = field.level({0, d, 0});
+    EXPECT_GE(level, before);
+    before = level;
+    EXPECT_LE(field.spacing(level), std::max(0.1f, 0.26f * d)) << d;  // 1/16 sr
+  }
+  EXPECT_EQ(before, SpacingField::levels - 1);
+  EXPECT_TRUE(SpacingField(0.1f).is_even());
+  EXPECT_EQ(SpacingField(0.1f).level({9, 9, 9}), 0);
+}
+
+// Cells of all levels share out the whole surface, whatever its triangles.
+TEST(SpacingField, CellsOfAllLevelsCoverTheSurface) {
+  for (const Mesh& mesh : {make_square(200.0f), make_sphere(40.0f, 48)}) {
+    const std::vector<Mesh> meshes = {mesh};
+    const std::vector<Vec3f> seen = {mesh.positions[0]};
+    const SpacingField field(seen, 0.2f, 0.0f);
+    const auto levels = make_surface_cells(meshes, 0, field, 1);
+    const auto expected = expected_cells(meshes, 0, field);
+    double area = 0.0, cells = 0.0;
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      area += levels[k].area;
+      cells += static_cast<double>(levels[k].cells.size());
+      const double wanted = expected[k];
+      EXPECT_NEAR(static_cast<double>(levels[k].cells.size()), wanted, 0.25 * wanted + 20.0) << k;
+    }
+    EXPECT_NEAR(area, surface_area(meshes, 0), 1e-4 * area);
+    EXPECT_LT(cells, 0.02 * surface_area(meshes, 0) / 0.04);
+    EXPECT_GT(levels[0].cells.size(), 100u);
+  }
+}
+
+// The picture of few samples is that of many: of light spaced evenly, with 32 paths each.
+TEST(SpacingField, ShowsInNoPicture) {
+  Scene scene = lit_ball(Method::hierarchy);
+  scene.camera = camera_above(3.0);  // a part of the ball, which light from behind passes, too
+  scene.lights = {
+      RectangleLight{
+          .center = {0, 8, 9}, .edge_u = {4, 0, 0}, .edge_v = {0, 3, -3}, .radiance = {8, 8, 8}},
+      EnvironmentLight{.scale = {0.2f, 0.2f, 0.2f}}};
+  scene.render.samples_per_pixel = 8;
+  const RenderResult sparse = render(scene);
+  scene.render.hierarchy = {
+      .spacing = static_cast<float>(sparse.statistics.light_samples[0].spacing),
+      .irradiance_samples = 32};
+  const RenderResult dense = render(scene);
+  EXPECT_LT(3 * sparse.statistics.light_samples[0].count, dense.statistics.light_samples[0].count);
+  for (const std::string name : {"R", "G", "B"}) {
+    const std::size_t channel = *channel_index(dense.image, "subsurface." + name);
+    EXPECT_NEAR(mean_of(sparse.image, channel) / mean_of(dense.image, channel), 1.0, 0.005) << name;
+    double apart = 0.0;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x)
+        apart += std::abs(static_cast<double>(sparse.image.at(x, y)[channel] -
+                                              dense.image.at(x, y)[channel])) /
+                 1024.0;
+    EXPECT_LT(apart, 0.02 * mean_of(dense.image, channel)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lamina

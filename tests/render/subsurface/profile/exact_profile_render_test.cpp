@@ -1,0 +1,110 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "lamina/core/error.h"
+#include "lamina/optics/fresnel.h"
+#include "lamina/render/subsurface/profile_maker.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "render/small_scenes.h"
+
+namespace lamina {
+namespace {
+
+/// Two layers; three bands that absorb ever more.
+Material slab() {
+  Material material{.name = "slab", .ior_above = {1, 1, 1}, .ior_below = {1, 1, 1}};
+  material.layers = {{.name = "skin",
+                      .sigma_a = {0.1, 1.0, 5.0},
+                      .sigma_s = {20, 20, 20},
+                      .g = {0.5, 0.5, 0.5},
+                      .ior = {1.4, 1.4, 1.4},
+                      .thickness = 0.1},
+                     {.name = "flesh",
+                      .sigma_a = {0.01, 0.1, 0.5},
+                      .sigma_s = {5, 5, 5},
+                      .g = {0, 0, 0},
+                      .ior = {1.35, 1.35, 1.35},
+                      .thickness = 2.0}};
+  return material;
+}
+
+TEST(ExactDiffuseProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
+  const Profile profile = exact_diffuse_profile(slab(), std::nullopt);
+  EXPECT_EQ(profile.per, ProfilePer::entered_flux);
+  for (std::size_t b = 0; b < 3; ++b) {
+    const auto totals = adding_doubling(layer_stack(slab(), b), {.is_diffuse = true}).totals;
+    const double entered = 1.0 - fresnel_diffuse(1.4);
+    EXPECT_NEAR(profile.total_reflectance[b], totals.diffuse_reflectance / entered, 1e-4);
+    EXPECT_NEAR(profile.total_transmittance[b], totals.transmittance / entered, 1e-4);
+    const FluxCurve flux = reflected_flux(profile, b);
+    EXPECT_NEAR((flux.within.back() + flux.beyond) / profile.total_reflectance[b], 1.0, 0.01);
+  }
+}
+
+// Roughness is the renderer's business.
+TEST(ExactDiffuseProfile, TakesWhatTheRendererTakes) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / "lamina_exact_profile_render_test";
+  std::filesystem::remove_all(folder);
+  Material rough = slab();
+  rough.layers[0].top.roughness = 0.3;
+  const Profile first = exact_diffuse_profile(slab(), DiskCache{folder});
+  EXPECT_EQ(exact_diffuse_profile(rough, DiskCache{folder}).reflectance_profile,
+            first.reflectance_profile);
+  std::filesystem::remove_all(folder);
+  Material clear = slab();
+  for (MaterialLayer& layer : clear.layers) layer.sigma_s[2] = 0.0;
+  EXPECT_THROW((void)exact_diffuse_profile(clear, std::nullopt), InvalidInput);
+}
+
+// The exact profile has the light scattered once, which diffusion lacks.
+TEST(ExactDiffuseProfile, IsRefusedBesideSingleScattering) {
+  Scene scene;
+  scene.camera = camera_above(0.5);
+  scene.film = {.width = 2, .height = 2};
+  scene.render.profile = RenderSettings::Profile::exact;
+  scene.render.single_scattering = RenderSettings::SingleScattering::straight;
+  scene.render.samples_per_pixel = 1;
+  scene.materials = {{.name = "slab", .surface = SubsurfaceSurface{.material = slab()}}};
+  scene.meshes = {make_square(60.0f)};
+  scene.lights = {EnvironmentLight{}};
+  try {
+    (void)render(scene);
+    FAIL() << "not refused";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("single_scattering must be \"none\""),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// Even light from all sides: seen along the normal, what a slab sends back of diffuse light.
+TEST(SubsurfaceFurnace, ExactProfileReturnsTheSlabTotal) {
+  setenv("LAMINA_CACHE", "off", 1);
+  Scene scene;
+  scene.camera = camera_above(0.5);
+  scene.film = {.width = 8, .height = 8};
+  scene.render = {.method = RenderSettings::Method::profile,
+                  .profile = RenderSettings::Profile::exact,
+                  .samples_per_pixel = 256,
+                  .max_bounces = 0};
+  scene.materials = {
+      {.name = "slab",
+       .surface = SubsurfaceSurface{.material = slab(), .thickness = {.value = 0.0f}}}};
+  scene.meshes = {make_square(60.0f)};
+  scene.lights = {EnvironmentLight{}};
+  const Image image = render(scene).image;
+  for (std::size_t b = 0; b < 3; ++b) {
+    const auto totals = adding_doubling(layer_stack(slab(), b), {.is_diffuse = true}).totals;
+    const double mirrored = fresnel(1.0, 1.4);
+    const double inside =
+        totals.diffuse_reflectance * (1.0 - mirrored) / (1.0 - fresnel_diffuse(1.4));
+    EXPECT_NEAR(mean_of(image, b), mirrored + inside, 3e-3) << b;
+  }
+}
+
+}  // namespace
+}  // namespace lamina

@@ -1,0 +1,274 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/random_walk/media_walk.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/core/random.h"
+#include "lamina/materials/material.h"
+#include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/render/shading/render_scene.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
+#include "render/small_scenes.h"
+
+namespace lamina {
+namespace {
+
+MaterialLayer layer_of(std::vector<double> sigma_a, std::vector<double> sigma_s, double g,
+                       double thickness, double ior = 1.4) {
+  return {.name = "layer",
+          .sigma_a = std::move(sigma_a),
+          .sigma_s = std::move(sigma_s),
+          .g = {g, g, g},
+          .ior = {ior, ior, ior},
+          .thickness = thickness};
+}
+
+Material material_of(std::vector<MaterialLayer> layers) {
+  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = layers.back().ior};
+  material.layers = std::move(layers);
+  return material;
+}
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// A dense layer of 0.3 mm on a clearer half-space. Bands turn by different angles.
+Material two_layers() {
+  Material material = material_of({layer_of({0.3, 0.6, 2.0}, {6, 8, 10}, 0.5, 0.3),
+                                   layer_of({0.1, 0.4, 0.8}, {2, 2, 2}, 0.0, infinite)});
+  material.layers[0].g = {0.6, 0.5, 0.4};
+  return material;
+}
+
+Scene scene_of(Mesh mesh, Material material, Light light, int samples) {
+  mesh.is_closed = true;
+  Scene scene = translucent_scene(RenderSettings::Method::random_walk, std::move(mesh),
+                                  std::move(material), light);
+  scene.film = {.width = 8, .height = 8};
+  scene.render.samples_per_pixel = samples;
+  return scene;
+}
+
+double mean_inside(const Image& image, std::size_t c) {
+  return mean_of(image, channel_index(image, std::string("subsurface.") + "RGB"[c]).value());
+}
+
+/// Parts of a way through a ball, layers by depth.
+std::vector<double> parts_in_ball(const Ray& way, double radius, const std::vector<double>& tops) {
+  const double middle = -static_cast<double>(dot(way.origin, way.direction));
+  const double off2 = static_cast<double>(dot(way.origin, way.origin)) - middle * middle;
+  std::vector<double> inner;  // of the way within the ball below each top
+  for (const double top : tops) {
+    const double r = radius - top;
+    const double half = std::sqrt(std::max(r * r - off2, 0.0));
+    inner.push_back(std::max(middle + half, 0.0) - std::max(middle - half, 0.0));
+  }
+  std::vector<double> parts;
+  for (std::size_t i = 0; i < tops.size(); ++i)
+    parts.push_back(inner[i] - (i + 1 < tops.size() ? inner[i + 1] : 0.0));
+  return parts;
+}
+
+TEST(DepthLayers, CutWaysThroughABallIntoTheChordsOfItsShells) {
+  const float radius = 3.0f;
+  const std::vector<Mesh> meshes = {make_sphere(radius, 96)};
+  const RayGeometry geometry(meshes);
+  const NodeLattice lattice({-3, -3, -3}, {3, 3, 3}, 0.2f, 1e5);
+  const DepthLayers layers(geometry, meshes, 0, {0.1f, 0.5f}, lattice);
+  Random random(7);
+  const auto number = [&] { return 2.0f * random.uniform_float() - 1.0f; };
+  double error = 0.0;
+  int ways = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f origin = 1.7f * Vec3f{number(), number(), number()};
+    const Vec3f direction = normalize(Vec3f{number(), number(), number()});
+    const Hit hit = geometry.first_hit({origin, direction}, 0.0f);
+    if (length(origin) > 2.99f || !hit.is_hit()) continue;
+    std::vector<double> found(3);
+    layers.for_parts({origin, direction}, layers.at(origin), hit.distance,
+                     [&](std::size_t layer, float part) {
+                       found[layer] += static_cast<double>(part);
+                       return true;
+                     });
+    const std::vector<double> expected = parts_in_ball({origin, direction}, 3.0, {0.0, 0.1, 0.6});
+    // Near the rim of a shell chords are sensitive to the facets, up to 0.0004 mm off.
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 0.12) << i << ' ' << k;
+    EXPECT_NEAR(found[0] + found[1] + found[2], hit.distance, 1e-4f * hit.distance);
+    error += std::abs(found[0] - expected[0]) + std::abs(found[1] - expected[1]);
+    ++ways;
+  }
+  EXPECT_GT(ways, 150);
+  EXPECT_LT(error / ways, 0.002);
+}
+
+// By reciprocity the radiance towards the eye under an even sky is the flux that a beam from the
+// eye sends back.
+TEST(MediaWalk, WidePlateOfLayersReflectsAsAddingDoublingHasIt) {
+  const Material material = two_layers();
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 384);
+  const Image image = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = adding_doubling(layer_stack(material, c)).totals.diffuse_reflectance;
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.015 * expected) << c;
+  }
+}
+
+// Light of a lamp through the boundary and the layers.
+TEST(MediaWalk, WidePlateOfLayersScattersALampAsAddingDoublingHasIt) {
+  const Material material = two_layers();
+  const double mu = 0.6, zero[] = {0.0};
+  const Scene scene =
+      scene_of(make_plate(60.0f, 30.0f), material,
+               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 96);
+  const Image image = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected =
+        mu * stack_bsdf(layer_stack(material, c), std::acos(mu), zero, zero).brdf[0];
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.015 * expected) << c;
+  }
+}
+
+// Thin layers on a ball; what is known about the light beforehand is used for one layer only, so
+// the two have little in common.
+TEST(MediaWalk, LayersOfOneMediumAreOneLayer) {
+  const std::vector<double> sigma_a = {0.5, 1.0, 2.0}, sigma_s = {3, 4, 5};
+  const RectangleLight lamp{
+      .center = {6, 0, 9}, .edge_u = {0, 4, 0}, .edge_v = {3.33, 0, -2.22}, .radiance = {5, 5, 5}};
+  double mean[2][3];
+  for (const std::size_t layers : {1u, 3u}) {
+    std::vector<MaterialLayer> stack(layers, layer_of(sigma_a, sigma_s, 0.4, 0.1));
+    for (MaterialLayer& layer : stack) layer.g = {0.6, 0.4, 0.2};
+    stack.back().thickness = infinite;
+    Scene scene = scene_of(make_sphere(2.0f), material_of(stack), lamp, 16);
+    scene.camera = {.position = {40, 0, 40}, .up = {0, 1, 0}, .horizontal_fov = 0.01};
+    const Image image = render(scene).image;
+    for (std::size_t c = 0; c < 3; ++c) mean[layers > 1][c] = mean_inside(image, c);
+  }
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[1][c], mean[0][c], 0.04 * mean[0][c]) << c;
+}
+
+TEST(MediaWalk, WhiteLayersInEvenLightAreInvisible) {
+  Scene scene = scene_of(make_sphere(3.0f),
+                         material_of({layer_of({0, 0, 0}, {5, 5, 5}, 0.7, 0.2),
+                                      layer_of({0, 0, 0}, {1, 1, 1}, 0.0, infinite)}),
+                         EnvironmentLight{}, 8);
+  scene.camera = camera_above(4.0);
+  const Image image = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean_of(image, c), 1.0, 0.01) << c;
+}
+
+/// A half-space under facets, the same in all bands so that they share all paths.
+Material rough_medium(double sigma_a, double alpha) {
+  const std::vector<double> a(3, sigma_a), s(3, 2.0);
+  Material material = material_of({layer_of(a, s, 0.3, infinite)});
+  material.layers[0].top = {.roughness = alpha, .distribution = MicrofacetDistribution::ggx};
+  return material;
+}
+
+TEST(MediaWalk, WhiteObjectWithARoughBoundaryIsInvisibleInEvenLight) {
+  Scene scene = scene_of(make_sphere(1.0f), rough_medium(0.0, 0.4), EnvironmentLight{}, 24);
+  scene.camera = camera_above(1.4);
+  EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.005);
+}
+
+// Of what has entered, the part that leaves again: the renderer's mirror is of V-shaped grooves.
+TEST(MediaWalk, WidePlateWithARoughBoundaryReflectsAsAddingDoublingHasIt) {
+  const Material material = rough_medium(0.1, 0.5);
+  const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 96);
+  const SlabTotals totals = adding_doubling(layer_stack(material, 0)).totals;
+  const RenderScene prepared(scene);
+  const double mirrored = prepared.boundaries[0].own->at(0.5f, 1.0f);
+  const double expected =
+      totals.diffuse_reflectance * (1.0 - mirrored) / (1.0 - totals.specular_reflectance);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.015 * expected);
+}
+
+// A lamp in one direction, found where paths meet the rough boundary.
+TEST(MediaWalk, WidePlateWithARoughBoundaryScattersALampAsAddingDoublingHasIt) {
+  const Material material = rough_medium(0.3, 0.5);
+  const double mu = 0.6, zero[] = {0.0};
+  const Scene scene =
+      scene_of(make_plate(60.0f, 30.0f), material,
+               DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 320);
+  const RoughInterface<double> facets =
+      make_rough_interface<double>(material.layers[0].top, 1.0, 1.4);
+  Random random(3);
+  double mirrored = 0.0;  // by any number of facets
+  for (int i = 0; i < 20'000; ++i)
+    mirrored += evaluate_multiple_scattering(facets, {0.8, 0, mu}, {0, 0, 1}, random) / 20'000;
+  const double expected =
+      mu * (stack_bsdf(layer_stack(material, 0), std::acos(mu), zero, zero).brdf[0] - mirrored);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.015 * expected);
+}
+
+// The same light as a lamp, which searches and paths share, and as a part of the sky, which paths
+// alone find.
+TEST(MediaWalk, RoughBoundaryPassesALampAsItPassesSky) {
+  const Light lamp = RectangleLight{
+      .center = {0, 0, 1}, .edge_u = {400, 0, 0}, .edge_v = {0, -400, 0}, .radiance = {2, 2, 2}};
+  const Scene scene = scene_of(make_plate(20.0f, 10.0f), rough_medium(0.3, 0.3), lamp, 96);
+  Scene open = scene;
+  open.lights = {EnvironmentLight{.scale = {2, 2, 2}}};
+  const double of_sky = mean_inside(render(open).image, 0);
+  EXPECT_GT(of_sky, 0.2);
+  EXPECT_NEAR(mean_inside(render(scene).image, 0), of_sky, 0.03 * of_sky);
+}
+
+/// The same in all bands, with a boundary between the layers.
+Material layers_of_two_indices(double sigma_a, double roughness) {
+  const std::vector<double> a(3, sigma_a), above(3, 4.0), below(3, 2.0);
+  Material material =
+      material_of({layer_of(a, above, 0.3, 0.3, 1.3), layer_of(a, below, 0.0, infinite, 1.6)});
+  material.layers[1].top = {.roughness = roughness};
+  return material;
+}
+
+TEST(MediaWalk, WidePlateOfLayersOfTwoIndicesReflectsAsAddingDoublingHasIt) {
+  for (const double roughness : {0.0, 0.4}) {
+    const Material material = layers_of_two_indices(0.2, roughness);
+    const Scene scene = scene_of(make_plate(60.0f, 30.0f), material, EnvironmentLight{}, 96);
+    const double expected = adding_doubling(layer_stack(material, 0)).totals.diffuse_reflectance;
+    EXPECT_NEAR(mean_inside(render(scene).image, 0), expected, 0.02 * expected) << roughness;
+  }
+}
+
+TEST(MediaWalk, WhiteBallOfLayersOfTwoIndicesIsInvisibleInEvenLight) {
+  Scene scene = scene_of(make_sphere(0.6f), layers_of_two_indices(0.0, 0.0), EnvironmentLight{}, 6);
+  scene.camera = camera_above(0.8);
+  EXPECT_NEAR(mean_of(render(scene).image, 0), 1.0, 0.01);
+}
+
+// Three layers of three indices, 0.08 mm thick together, on a ball that they are thin against: what
+// a flat stack reflects straight up.
+TEST(MediaWalk, LargeBallOfSkinReflectsAsFlatSkin) {
+  const Material skin = find_material("donner_jensen_skin");
+  Scene scene = scene_of(make_sphere(60.0f, 96), skin, EnvironmentLight{}, 32);
+  scene.camera = {.position = {900, 0, 20}, .up = {0, 1, 0}, .horizontal_fov = 0.001};
+  const Image image = render(scene).image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = adding_doubling(layer_stack(skin, c)).totals.diffuse_reflectance;
+    EXPECT_NEAR(mean_inside(image, c), expected, 0.04 * expected) << c;
+  }
+}
+
+TEST(MediaWalk, RefusesLightsWithoutAnAreaOverLayersOfDifferentIndices) {
+  const Scene scene =
+      scene_of(make_sphere(1.0f), layers_of_two_indices(0.1, 0.0),
+               DirectionalLight{.direction = {0, 0, 1}, .irradiance = {1, 1, 1}}, 1);
+  try {
+    (void)render(scene);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("layers of different ior"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace lamina

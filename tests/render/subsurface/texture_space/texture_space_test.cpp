@@ -1,0 +1,297 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/optics/fresnel.h"
+#include "lamina/render/film/scene_fingerprint.h"
+#include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
+#include "lamina/render/subsurface/irradiance_specks.h"
+#include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/spectrum/band_color.h"
+#include "render/small_scenes.h"
+
+namespace lamina {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Material uniform_skin() {
+  return parse_material(
+      R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm",
+           "bands": [450, 540, 640], "skin": { "constants": "calibrated_diffusion" } })",
+      "test");
+}
+
+Scene lit_scene(Mesh mesh, Material material, double view) {
+  Scene scene;
+  scene.camera = camera_above(view);
+  scene.film = {.width = 24, .height = 24};
+  scene.render = {.method = RenderSettings::Method::texture_space, .samples_per_pixel = 8};
+  scene.render.max_bounces = 0;
+  scene.render.texture_space = {.texel = 0.35f, .irradiance_samples = 4};
+  scene.materials = {
+      {.name = "skin",
+       .surface = SubsurfaceSurface{.material = std::move(material), .thickness = {.value = 0}}}};
+  scene.meshes = {std::move(mesh)};
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{0.7, 0.2, 1.0}), .irradiance = {3, 3, 3}}};
+  return scene;
+}
+
+/// Sum over links of conductance times the squared difference of a function: the integral of its
+/// squared gradient over the surface.
+template <class Function>
+double squared_gradient(const TextureAtlas::Cells& cells, const Function& f) {
+  double sum = 0.0;
+  for (const CellLink& link : cells.links) {
+    const double d = f(cells.cells[link.to].position) - f(cells.cells[link.from].position);
+    sum += static_cast<double>(link.conductance) * d * d;
+  }
+  return sum;
+}
+
+// Laplace's operator on a sphere whose texture is pinched at the poles and cut along a meridian:
+// the gradient of each coordinate has a mean square of 2/3.
+TEST(TextureAtlas, LinksKnowTheMetricOfTheSurfaceAndCrossItsSeams) {
+  const std::vector<Mesh> meshes = {make_sphere(10.0f, 48)};
+  const TextureAtlas atlas(meshes, 0, 0.25f);
+  double area = 0.0;
+  for (const AtlasTexel& texel : atlas.texels()) area += static_cast<double>(texel.area);
+  EXPECT_NEAR(area, 4.0 * pi * 100.0, 0.01 * area);
+  const TextureAtlas::Cells cells = atlas.cells();
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(
+        squared_gradient(cells, [&](const Vec3f& p) { return static_cast<double>(p[axis]); }),
+        2.0 / 3.0 * area, 0.03 * area)
+        << axis;
+  // A hill of 1.5 mm whose steepest slope is on the seam is as steep as one elsewhere.
+  const auto hill_at = [&](const Vec3f& middle) {
+    return squared_gradient(cells, [&](const Vec3f& p) {
+      const Vec3f d = p - middle;
+      return std::exp(-static_cast<double>(dot(d, d)) / (1.5 * 1.5));
+    });
+  };
+  EXPECT_NEAR(hill_at({9.95f, 1, 0}), hill_at({-1, 9.95f, 0}), 0.05 * hill_at({-1, 9.95f, 0}));
+}
+
+TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
+  const auto message_of = [](Mesh mesh) {
+    try {
+      const TextureAtlas atlas({std::move(mesh)}, 0, 0.1f);
+    } catch (const InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Mesh bare = make_square(5.0f);
+  bare.uvs.clear();
+  EXPECT_NE(message_of(bare).find("needs texture coordinates"), std::string::npos);
+  Mesh folded = make_square(5.0f);
+  folded.uvs[3] = {1.0f, 0.1f};
+  folded.uvs[2] = {0.4f, 0.9f};
+  folded.uvs[0] = {0.6f, 0.0f};
+  EXPECT_NE(message_of(folded).find("overlap"), std::string::npos);
+  Mesh far = make_square(5.0f);
+  for (Vec2f& uv : far.uvs) uv.x -= 1e6f;  // where single precision still tells its corners apart
+  EXPECT_NE(message_of(far).find("lie too far from 0"), std::string::npos) << message_of(far);
+  Mesh sliver = make_square(5.0f);
+  sliver.uvs = {{0, 0}, {1e-6f, 0}, {1, 1}, {1, 1}};
+  EXPECT_NE(message_of(sliver).find("spread too far"), std::string::npos) << message_of(sliver);
+}
+
+// The far corner of the second triangle leans back over the first: on a fifth of the texels.
+TEST(TextureAtlas, GivesTexelsThatLieOnTwoFacesToOneAndSaysHowMany) {
+  Mesh mesh = make_square(5.0f);
+  mesh.uvs[3] = {0.75f, 0.55f};
+  const TextureAtlas atlas({mesh}, 0, 0.1f);
+  ASSERT_EQ(atlas.warnings().size(), 1u);
+  int shared = 0, all = 0;
+  ASSERT_EQ(
+      std::sscanf(atlas.warnings()[0].c_str(),
+                  "mesh \"square\": texture coordinates overlap: %d of %d texels", &shared, &all),
+      2)
+      << atlas.warnings()[0];
+  EXPECT_EQ(static_cast<std::size_t>(all), atlas.texels().size());
+  EXPECT_NEAR(static_cast<double>(shared) / all, 0.2, 0.04);
+  for (const AtlasTexel& texel : atlas.texels()) EXPECT_EQ(texel.triangle, 0u);
+  EXPECT_EQ(TextureAtlas({make_square(5.0f)}, 0, 0.1f).warnings().size(), 0u);
+}
+
+// Two solvers of uniform skin, one by texels and one by a cloud of samples. Their closed forms
+// start light in the epidermis at different depths, so each is taken over its own reflectance.
+TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
+  Scene scene = lit_scene(make_sphere(10.0f, 48), uniform_skin(), 14.0);
+  const Image by_texels = render(scene).image;
+  scene.render.method = RenderSettings::Method::hierarchy;
+  scene.render.hierarchy = {.spacing = 0.3f, .irradiance_samples = 8};
+  const Image by_points = render(scene).image;
+  for (const std::string name : {"R", "G", "B"}) {
+    const std::size_t channel = *channel_index(by_points, "subsurface." + name);
+    const std::size_t albedo = *channel_index(by_points, "albedo." + name);
+    const double scale = mean_of(by_points, albedo) / mean_of(by_texels, albedo);
+    double square = 0.0, mean = 0.0;
+    const double pixels = by_points.width * by_points.height;
+    for (int y = 0; y < by_points.height; ++y)
+      for (int x = 0; x < by_points.width; ++x) {
+        const double a = scale * static_cast<double>(by_texels.at(x, y)[channel]);
+        const auto b = static_cast<double>(by_points.at(x, y)[channel]);
+        square += (a - b) * (a - b) / pixels;
+        mean += b / pixels;
+      }
+    EXPECT_GT(mean, 0.01);
+    EXPECT_LT(std::sqrt(square) / mean, 0.06) << name;
+  }
+}
+
+// What `lamina slab` gives of even light for many wavelengths, from eight: through tables,
+// transport and weights.
+TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
+  constexpr double melanin = 0.012;
+  Material skin = parse_material(
+      R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm", "skin": {} })",
+      "test");
+  Image map = make_image(4, 4, {"Y"});
+  std::ranges::fill(map.pixels, static_cast<float>(melanin));
+  Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
+      {"melanin", &SkinParameters::melanin, map}};
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
+  const Image image = render(scene).image;
+
+  std::vector<double> wavelengths, slab;
+  for (int nm = 380; nm <= 780; nm += 10) {
+    wavelengths.push_back(nm);
+    const SlabTotals totals = adding_doubling(skin_layer_stack({.melanin = melanin}, nm),
+                                              {.is_diffuse = true}, {.accuracy = 1e-3})
+                                  .totals;
+    slab.push_back(totals.diffuse_reflectance / (1.0 - totals.specular_reflectance));
+  }
+  const LinearSrgb wanted = linear_srgb(make_band_weights(BandSet(wavelengths)), slab);
+  // Lit and seen from above, where the boundary lets more through than on average.
+  const double seen = std::pow(1.0 - fresnel(1.0, 1.4), 2) / (1.0 - fresnel_diffuse(1.4));
+  for (const std::size_t c : {0, 1, 2})
+    EXPECT_NEAR(pi / 3.0 * static_cast<double>(image.at(12, 12)[c]), seen * wanted[c],
+                0.01 * wanted[c])
+        << c;
+}
+
+// Of two lights one is blocked: what the other gives is found without noise, by one sample.
+TEST(TextureSpace, ALightThatIsBlockedIsNoNoiseOnAnother) {
+  Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 6.0);
+  scene.render.texture_space.irradiance_samples = 1;
+  scene.lights = {
+      DirectionalLight{.direction = normalize(Vec3{1, 0, 1}), .irradiance = {3, 3, 3}},
+      DirectionalLight{.direction = normalize(Vec3{-1, 0, 1}), .irradiance = {3, 3, 3}}};
+  Mesh wall = make_square(20.0f, 1);
+  for (Vec3f& p : wall.positions) p = {20.0f, p.y, p.x + 20.0f};
+  for (Vec3f& n : wall.normals) n = {-1, 0, 0};
+  scene.meshes.push_back(wall);
+  scene.materials.push_back(diffuse_material(0.0f));
+  const Image image = render(scene).image;
+  const std::size_t green = *channel_index(image, "subsurface.G");
+  const float middle = image.at(12, 12)[green];
+  EXPECT_GT(middle, 0.05f);
+  for (int y = 6; y < 18; ++y)
+    for (int x = 6; x < 18; ++x) ASSERT_NEAR(image.at(x, y)[green], middle, 1e-3f * middle);
+}
+
+// Half a plate of dark skin: the border is where the map has it, and light bleeds over it.
+TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
+  Material skin = uniform_skin();
+  Image melanin = make_image(64, 64, {"Y"});
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) *melanin.at(x, y) = y < 32 ? 0.15f : 0.01f;  // dark above
+  Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
+      {"melanin", &SkinParameters::melanin, melanin}};
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
+  const Image image = render(scene).image;
+  const std::size_t green = *channel_index(image, "subsurface.G");
+  const float dark = image.at(12, 2)[green], light = image.at(12, 21)[green];
+  EXPECT_LT(dark, 0.45f * light);
+  EXPECT_GT(dark, 0.02f * light);
+  EXPECT_LT(image.at(12, 12)[green], light);  // within reach of the border
+  scene.render.method = RenderSettings::Method::profile;
+  EXPECT_THROW((void)render(scene), InvalidInput);
+}
+
+// What is kept has spread already, so it is of that many terms.
+TEST(TextureSpace, KeptLightOfOtherTermsIsRefused) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "terms.ply";
+  std::filesystem::remove(file);
+  Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 8.0);
+  const Image made = render(scene, {.cache = file}).image;
+  scene.camera = camera_above(4.0);
+  EXPECT_NE(render(scene, {.cache = file}).image.pixels, made.pixels);
+  scene.render.texture_space.terms = 3;
+  try {
+    (void)render(scene, {.cache = file, .needs_cache = true});
+    FAIL() << "it was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("was made for other settings"), std::string::npos)
+        << error.what();
+  }
+}
+
+// As if another version of lamina had cut the surface otherwise into as many texels.
+TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "texels_elsewhere.ply";
+  std::filesystem::remove(file);
+  const Scene scene = lit_scene(make_square(8.0f), uniform_skin(), 8.0);
+  const Image made = render(scene, {.cache = file}).image;
+  EXPECT_EQ(render(scene, {.cache = file}).image.pixels, made.pixels);
+  const LightFingerprint light = light_fingerprint(scene, {});
+  std::vector<IrradianceCloud> clouds = load_irradiance_clouds(file, light).clouds;
+  clouds.at(0).points.at(0).position.x += 0.2f;
+  save_irradiance_clouds(clouds, light, file);
+  try {
+    (void)render(scene, {.cache = file});
+    FAIL() << "it was taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("another version of lamina made the cache"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// A cell far brighter than all around it is dimmed; edges, small lights and what is dark stay.
+TEST(TextureSpace, DimsSpecksAndNothingElse) {
+  constexpr std::uint32_t size = 8;
+  std::vector<GraphCell> cells;
+  std::vector<CellLink> links;
+  for (std::uint32_t y = 0; y < size; ++y)
+    for (std::uint32_t x = 0; x < size; ++x) {
+      const std::uint32_t i = y * size + x;
+      cells.push_back({.position = {static_cast<float>(x), static_cast<float>(y), 0.0f},
+                       .area = 1.0f,
+                       .x = static_cast<std::int32_t>(x),
+                       .y = static_cast<std::int32_t>(y)});
+      if (x + 1 < size) links.push_back({i, i + 1, 1.0f});
+      if (y + 1 < size) links.push_back({i, i + size, 1.0f});
+    }
+  const CellGraph graph = make_cell_graph(cells, links, 25.0);
+  CellField<4> light(cells.size());
+  for (std::size_t i = 0; i < light.size(); ++i)
+    light[i] = BandValues<4>::filled(i % size < 4 ? 10.0f : 0.5f);
+  constexpr std::size_t speck = 6 + 2 * size, small = 5 + 5 * size;  // the small one has two cells
+  for (const std::size_t i : {speck, small, small + 1}) light[i] = BandValues<4>::filled(5.0f);
+  light[speck][3] = 9.0f;  // 6 in the mean of its bands, where 0.5 is around
+  const CellField<4> before = light;
+  dim_specks(graph.levels.front(), light);
+  for (std::size_t i = 0; i < light.size(); ++i)
+    for (int b = 0; b < 4; ++b)
+      EXPECT_FLOAT_EQ(light[i][b], before[i][b] * (i == speck ? 1.0f / 6.0f : 1.0f)) << i;
+}
+
+}  // namespace
+}  // namespace lamina
