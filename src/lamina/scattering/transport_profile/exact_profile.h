@@ -48,7 +48,7 @@ struct ExactProfile {
 /// left out of R(r).
 ///
 /// Diffuse light with all that leaves collected is what a renderer with a Fresnel factor at the
-/// entry and one at the exit needs: see docs/exact_profiles.md.
+/// entry and one at the exit needs: see docs/radiative_transfer_profiles.md.
 ///
 /// @param stacks  [band], at least one; every band must scatter.
 /// @throws InvalidInput naming a rough boundary, a wrong grid, a stack without a lower side, or a
@@ -56,7 +56,7 @@ struct ExactProfile {
 /// frequencies do not resolve.
 /// @throws Interrupted if progress asks to stop.
 ///
-/// Source: docs/exact_profiles.md.
+/// Source: docs/radiative_transfer_profiles.md.
 [[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,
                                          const RadialGrid& radii = {},
                                          const ExactProfileOptions& options = {});
