@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/core/memory_budget.h"
+#include "lamina/io/nearest_name.h"
 
 namespace lamina::cli {
 namespace {
@@ -99,7 +101,13 @@ Option Option::range(double low, double high) const {
 Option Option::length() const { return range(1e-9, 1e9); }
 
 Option Option::one_of(const std::vector<std::string>& names) const {
-  return Option(option_->check(CLI::IsMember(names)));
+  const auto check = [names](const std::string& given) {
+    if (std::ranges::find(names, given) != names.end()) return std::string();
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    return fmt::format("must be one of {}, but is {}{}", fmt::join(names, ", "), given,
+                       did_you_mean(given, known));
+  };
+  return Option(option_->check(check, fmt::format("{{{}}}", fmt::join(names, ","))));
 }
 
 Option Option::environment(const std::string& variable) const {
@@ -149,6 +157,15 @@ Option Command::add_memory_size(const std::string& name, std::size_t& bytes,
     }
   };
   return Option(app_->add_option_function<std::string>(name, set, text)->type_name("SIZE"));
+}
+
+Option Command::add_choice(const std::string& name, const std::vector<std::string>& names,
+                           const std::string& default_name,
+                           const std::function<void(std::string_view)>& set,
+                           const std::string& text) const {
+  const auto take = [set](const std::string& given) { set(given); };
+  CLI::Option* option = app_->add_option_function<std::string>(name, take, text);
+  return Option(option->default_str(default_name)).one_of(names);
 }
 
 Option Command::option(const std::string& name) const { return Option(app_->get_option(name)); }

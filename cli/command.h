@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "lamina/core/enum_names.h"
 
 namespace CLI {
 class App;
@@ -49,6 +52,16 @@ class Command {
   template <typename T>
   Option add_flag(const std::string& name, T& value, const std::string& text) const;
 
+  /// The name of a value of an enum; `value` is the default.
+  template <NamedEnum E>
+  Option add_choice(const std::string& name, E& value, const std::string& text) const {
+    std::vector<std::string> names;
+    for (const auto& known : enum_names<E>) names.emplace_back(known.name);
+    return add_choice(
+        name, names, std::string(name_of(value)),
+        [&value](std::string_view given) { value = *find_enum_value<E>(given); }, text);
+  }
+
   /// A file to be written, which is refused before the work if it cannot be, or if it has another
   /// `ending` than it must have. "-" passes: --json takes it for standard output.
   Option add_output_file(const std::string& name, std::string& file, const std::string& text,
@@ -65,6 +78,11 @@ class Command {
   void callback(const std::function<void()>& work) const;
 
  private:
+  Option add_choice(const std::string& name, const std::vector<std::string>& names,
+                    const std::string& default_name,
+                    const std::function<void(std::string_view)>& set,
+                    const std::string& text) const;
+
   CLI::App* app_;
 };
 

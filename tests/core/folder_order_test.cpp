@@ -60,7 +60,7 @@ struct Room {
 };
 
 struct Plan {
-  std::vector<Room> rooms;  ///< in their order
+  std::vector<Room> rooms;                             ///< in their order
   std::map<std::string, std::set<std::string>> links;  ///< [target]
 
   [[nodiscard]] std::optional<std::size_t> place_of(const std::string& folder) const {
@@ -77,7 +77,8 @@ void read_plan(const std::string& folder, Plan& plan) {
   const std::size_t at = text.find("lamina_library(");
   if (at == std::string::npos) return;
   const std::string call = text.substr(at + std::string("lamina_library(").size());
-  const std::string target = std::regex_replace(call.substr(0, call.find('\n')), std::regex(R"(\)|\s)"), "");
+  const std::string target =
+      std::regex_replace(call.substr(0, call.find('\n')), std::regex(R"(\)|\s)"), "");
   // What lies below a room is its foundation, but for optics, whose rough surfaces build on it.
   const std::vector<std::string> below = words_after(call, "FOLDERS");
   const bool is_first = folder == "optics";
@@ -90,15 +91,15 @@ void read_plan(const std::string& folder, Plan& plan) {
 
 const Plan& plan() {
   static const Plan plan = [] {
-    Plan plan;
-    read_plan("", plan);
-    return plan;
+    Plan read;
+    read_plan("", read);
+    return read;
   }();
   return plan;
 }
 
 struct Source {
-  fs::path file;     ///< below src/lamina
+  fs::path file;  ///< below src/lamina
   std::string room;
   std::vector<std::string> included;  ///< files of lamina, below src/lamina
   std::vector<std::string> others;    ///< <...>
@@ -112,15 +113,15 @@ std::string room_of(const fs::path& file) {
 
 const std::vector<Source>& sources() {
   static const std::vector<Source> sources = [] {
-    std::vector<Source> sources;
+    std::vector<Source> found;
     for (const auto& entry : fs::recursive_directory_iterator(root)) {
       if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
       const fs::path file = fs::relative(entry.path(), root);
       const std::string text = text_of(entry.path());
-      sources.push_back({file, room_of(file), all_matches(text, R"re(#include "lamina/([^"]+)")re"),
-                         all_matches(text, R"(#include <([^>]+)>)")});
+      found.push_back({file, room_of(file), all_matches(text, R"re(#include "lamina/([^"]+)")re"),
+                       all_matches(text, R"(#include <([^>]+)>)")});
     }
-    return sources;
+    return found;
   }();
   return sources;
 }
@@ -160,8 +161,12 @@ TEST(Rooms, KeepTheirInternalFilesToThemselves) {
 
 TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
   const std::map<std::string, std::set<std::string>> owners = {
-      {"embree", {"render/geometry"}},     {"OpenEXR/", {"image"}}, {"Imath/", {"image"}},
-      {"png.h", {"image"}},                {"tiff", {"image"}},     {"tbb/", {"core"}},
+      {"embree", {"render/geometry"}},
+      {"OpenEXR/", {"image"}},
+      {"Imath/", {"image"}},
+      {"png.h", {"image"}},
+      {"tiff", {"image"}},
+      {"tbb/", {"core"}},
       {"nlohmann/", {"io", "materials"}},
   };
   for (const Source& source : sources())
@@ -172,8 +177,8 @@ TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
       }
 }
 
-// Depth-first over modules: a header, its source and what of it is inline (-inl.h) are one. A source may use an internal header of
-// its own room that knows its header.
+// Depth-first over modules: a header, its source and what of it is inline (-inl.h) are one. A
+// source may use an internal header of its own room that knows its header.
 TEST(Modules, IncludeOneAnotherInNoLoop) {
   std::map<std::string, std::set<std::string>> includes;
   for (const Source& source : sources()) {

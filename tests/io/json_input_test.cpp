@@ -13,6 +13,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/renamed_names.h"
 
 namespace lamina {
 namespace {
@@ -274,6 +275,42 @@ TEST(NearestName, ForgivesSlipsButDoesNotGuess) {
   EXPECT_FALSE(nearest_name("melanin", known).has_value());
   EXPECT_FALSE(nearest_name(std::string(1'000'000, 'x'), known).has_value());
   EXPECT_EQ(did_you_mean("melanin", known), "");
+}
+
+TEST(NearestName, AnOldSpellingNamesTheNewOneThatIsKnownThere) {
+  constexpr std::array<std::string_view, 3> methods = {"radiative_transfer", "diffusion", "exist"};
+  EXPECT_EQ(nearest_name("exact", methods), "radiative_transfer");  // though "exist" is near
+  EXPECT_EQ(nearest_name("exact_profile", methods), "radiative_transfer");
+  constexpr std::array<std::string_view, 2> totals = {"radiative_transfer",
+                                                      "radiative_transfer_profile"};
+  EXPECT_EQ(nearest_name("exact_profile", totals), "radiative_transfer_profile");
+  constexpr std::array<std::string_view, 2> others = {"sigma_a", "g"};
+  EXPECT_FALSE(nearest_name("exact", others).has_value());
+}
+
+TEST(NearestName, RenamedNamesAreSorted) {
+  EXPECT_TRUE(std::ranges::is_sorted(renamed_names, {}, &RenamedName::before));
+}
+
+enum class Fruit { apple, pear };
+
+}  // namespace
+
+template <>
+inline constexpr auto enum_names<Fruit> = std::to_array<EnumName<Fruit>>({{"apple", Fruit::apple},
+                                                                          {"pear", Fruit::pear}});
+
+namespace {
+
+TEST(EnumNames, OneTableReadsWritesAndRefuses) {
+  EXPECT_EQ(name_of(Fruit::pear), "pear");
+  EXPECT_EQ(find_enum_value<Fruit>("apple"), Fruit::apple);
+  EXPECT_FALSE(find_enum_value<Fruit>("Apple").has_value());
+  EXPECT_EQ(parse_json("\"pear\"", "f.json").root().choice<Fruit>(), Fruit::pear);
+  EXPECT_EQ(
+      message_of([] { (void)parse_json("\"paer\"", "f.json").root().choice<Fruit>(); }),
+      "f.json:1: the file must be \"apple\" or \"pear\", but is \"paer\"; did you mean \"pear\"?");
+  static_assert(!NamedEnum<std::byte>);
 }
 
 }  // namespace

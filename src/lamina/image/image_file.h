@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/image/image.h"
 
@@ -18,6 +19,10 @@ enum class ColorEncoding {
   srgb,    ///< colours as displays take them; decoded to linear light on loading
   linear,  ///< quantities: fractions of pigment, roughness, normals
 };
+
+template <>
+inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
+    {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
 /// Reads an EXR, PNG or TIFF file; what it is, its first bytes say, not its name.
 ///

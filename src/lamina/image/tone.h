@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/core/enum_names.h"
 #include "lamina/image/image.h"
 #include "lamina/spectrum/color.h"
 
@@ -11,6 +12,10 @@ enum class View {
   standard,  ///< as it is, cut off at 0 and 1: for measurements and comparisons
   filmic,    ///< mid grey stays, highlights roll off to white
 };
+
+template <>
+inline constexpr auto enum_names<View> =
+    std::to_array<EnumName<View>>({{"standard", View::standard}, {"filmic", View::filmic}});
 
 /// The filmic curve of one channel: contrast as of the scene at mid grey, a soft toe and shoulder.
 ///

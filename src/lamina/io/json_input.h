@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 
 // Reads lamina's files: JSON with // and /* */ comments. Every value knows where it stands, so that
@@ -103,8 +104,14 @@ class JsonInput {
   /// A string that is one of `names`: its index among them.
   [[nodiscard]] std::size_t choice(std::span<const std::string_view> names) const;
 
-  /// The same with a value for each name:
-  /// `choice<Distribution>({{"beckmann", Distribution::beckmann}, {"ggx", Distribution::ggx}})`.
+  /// The name of a value of an enum: `choice<View>()`.
+  template <NamedEnum E>
+  [[nodiscard]] E choice() const {
+    return enum_names<E>[choice(names_of<E>())].value;
+  }
+
+  /// The same with a value for each name, for what is no enum:
+  /// `choice<double>({{"mm", 1.0}, {"cm", 10.0}})`.
   template <class T>
   [[nodiscard]] T choice(std::initializer_list<std::pair<std::string_view, T>> options) const {
     std::vector<std::string_view> names;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "lamina/io/renamed_names.h"
+
 namespace lamina {
 namespace {
 
@@ -37,6 +39,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> known) {
+  for (const auto& [before, now] : renamed_names)
+    if (name == before && std::ranges::find(known, now) != known.end()) return now;
   constexpr std::size_t longest = 64;  // no name that lamina knows is longer
   if (name.size() > longest) return std::nullopt;
   std::optional<std::string_view> nearest;

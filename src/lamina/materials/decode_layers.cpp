@@ -28,10 +28,7 @@ std::vector<double> decode_coefficients(const JsonInput& value, const Context& c
 void decode_substance(const JsonObject& object, const Context& context, auto& substance) {
   substance.sigma_a = decode_coefficients(object.required("sigma_a"), context);
   substance.sigma_s = decode_coefficients(object.required("sigma_s"), context);
-  if (const auto phase = object.optional("phase"))
-    substance.phase =
-        phase->choice<ParticlePhase>({{"henyey_greenstein", ParticlePhase::henyey_greenstein},
-                                      {"rayleigh", ParticlePhase::rayleigh}});
+  if (const auto phase = object.optional("phase")) substance.phase = phase->choice<ParticlePhase>();
   if (substance.phase == ParticlePhase::rayleigh) {
     substance.g.assign(context.bands, 0.0);
     if (const auto g = object.optional("g"))
@@ -104,8 +101,7 @@ Interface decode_interface(const JsonObject& object) {
   if (const auto roughness = object.optional("roughness"))
     interface.roughness = roughness->number(between(0.0, 1.0));
   if (const auto distribution = object.optional("distribution")) {
-    interface.distribution = distribution->choice<MicrofacetDistribution>(
-        {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
+    interface.distribution = distribution->choice<MicrofacetDistribution>();
     (void)object.required("roughness");
   }
   return interface;

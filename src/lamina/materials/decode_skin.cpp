@@ -25,20 +25,16 @@ std::vector<std::array<double, 2>> decode_junction_spectrum(const JsonObject& sk
   return points;
 }
 
-std::pair<std::string, SkinConstants> decode_constants(const JsonObject& skin) {
+SkinConstants decode_constants(const JsonObject& skin) {
   const auto given = skin.optional("constants");
-  if (!given) return {"calibrated", SkinConstants::calibrated};
-  return {given->string(), given->choice<SkinConstants>(
-                               {{"paper", SkinConstants::paper},
-                                {"calibrated", SkinConstants::calibrated},
-                                {"calibrated_diffusion", SkinConstants::calibrated_diffusion}})};
+  return given ? given->choice<SkinConstants>() : SkinConstants::calibrated;
 }
 
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material) {
   const JsonObject object = skin_object(recipe);
   require_wavelengths(recipe, context, 350.0, 1000.0);
-  const auto [constants, set] = decode_constants(object);
-  SkinRecipe said{.skin = with_constants({}, set), .constants = set};
+  const SkinConstants constants = decode_constants(object);
+  SkinRecipe said{.skin = with_constants({}, constants), .constants = constants};
   SkinParameters& skin = said.skin;
   skin.junction_spectrum = decode_junction_spectrum(object);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
@@ -55,7 +51,7 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
     material.oiliness = recipe_number(*oiliness, between(0.0, 1.0));
   material.layers = skin_layers(skin, context.wavelengths);
   material.skin = std::move(said);
-  add_to_source(material, "melanin: Jacques 1998; constants: " + constants);
+  add_to_source(material, "melanin: Jacques 1998; constants: " + std::string(name_of(constants)));
 }
 
 }  // namespace lamina::material_file

@@ -33,8 +33,9 @@ std::string entry(const std::string& key, const std::string& value) {
 void add_interface(Entries& entries, const Interface& interface) {
   if (interface.roughness == 0.0) return;
   entries.push_back(entry("roughness", number_text(interface.roughness)));
-  if (interface.distribution == MicrofacetDistribution::ggx)
-    entries.push_back(entry("distribution", in_quotes("ggx")));
+  if (interface.distribution != Interface().distribution)
+    entries.push_back(
+        entry("distribution", in_quotes(std::string(name_of(interface.distribution)))));
 }
 
 /// The coefficients of a MaterialLayer or a MixturePart.
@@ -42,7 +43,7 @@ void add_substance(Entries& entries, const auto& substance) {
   entries.push_back(entry("sigma_a", per_band(substance.sigma_a)));
   entries.push_back(entry("sigma_s", per_band(substance.sigma_s)));
   if (substance.phase == ParticlePhase::rayleigh)
-    entries.push_back(entry("phase", in_quotes("rayleigh")));
+    entries.push_back(entry("phase", in_quotes(std::string(name_of(substance.phase)))));
   else
     entries.push_back(entry("g", per_band(substance.g)));
 }

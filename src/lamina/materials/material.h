@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/materials/skin.h"
 #include "lamina/optics/layer_stack.h"
@@ -24,6 +25,11 @@ enum class ParticlePhase {
   henyey_greenstein,  ///< with the mean cosine g
   rayleigh            ///< particles much smaller than the wavelength; g is 0
 };
+
+template <>
+inline constexpr auto enum_names<ParticlePhase> =
+    std::to_array<EnumName<ParticlePhase>>({{"henyey_greenstein", ParticlePhase::henyey_greenstein},
+                                            {"rayleigh", ParticlePhase::rayleigh}});
 
 /// One part of a layer that is mixed by volume, as pigment in epidermis.
 /// Coefficients are those of the pure part. Source: [HanrahanKrueger1993] §3.

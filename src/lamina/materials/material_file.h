@@ -49,7 +49,7 @@ void decode_paint(const JsonInput& recipe, const Context& context, Material& mat
 /// The keys of a recipe of skin, and the set of constants that it names.
 [[nodiscard]] JsonObject skin_object(const JsonInput& recipe);
 [[nodiscard]] std::vector<std::array<double, 2>> decode_junction_spectrum(const JsonObject& skin);
-[[nodiscard]] std::pair<std::string, SkinConstants> decode_constants(const JsonObject& skin);
+[[nodiscard]] SkinConstants decode_constants(const JsonObject& skin);
 
 /// A number of a recipe. Where a map stands for it, the message says that maps are not for here.
 [[nodiscard]] double recipe_number(const JsonInput& value, const NumberRange& range);

@@ -81,18 +81,6 @@ double carotene_absorption(double wavelength) {
   return absorption(interpolate(carotene_extinction, wavelength), 1.0, 536.87);
 }
 
-std::string_view name_of(SkinConstants constants) {
-  switch (constants) {
-    case SkinConstants::paper:
-      return "paper";
-    case SkinConstants::calibrated_diffusion:
-      return "calibrated_diffusion";
-    case SkinConstants::calibrated:
-      break;
-  }
-  return "calibrated";
-}
-
 SkinParameters with_constants(SkinParameters parameters, SkinConstants constants) {
   struct Set {
     double baseline_scale, scattering_scale, scattering_power, saturation;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {
@@ -59,7 +60,7 @@ struct SkinParameters {
 /// A number of SkinParameters and the closed range that it must lie in.
 struct SkinParameterRange {
   std::string_view name;  ///< as in files
-  double SkinParameters::* value;
+  double SkinParameters::*value;
   double low, high;
   bool is_length = false;  ///< in mm
 };
@@ -75,14 +76,17 @@ enum class SkinConstants {
   calibrated_diffusion,  ///< the same with the closed form of the multipole
 };
 
+template <>
+inline constexpr auto enum_names<SkinConstants> = std::to_array<EnumName<SkinConstants>>(
+    {{"paper", SkinConstants::paper},
+     {"calibrated", SkinConstants::calibrated},
+     {"calibrated_diffusion", SkinConstants::calibrated_diffusion}});
+
 /// What a recipe of skin says, the same everywhere.
 struct SkinRecipe {
   SkinParameters skin;
   SkinConstants constants = SkinConstants::calibrated;
 };
-
-/// As in files.
-[[nodiscard]] std::string_view name_of(SkinConstants constants);
 
 /// Whether constants were fitted with totals of radiative transfer.
 [[nodiscard]] constexpr bool are_for_exact_totals(SkinConstants constants) {

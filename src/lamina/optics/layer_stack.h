@@ -6,12 +6,18 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/optics/medium.h"
 #include "lamina/optics/phase_function.h"
 
 namespace lamina {
 
 enum class MicrofacetDistribution { beckmann, ggx };
+
+template <>
+inline constexpr auto enum_names<MicrofacetDistribution> =
+    std::to_array<EnumName<MicrofacetDistribution>>({{"beckmann", MicrofacetDistribution::beckmann},
+                                                     {"ggx", MicrofacetDistribution::ggx}});
 
 /// The boundary between two media. The indices are those of the media that it parts.
 struct Interface {
@@ -24,7 +30,7 @@ struct Interface {
 struct Layer {
   Medium medium;
   double thickness = std::numeric_limits<double>::infinity();  ///< [mm], > 0
-  Interface top;                       ///< the layer's upper boundary
+  Interface top;                                               ///< the layer's upper boundary
   std::optional<PhaseFunction> phase;  ///< absent: Henyey-Greenstein with medium.g
 };
 

@@ -221,8 +221,7 @@ class MaterialDecoder {
   }
 
   static MicrofacetDistribution decode_distribution(const JsonInput& value) {
-    return value.choice<MicrofacetDistribution>(
-        {{"beckmann", MicrofacetDistribution::beckmann}, {"ggx", MicrofacetDistribution::ggx}});
+    return value.choice<MicrofacetDistribution>();
   }
 
   /// A built-in material by name, a material file by path, or a material file as an object.
@@ -302,8 +301,7 @@ class MaterialDecoder {
   /// Colours must say how they are encoded; other quantities are linear unless they say otherwise.
   static ColorEncoding decode_encoding(const JsonObject& object, Use use) {
     if (use != Use::color && !object.has("encoding")) return ColorEncoding::linear;
-    return object.required("encoding")
-        .choice<ColorEncoding>({{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
+    return object.required("encoding").choice<ColorEncoding>();
   }
 
   ImageMap decode_image_map(const JsonObject& object, ColorEncoding encoding,

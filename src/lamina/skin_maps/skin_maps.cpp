@@ -18,9 +18,7 @@ namespace {
 Image decode_values(const JsonInput& value) {
   const JsonObject object = value.object({"map", "scale", "offset", "channel", "encoding"});
   ColorEncoding encoding = ColorEncoding::linear;
-  if (const auto given = object.optional("encoding"))
-    encoding = given->choice<ColorEncoding>(
-        {{"linear", ColorEncoding::linear}, {"srgb", ColorEncoding::srgb}});
+  if (const auto given = object.optional("encoding")) encoding = given->choice<ColorEncoding>();
   const JsonInput file = object.required("map");
   Image image;
   try {
@@ -103,7 +101,7 @@ std::pair<int, int> patch_size(const JsonObject& patch, std::span<const SkinMap>
 SkinMaps decode_skin_maps(const JsonInput& recipe) {
   const JsonObject object = material_file::skin_object(recipe);
   SkinMaps result;
-  result.constants = material_file::decode_constants(object).second;
+  result.constants = material_file::decode_constants(object);
   result.skin = with_constants({}, result.constants);
   result.skin.junction_spectrum = material_file::decode_junction_spectrum(object);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {

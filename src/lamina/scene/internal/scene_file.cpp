@@ -118,8 +118,7 @@ Film decode_film(const JsonInput& value) {
     film.height = static_cast<int>(height->integer(1, most));
   if (const auto exposure = object.optional("exposure"))
     film.exposure = static_cast<float>(exposure->number(between(-50.0, 50.0, "stops")));
-  if (const auto view = object.optional("view"))
-    film.view = view->choice<View>({{"standard", View::standard}, {"filmic", View::filmic}});
+  if (const auto view = object.optional("view")) film.view = view->choice<View>();
   return film;
 }
 
