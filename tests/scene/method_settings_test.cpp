@@ -65,6 +65,7 @@ const std::vector<Sample>& material_samples() {
        in_file(R"("ior_below": 1, )" + recipe + R"("dermis_thickness": 0.5})")},
       {"subsurface.ground", in_file(slab_of_wax),
        in_file(slab_of_wax + R"(, "ground": {"reflectance": 0.9})")},
+      {"subsurface.layers", wax, in_file(slab_of_wax)},  // of which the last is finite
       {"subsurface.surface", wax,
        in_file(R"("surface": {"roughness": 0.5}, "bands": "rgb", "layers": [{)" + one_medium +
                R"("infinite"}])")},

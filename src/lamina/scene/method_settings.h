@@ -104,7 +104,11 @@ inline constexpr auto material_settings = [] {
        {"subsurface.ground",
         {profile, hierarchy, shadow_map, layered_bsdf},
         "the layers fill the mesh, so that there is nothing below them",
-        [](const Surface& s) { return s.material.ground.reflectance > 0.0; }}});
+        [](const Surface& s) { return s.material.ground.reflectance > 0.0; }},
+       {"subsurface.layers",  // of which the last is finite
+        {profile, hierarchy, shadow_map, texture_space, layered_bsdf},
+        "its last layer fills the mesh and must have the thickness \"infinite\"",
+        [](const Surface& s) { return std::isfinite(s.material.layers.back().thickness); }}});
 }();
 
 inline constexpr auto render_settings = [] {
