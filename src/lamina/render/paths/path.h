@@ -8,7 +8,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/shading/thin_sheet.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
 

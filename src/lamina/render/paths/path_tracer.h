@@ -5,7 +5,7 @@
 #include "lamina/render/film/camera_sample.h"
 #include "lamina/render/paths/path.h"
 #include "lamina/render/shading/clear_fraction.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/render/geometry/camera_rays.h"
-#include "lamina/render/subsurface/hierarchy/internal/hierarchy_transport.h"
+#include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/seen_surface.h"
 #include "lamina/scene/render_options.h"
 

@@ -10,7 +10,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/profile_maker.h"
 #include "lamina/render/subsurface/spread_table.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
 

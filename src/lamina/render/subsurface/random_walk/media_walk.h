@@ -7,7 +7,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_media.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

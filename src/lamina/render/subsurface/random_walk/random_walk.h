@@ -11,7 +11,7 @@
 #include "lamina/render/subsurface/random_walk/internal/walk_lamps.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_light.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_space.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 

@@ -8,7 +8,7 @@
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 

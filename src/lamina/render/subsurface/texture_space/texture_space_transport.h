@@ -9,7 +9,7 @@
 #include "lamina/io/disk_cache.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
 

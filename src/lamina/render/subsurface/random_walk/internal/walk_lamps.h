@@ -10,7 +10,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_space.h"
-#include "lamina/render/subsurface/subsurface_transport.h"
+#include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
