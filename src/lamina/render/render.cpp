@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <string>
 
@@ -23,8 +22,9 @@
 #include "lamina/render/planning/render_cost.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/colored_transport.h"
-#include "lamina/render/subsurface/hierarchy/hierarchy_preparation.h"
+#include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
+#include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profile/profile_transport.h"
 #include "lamina/render/subsurface/profile_maker.h"
 #include "lamina/render/subsurface/random_walk/media_walk.h"
@@ -32,7 +32,7 @@
 #include "lamina/render/subsurface/seen_surface.h"
 #include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
 #include "lamina/render/subsurface/single_scattering/single_scattering.h"
-#include "lamina/render/subsurface/texture_space/texture_space_preparation.h"
+#include "lamina/render/subsurface/texture_space/texture_space_transport.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
 
@@ -80,16 +80,6 @@ BandSet common_bands(const Scene& scene) {
   return bands;
 }
 
-template <int N>
-struct Transports {
-  std::vector<std::unique_ptr<SubsurfaceTransport<N>>> of_material;  ///< null: not translucent
-  // Those that are to sample light first:
-  std::vector<HierarchyTransport<N>*> hierarchies;
-  std::vector<TextureSpaceTransport<N>*> texture_spaces;
-  std::vector<ShadowMapTransport<N>*> shadow_maps;
-  std::vector<RandomWalk<N>*> random_walks;
-};
-
 /// @throws InvalidInput if light scattered once would count twice.
 void require_light_once(const RenderSettings& settings) {
   using Method = RenderSettings::Method;
@@ -109,71 +99,71 @@ void require_light_once(const RenderSettings& settings) {
 
 /// The one place where a method of subsurface transport is chosen.
 template <int N>
-Transports<N> make_transports(const RenderScene& scene, const BandConversion<N>& conversion,
-                              const RenderOptions& options, const Progress& progress) {
+SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
+                                             const BandConversion<N>& conversion,
+                                             const RenderOptions& options,
+                                             const Progress& progress) {
   using Method = RenderSettings::Method;
   require_light_once(scene.scene->render);
   const auto& materials = scene.scene->materials;
-  Transports<N> transports;
-  transports.of_material.resize(materials.size());
+  SubsurfaceMethods<N> methods(materials.size());
   const ProfileMaker make_profile = profile_maker(scene.scene->render, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
-  if (scene.scene->render.method == Method::layered_bsdf) return transports;
+  if (scene.scene->render.method == Method::layered_bsdf) return methods;
   std::shared_ptr<const WalkMedia<N>> media;  // of all that share it
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
     if (!surface) continue;
-    auto& transport = transports.of_material[i];
+    auto& method = methods[i];
     switch (scene.scene->render.method) {
       case Method::profile:
-        transport =
+        method =
             std::make_unique<ProfileTransport<N>>(scene, conversion, i, make_profile, is_printed);
         break;
-      case Method::hierarchy: {
-        auto hierarchy =
+      case Method::hierarchy:
+        method =
             std::make_unique<HierarchyTransport<N>>(scene, conversion, i, make_profile, is_printed);
-        transports.hierarchies.push_back(hierarchy.get());
-        transport = std::move(hierarchy);
         break;
-      }
-      case Method::shadow_map: {
-        auto shadow_map =
+      case Method::shadow_map:
+        method =
             std::make_unique<ShadowMapTransport<N>>(scene, conversion, i, make_profile, is_printed);
-        transports.shadow_maps.push_back(shadow_map.get());
-        transport = std::move(shadow_map);
         break;
-      }
-      case Method::texture_space: {
-        auto texture_space = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
-        transports.texture_spaces.push_back(texture_space.get());
-        transport = std::move(texture_space);
+      case Method::texture_space:
+        method = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
         break;
-      }
-      case Method::random_walk: {
+      case Method::random_walk:
         if (is_for_media_walk(scene, i)) {
           if (!media) media = std::make_shared<WalkMedia<N>>(scene, conversion);
-          transport = std::make_unique<MediaWalk<N>>(media, i);
-          break;
+          method = std::make_unique<MediaWalk<N>>(media, i);
+        } else {
+          method = std::make_unique<RandomWalk<N>>(scene, conversion, i);
         }
-        auto random_walk = std::make_unique<RandomWalk<N>>(scene, conversion, i);
-        transports.random_walks.push_back(random_walk.get());
-        transport = std::move(random_walk);
         break;
-      }
       case Method::layered_bsdf:
       case Method::automatic:
         break;  // has no transport between points; is one of the others by now
     }
     if (scene.scene->render.method == Method::random_walk &&
         surface->color_use != SubsurfaceSurface::ColorUse::none)
-      transport = std::make_unique<ColoredTransport<N>>(scene, conversion, i, std::move(transport));
+      method = std::make_unique<ColoredTransport<N>>(scene, conversion, i, std::move(method));
     using SingleScattering = RenderSettings::SingleScattering;
     const auto single = scene.scene->render.single_scattering;
     if (single != SingleScattering::none)
-      transport = std::make_unique<lamina::SingleScattering<N>>(
-          scene, conversion, i, single == SingleScattering::refracted, std::move(transport));
+      method = std::make_unique<lamina::SingleScattering<N>>(
+          scene, conversion, i, single == SingleScattering::refracted, std::move(method));
   }
-  return transports;
+  return methods;
+}
+
+/// Makes all methods ready. @return  false if progress asked to stop
+template <int N>
+bool prepare(const SubsurfaceMethods<N>& methods, const Preparation<N>& with) {
+  for (const auto& method : methods)
+    if (method) method->prepare_reflectance(with);
+  for (const auto& method : methods)
+    if (method && !method->prepare(with)) return false;
+  with.cache.save();
+  return true;
 }
 
 template <int N>
@@ -209,8 +199,11 @@ void choose(RenderScene& scene, const BandConversion<N>& conversion, const Camer
 /// "method profile, as hierarchy would take 5 times its work: about 12 CPU-s".
 std::string describe(const RenderStatistics& statistics, bool may_end_early) {
   const double expected = statistics.expected_cpu_seconds;
-  const std::string seconds =
-      printf_text("%.*f", expected < 0.95 ? 2 : expected < 9.5 ? 1 : 0, expected);
+  const std::string seconds = printf_text("%.*f",
+                                          expected < 0.95  ? 2
+                                          : expected < 9.5 ? 1
+                                                           : 0,
+                                          expected);
   return "method " + name_of(statistics.method) +
          (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
          (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s";
@@ -231,32 +224,26 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   Scene chosen;
   choose<N>(scene, conversion, camera, seen, options, progress, chosen, statistics);
   const RenderSettings& settings = scene.scene->render;
-  const Transports<N> transports = make_transports<N>(scene, conversion, options, progress);
+  const SubsurfaceMethods<N> methods =
+      make_subsurface_methods<N>(scene, conversion, options, progress);
   const LayeredMaterials<N> layered = make_layered_materials<N>(scene, conversion);
   const PathTracer<N> tracer({scene,
                               conversion,
-                              transports.of_material,
+                              methods,
                               layered,
                               sheets,
                               {.max_bounces = settings.max_bounces,
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
+  LightCache cache(*scene.scene, options);
+  PreparationReport report;
+  const Preparation<N> preparation{scene, tracer, camera, seen, cache, progress, report};
   statistics.expected_cpu_seconds =
-      cpu_seconds() - cpu_before +
-      expected_cpu_seconds<N>({scene, camera, tracer, seen, options, transports.hierarchies,
-                               transports.texture_spaces, transports.shadow_maps,
-                               static_cast<double>(transports.random_walks.size())});
+      cpu_seconds() - cpu_before + expected_cpu_seconds<N>(methods, preparation, tracer);
   if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
-  if (!prepare_hierarchies(transports.hierarchies, scene, camera, seen, tracer, options, progress,
-                           statistics.light_samples))
-    return false;
-  if (!prepare_texture_spaces(transports.texture_spaces, scene, camera, tracer, options, progress))
-    return false;
-  for (const TextureSpaceTransport<N>* texture_space : transports.texture_spaces)
-    std::ranges::copy(texture_space->warnings(), std::back_inserter(statistics.warnings));
-  for (ShadowMapTransport<N>* shadow_map : transports.shadow_maps)
-    if (!shadow_map->look_from_lights(tracer, progress)) return false;
-  for (RandomWalk<N>* random_walk : transports.random_walks)
-    if (!random_walk->prepare(tracer, progress)) return false;
+  const bool is_prepared = prepare(methods, preparation);
+  statistics.light_samples = report.light_samples;
+  statistics.warnings = report.warnings;
+  if (!is_prepared) return false;
 
   const auto sample = [&](int x, int y, int i) {
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
@@ -298,10 +285,10 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   RenderResult result;
   auto& statistics = result.statistics;
   statistics.is_complete =
-      (bands.size() <= 4   ? trace_passes<4>
-       : bands.size() <= 8 ? trace_passes<8>
-                           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film,
-                                               statistics);
+      (bands.size() <= 4 ? trace_passes<4>
+       : bands.size() <= 8
+           ? trace_passes<8>
+           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film, statistics);
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
   result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();

@@ -251,7 +251,7 @@ double arriving_radiance(const Scene& scene, const Ray& ray) {
   const RenderScene prepared(scene);
   const auto conversion =
       make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  const std::vector<std::unique_ptr<SubsurfaceTransport<4>>> transports(scene.materials.size());
+  const std::vector<std::unique_ptr<SubsurfaceMethod<4>>> transports(scene.materials.size());
   const LayeredMaterials<4> layered(scene.materials.size());
   const ThinSheets<4> sheets = make_thin_sheets<4>(scene);
   const PathTracer<4> tracer({prepared, conversion, transports, layered, sheets, {}});

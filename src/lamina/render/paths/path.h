@@ -35,7 +35,7 @@ struct PathWorld {
   const RenderScene& scene;
   const BandConversion<N>& conversion;
   // One entry per material, null where it is not translucent, none for its BSDF alone, or not thin:
-  const std::vector<std::unique_ptr<SubsurfaceTransport<N>>>& transports;
+  const SubsurfaceMethods<N>& transports;
   const LayeredMaterials<N>& layered;
   const ThinSheets<N>& sheets;
   PathOptions options;

@@ -14,7 +14,7 @@ namespace {
 
 /// Stands in for the transport of a material: keeps the points where light would leave. None does.
 template <int N>
-class Recorder final : public SubsurfaceTransport<N> {
+class Recorder final : public SubsurfaceMethod<N> {
  public:
   explicit Recorder(std::vector<SurfacePoint>& points) : points_(points) {}
   BandValues<N> leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& /*light*/,
@@ -46,7 +46,7 @@ struct Scout {
         transports[m] = std::make_unique<Recorder<N>>(points[m]);
   }
   std::vector<std::vector<SurfacePoint>> points;
-  std::vector<std::unique_ptr<SubsurfaceTransport<N>>> transports;
+  SubsurfaceMethods<N> transports;
   LayeredMaterials<N> layered;
   PathTracer<N> tracer;
 };
@@ -55,7 +55,7 @@ struct Scout {
 
 template <int N>
 SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>& conversion,
-                             const ThinSheets<N>& sheets, const CameraRays& camera) {
+                              const ThinSheets<N>& sheets, const CameraRays& camera) {
   constexpr double most_rays = 5e5;
   const auto& [width, height, exposure, view] = scene.scene->film;
   const int step = static_cast<int>(
@@ -93,9 +93,9 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
           .seconds_per_estimate = of_estimate};
 }
 
-#define LAMINA_INSTANTIATE(N)                                                            \
+#define LAMINA_INSTANTIATE(N)                                                             \
   template SeenSurface find_seen_surface<N>(const RenderScene&, const BandConversion<N>&, \
-                                           const ThinSheets<N>&, const CameraRays&)
+                                            const ThinSheets<N>&, const CameraRays&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -7,7 +7,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/render/subsurface/hierarchy/hierarchy_preparation.h"
+#include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/scene/method_settings.h"
 
 namespace lamina {
@@ -56,7 +56,8 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
 }
 
 bool has_profile(const Material& material, const RenderSettings& settings) {
-  if (settings.profile == RenderSettings::Profile::exact) return true;  // to find out would take minutes
+  if (settings.profile == RenderSettings::Profile::exact)
+    return true;  // to find out would take minutes
   try {
     (void)profile_maker(settings)(material);
   } catch (const InvalidInput&) {
@@ -108,7 +109,7 @@ MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& co
     if (std::ranges::any_of(hierarchy.objects_inside(),
                             [](const auto& object) { return object.share > 0.9; }))
       return {Method::hierarchy, "something opaque is inside \"" + s.materials[m].name + "\""};
-    const LightSampling sampling = plan_sampling(hierarchy, scene, camera, seen, options);
+    const LightSampling sampling = hierarchy.plan_sampling(camera, seen, !options.cache.empty());
     of_hierarchy +=
         sampling.cells * (sampling.estimates + work_of_cell) + sampling.close_cells * work_of_sum;
   }

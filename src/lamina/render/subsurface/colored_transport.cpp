@@ -53,7 +53,7 @@ Material colored_medium(const RenderScene& scene, const BandConversion<N>& conve
 template <int N>
 ColoredTransport<N>::ColoredTransport(const RenderScene& scene, const BandConversion<N>& conversion,
                                       std::uint32_t material,
-                                      std::unique_ptr<SubsurfaceTransport<N>> inside)
+                                      std::unique_ptr<SubsurfaceMethod<N>> inside)
     : scene_(scene),
       conversion_(conversion),
       surface_(surface_of(scene, material)),

@@ -23,14 +23,21 @@ template <int N>
 /// over its mean, or where the color is inverted, by the color over what the medium reflects. So on
 /// flat layers an inverted color is met everywhere; how far light spreads follows the mean.
 template <int N>
-class ColoredTransport final : public SubsurfaceTransport<N> {
+class ColoredTransport final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
   /// @param material  index of a translucent material that has a color
   ColoredTransport(const RenderScene& scene, const BandConversion<N>& conversion,
-                   std::uint32_t material, std::unique_ptr<SubsurfaceTransport<N>> inside);
+                   std::uint32_t material, std::unique_ptr<SubsurfaceMethod<N>> inside);
 
+  void prepare_reflectance(const Preparation<N>& with) override {
+    inside_->prepare_reflectance(with);
+  }
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override { return inside_->prepare(with); }
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override {
+    return inside_->expected_cost(with);
+  }
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override {
     return scale(exit.point) * inside_->leaving_radiance(exit, light, samples);
@@ -43,7 +50,7 @@ class ColoredTransport final : public SubsurfaceTransport<N> {
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
-  std::unique_ptr<SubsurfaceTransport<N>> inside_;
+  std::unique_ptr<SubsurfaceMethod<N>> inside_;
   Vec3f mean_color_;
   Bands reflected_ = Bands::filled(1.0f);  ///< by the medium of an inverted color
 };

@@ -2,6 +2,7 @@
 #include "lamina/render/subsurface/light_cache.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/render/film/scene_fingerprint.h"
@@ -9,32 +10,53 @@
 
 namespace lamina {
 
-std::optional<std::vector<IrradianceCloud>> find_kept_light(
-    const Scene& scene, const RenderOptions& options,
-    const std::function<std::string(const std::vector<IrradianceCloud>&)>& misfit) {
-  if (options.cache.empty()) return std::nullopt;
+bool LightCache::is_there() const { return is_wanted() && std::filesystem::exists(options_.cache); }
+
+/// @throws InvalidInput if the options need what the file does not have
+void LightCache::say_anew(const std::string& why) const {
+  const std::string line = options_.cache.string() + ": " + why;
+  if (options_.needs_cache) throw InvalidInput(line);
+  if (is_there() && options_.on_notice) options_.on_notice(line + "; it is made anew");
+}
+
+void LightCache::load() {
+  is_loaded_ = true;
   KeptClouds kept{.clouds = {}, .why_unusable = "there is no such file"};
-  const bool is_there = std::filesystem::exists(options.cache);
-  if (is_there)
-    kept = load_irradiance_clouds(options.cache, light_fingerprint(scene, options), options.memory);
-  if (kept.why_unusable.empty()) kept.why_unusable = misfit(kept.clouds);
-  if (kept.why_unusable.empty()) return std::move(kept.clouds);
-  const std::string why = options.cache.string() + ": " + kept.why_unusable;
-  if (options.needs_cache) throw InvalidInput(why);
-  if (is_there && options.on_notice) options.on_notice(why + "; it is made anew");
-  return std::nullopt;
+  if (is_there())
+    kept = load_irradiance_clouds(options_.cache, light_fingerprint(scene_, options_),
+                                  options_.memory);
+  is_usable_ = kept.why_unusable.empty();
+  if (is_usable_)
+    clouds_ = std::move(kept.clouds);
+  else
+    say_anew(kept.why_unusable);
 }
 
-void keep_light(const Scene& scene, const RenderOptions& options,
-                const std::vector<IrradianceCloud>& clouds) {
-  if (!options.cache.empty())
-    save_irradiance_clouds(clouds, light_fingerprint(scene, options), options.cache);
+const IrradianceCloud* LightCache::find(
+    std::uint32_t material, const std::function<std::string(const IrradianceCloud&)>& misfit) {
+  if (!is_wanted()) return nullptr;
+  if (!is_loaded_) load();
+  if (!is_usable_) return nullptr;
+  const auto found = std::ranges::find(clouds_, material, &IrradianceCloud::material);
+  const std::string why = found == clouds_.end() ? "lacks a material of the scene" : misfit(*found);
+  if (why.empty()) return &*found;
+  say_anew(why);
+  return nullptr;
 }
 
-const IrradianceCloud* cloud_of(const std::vector<IrradianceCloud>& clouds,
-                                std::uint32_t material) {
-  const auto found = std::ranges::find(clouds, material, &IrradianceCloud::material);
-  return found == clouds.end() ? nullptr : &*found;
+void LightCache::add(IrradianceCloud cloud) {
+  if (!is_wanted()) return;
+  is_changed_ = true;
+  const auto old = std::ranges::find(clouds_, cloud.material, &IrradianceCloud::material);
+  if (old != clouds_.end())
+    *old = std::move(cloud);
+  else
+    clouds_.push_back(std::move(cloud));
+}
+
+void LightCache::save() const {
+  if (is_changed_)
+    save_irradiance_clouds(clouds_, light_fingerprint(scene_, options_), options_.cache);
 }
 
 }  // namespace lamina

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,22 +12,40 @@
 
 namespace lamina {
 
-/// The light that the cache of the options keeps, if there is one and it is of use for the scene.
-/// Where there is one of no use, on_notice is told why.
-///
-/// @param misfit  says why clouds cannot serve this picture; empty text: they can
-/// @throws InvalidInput if the options need the cache and it is of no use or not there
-/// @throws as load_irradiance_clouds
-[[nodiscard]] std::optional<std::vector<IrradianceCloud>> find_kept_light(
-    const Scene& scene, const RenderOptions& options,
-    const std::function<std::string(const std::vector<IrradianceCloud>&)>& misfit);
+/// The light that the cache file of the options keeps, a cloud of samples for each material. It is
+/// read when it is first asked for.
+class LightCache {
+ public:
+  /// Both must outlive it.
+  LightCache(const Scene& scene, const RenderOptions& options) : scene_(scene), options_(options) {}
 
-/// Keeps light in the cache, if the options name one. @throws WriteError
-void keep_light(const Scene& scene, const RenderOptions& options,
-                const std::vector<IrradianceCloud>& clouds);
+  /// Whether light is kept for other cameras.
+  [[nodiscard]] bool is_wanted() const { return !options_.cache.empty(); }
+  [[nodiscard]] bool is_there() const;
 
-/// The cloud of a material; null if there is none.
-[[nodiscard]] const IrradianceCloud* cloud_of(const std::vector<IrradianceCloud>& clouds,
-                                              std::uint32_t material);
+  /// The light of a material, valid until some is added; null if there is none of use, of which
+  /// on_notice is told.
+  ///
+  /// @param misfit  says why a cloud cannot serve this picture; empty text: it can
+  /// @throws InvalidInput if the options need the cache and it is of no use or not there
+  /// @throws as load_irradiance_clouds
+  [[nodiscard]] const IrradianceCloud* find(
+      std::uint32_t material, const std::function<std::string(const IrradianceCloud&)>& misfit);
+
+  /// Adds light that was sampled anew, for save().
+  void add(IrradianceCloud cloud);
+
+  /// Writes the file, if one is wanted and light was added. @throws WriteError
+  void save() const;
+
+ private:
+  void load();
+  void say_anew(const std::string& why) const;
+
+  const Scene& scene_;
+  const RenderOptions& options_;
+  bool is_loaded_ = false, is_changed_ = false, is_usable_ = false;
+  std::vector<IrradianceCloud> clouds_;
+};
 
 }  // namespace lamina

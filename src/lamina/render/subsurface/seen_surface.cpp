@@ -21,4 +21,9 @@ float SeenSurface::pixel_size(std::uint32_t material) const {
   return *low;
 }
 
+double SeenSurface::area(std::uint32_t material) const {
+  const auto pixel = static_cast<double>(pixel_size(material) * pixels_between);
+  return 1.5 * static_cast<double>(points[material].size()) * pixel * pixel;
+}
+
 }  // namespace lamina

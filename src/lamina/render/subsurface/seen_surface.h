@@ -22,6 +22,8 @@ struct SeenSurface {
   /// What a pixel sees of a material [mm] where it comes close: but a twentieth of the points is
   /// seen as finely. 0 if nothing of it is seen.
   [[nodiscard]] float pixel_size(std::uint32_t material) const;
+  /// About how much of a material's surface is seen [mm²]: pixels see it at a slant.
+  [[nodiscard]] double area(std::uint32_t material) const;
 };
 
 }  // namespace lamina

@@ -1,6 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "lamina/core/low_discrepancy.h"
 #include "lamina/optics/rough/surface_boundary.h"
 #include "lamina/spectrum/band_values.h"
@@ -36,12 +40,36 @@ struct ExitPoint {
   Vec3f to_eye;  ///< that direction, unit length
 };
 
-/// How light that enters a translucent object at one point leaves it at others. One interface for
-/// all methods: some gather along random paths, some look up what they prepared.
 template <int N>
-class SubsurfaceTransport {
+struct Preparation;
+
+/// About how long a picture takes by a method, beside light above surfaces [CPU s].
+struct SubsurfaceCost {
+  double preparation = 0.0;
+  std::optional<double> lookup;    ///< of the light at a point that the camera sees, once prepared;
+                                   ///< absent: found by timing paths
+  double prepared_fraction = 1.0;  ///< of the time of such paths, once prepared
+};
+
+/// A BSSRDF over the surfaces of one material: how light that enters a translucent object at one
+/// point leaves it at others. One interface for all methods: some gather along random paths, some
+/// look up what they prepared.
+template <int N>
+class SubsurfaceMethod {
  public:
-  virtual ~SubsurfaceTransport() = default;
+  virtual ~SubsurfaceMethod() = default;
+
+  /// Makes local_reflectance ready. Asked of all materials of a scene before any is prepared.
+  virtual void prepare_reflectance(const Preparation<N>& /*with*/) {}
+
+  /// Makes leaving_radiance ready, from the light that the gatherer finds.
+  /// @return  false if progress asked to stop
+  [[nodiscard]] virtual bool prepare(const Preparation<N>& /*with*/) { return true; }
+
+  /// Asked before anything is prepared.
+  [[nodiscard]] virtual SubsurfaceCost expected_cost(const Preparation<N>& /*with*/) const {
+    return {};
+  }
 
   /// Radiance that leaves the inside of the object, by one random estimate.
   [[nodiscard]] virtual BandValues<N> leaving_radiance(const ExitPoint& exit,
@@ -52,5 +80,9 @@ class SubsurfaceTransport {
   /// point where it entered. What paths of indirect light use.
   [[nodiscard]] virtual BandValues<N> local_reflectance(const SurfacePoint& point) const = 0;
 };
+
+/// [material], null where a material has none.
+template <int N>
+using SubsurfaceMethods = std::vector<std::unique_ptr<SubsurfaceMethod<N>>>;
 
 }  // namespace lamina

@@ -27,7 +27,7 @@ Material one_layer(double g, double ior) {
 }
 
 /// Finds no light: what is left is light scattered once.
-class Nothing final : public SubsurfaceTransport<4> {
+class Nothing final : public SubsurfaceMethod<4> {
   [[nodiscard]] BandValues<4> leaving_radiance(const ExitPoint&, const LightGatherer<4>&,
                                                PixelSamples&) const override {
     return {};

@@ -17,7 +17,7 @@ struct PathSurface {
   Framef frame;
   Vec3f wo;           ///< in the frame
   Bands reflectance;  ///< of the base
-  const SubsurfaceTransport<N>* transport = nullptr;
+  const SubsurfaceMethod<N>* transport = nullptr;
 
   // Of layers without spread alone:
   std::unique_ptr<LayeredPoint<N>> layered;

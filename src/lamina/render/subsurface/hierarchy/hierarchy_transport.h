@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "lamina/core/lazy_values.h"
-#include "lamina/core/progress.h"
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
+#include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profile/gather_profiles.h"
 #include "lamina/render/subsurface/profile/profile_transport.h"
 #include "lamina/render/subsurface/spacing_field.h"
@@ -17,13 +17,21 @@
 
 namespace lamina {
 
+/// How the light on a material is sampled.
+struct LightSampling {
+  SpacingField field;
+  int estimates = 32;  ///< of the light at each sample
+  double cells = 0.0;  ///< samples, about: all, and close ones
+  double close_cells = 0.0;
+};
+
 /// Subsurface transport by summing a profile over samples of the light on the surface.
 ///
 /// First the surface is cut into patches, narrower than the profile where they are seen, and the
-/// light that enters each is found. Then the light that leaves at a point is a sum over all patches within reach, those
-/// far away many at a time. The sum has no noise, and the samples serve any camera. It is as smooth
-/// as the profile is wide, so it is taken at the patches that are seen, once, and between them
-/// interpolated.
+/// light that enters each is found. Then the light that leaves at a point is a sum over all patches
+/// within reach, those far away many at a time. The sum has no noise, and the samples serve any
+/// camera. It is as smooth as the profile is wide, so it is taken at the patches that are seen,
+/// once, and between them interpolated.
 ///
 /// The profiles are those of ProfileTransport, with the same assumptions: what it draws at random
 /// is summed here. Where a colour is inverted the profile between two points is that of their mean
@@ -36,7 +44,7 @@ namespace lamina {
 /// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample, §5.2 for objects
 /// inside.
 template <int N>
-class HierarchyTransport final : public SubsurfaceTransport<N> {
+class HierarchyTransport final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
@@ -44,6 +52,37 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
   HierarchyTransport(const RenderScene& scene, const BandConversion<N>& conversion,
                      std::uint32_t material, const ProfileMaker& make_profile,
                      bool is_printed_exit);
+
+  /// Samples the light on the surface, or takes what is kept of it, and makes it ready to be
+  /// summed. Where the settings ask for it samples are made twice as close, from four times as far
+  /// apart, until the light that leaves hardly changes. Samples that are kept are twice as close as
+  /// this camera needs, so that others may come nearer; one that needs closer ones makes them.
+  /// @throws as LightCache::find
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override;
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
+
+  /// As close, and with as many estimates, as the picture can show: pixels, samples of a pixel, and
+  /// what of the surface is seen at all. Where the settings state the spacing, ask for refinement,
+  /// or samples are kept for other cameras, the surface is sampled evenly.
+  [[nodiscard]] LightSampling plan_sampling(const CameraRays& camera, const SeenSurface& seen,
+                                            bool is_kept) const;
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
+    return profiles_.local_reflectance(point);
+  }
+
+  /// An opaque object inside, bones say, by a coarse look: most of a scene are elsewhere.
+  struct Inside {
+    std::vector<Mesh> mesh;
+    std::uint32_t material;
+    double area, share;  ///< of it that lies inside, about [mm²], and over all of it
+  };
+  [[nodiscard]] std::vector<Inside> objects_inside() const;
+
+ private:
+  using Local = typename ProfileTransport<N>::Local;
 
   /// The spacing of samples that the settings ask for, never more than `max_points` of them [mm].
   ///
@@ -61,30 +100,16 @@ class HierarchyTransport final : public SubsurfaceTransport<N> {
                                                             int estimates, std::uint64_t seed,
                                                             const Progress& progress) const;
 
-  /// Makes the samples ready to be summed. Comes before leaving_radiance.
+  /// The same, in use when it returns, and what was done.
+  [[nodiscard]] std::optional<IrradianceCloud> sample_and_use(const Preparation<N>& with,
+                                                              const LightSampling& sampling,
+                                                              LightSamples& done);
+  /// Makes the samples ready to be summed. Comes before exitance.
   void use(const IrradianceCloud& cloud);
-
-  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
-                                       PixelSamples& samples) const override;
-  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
-    return profiles_.local_reflectance(point);
-  }
-
-  [[nodiscard]] std::uint32_t material() const { return material_; }
-
-  /// An opaque object inside, bones say, by a coarse look: most of a scene are elsewhere.
-  struct Inside {
-    std::vector<Mesh> mesh;
-    std::uint32_t material;
-    double area, share;  ///< of it that lies inside, about [mm²], and over all of it
-  };
-  [[nodiscard]] std::vector<Inside> objects_inside() const;
-
-  /// Flux per area that leaves at a point.
+  /// Flux per area that leaves at a point, and at some.
   [[nodiscard]] Bands exitance(const SurfacePoint& point) const;
+  [[nodiscard]] std::vector<Bands> exitance_at(const std::vector<SurfacePoint>& points) const;
 
- private:
-  using Local = typename ProfileTransport<N>::Local;
   /// By a sum over all samples within reach.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;

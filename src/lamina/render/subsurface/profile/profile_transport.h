@@ -31,7 +31,7 @@ namespace lamina {
 /// normal that probes start from is the smooth one, since a bump map's would throw them off; of
 /// several hits one is drawn by its weight.
 template <int N>
-class ProfileTransport final : public SubsurfaceTransport<N> {
+class ProfileTransport final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 

@@ -23,7 +23,7 @@ namespace lamina {
 /// through bodies of the same index. Where it is rough, from where a path meets it. Nothing is
 /// known about the light beforehand: paths are followed to their end.
 template <int N>
-class MediaWalk final : public SubsurfaceTransport<N> {
+class MediaWalk final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 

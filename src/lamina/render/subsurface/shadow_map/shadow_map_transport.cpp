@@ -47,6 +47,10 @@ RadiusOfShare draw_share(const std::vector<float>& r2, float u) {
   return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (shares * pi * ring)};
 }
 
+/// Of the texel of a buffer, and of a point that is drawn in one. Measured on one core of a Zen 4
+/// [CPU s].
+constexpr double seconds_per_ray = 1e-6, seconds_per_lookup = 0.15e-6;
+
 /// All buffers of a material have at most this many times the texels of one.
 constexpr double most_texels = 32.0;
 
@@ -132,8 +136,16 @@ void ShadowMapTransport<N>::make_buffers() {
 }
 
 template <int N>
-bool ShadowMapTransport<N>::look_from_lights(const LightGatherer<N>& light,
-                                             const Progress& progress) {
+SubsurfaceCost ShadowMapTransport<N>::expected_cost(const Preparation<N>& /*with*/) const {
+  // A buffer is filled by a ray to a texel; the views share the texels of one buffer per light.
+  const ShadowMapSettings& settings = scene_.scene->render.shadow_map;
+  const double lights = std::min(static_cast<double>(scene_.scene->lights.size()), 32.0);
+  return {.preparation = seconds_per_ray * lights * settings.resolution * settings.resolution,
+          .lookup = seconds_per_lookup * settings.lookups};
+}
+
+template <int N>
+bool ShadowMapTransport<N>::prepare(const Preparation<N>& with) {
   make_buffers();
   constexpr std::size_t chunk = 2048;
   std::vector<std::pair<std::size_t, std::size_t>> chunks;  // buffer, first texel
@@ -145,8 +157,8 @@ bool ShadowMapTransport<N>::look_from_lights(const LightGatherer<N>& light,
     Buffer& buffer = buffers_[chunks[c].first];
     const std::size_t first = chunks[c].second;
     for (std::size_t k = first; k < std::min(first + chunk, buffer.texels.size()); ++k)
-      look(buffer, k, light);
-    if (!report(progress, 0.0)) is_stopped = true;
+      look(buffer, k, with.light);
+    if (!report(with.progress, 0.0)) is_stopped = true;
   });
   return !is_stopped;
 }

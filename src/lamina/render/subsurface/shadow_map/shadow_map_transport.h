@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profile/gather_profiles.h"
 #include "lamina/render/subsurface/profile/profile_transport.h"
 #include "lamina/render/subsurface/shadow_map/internal/shadow_buffer.h"
@@ -34,7 +34,7 @@ struct RadiusOfShare {
 /// Source: [Hery2003] §3, §5.1, §5.2. Departures: all bands share the points by the sum of their
 /// profiles; other objects' shadow is kept with each texel instead of scaling the result.
 template <int N>
-class ShadowMapTransport final : public SubsurfaceTransport<N> {
+class ShadowMapTransport final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
@@ -43,9 +43,9 @@ class ShadowMapTransport final : public SubsurfaceTransport<N> {
                      std::uint32_t material, const ProfileMaker& make_profile,
                      bool is_printed_exit);
 
-  /// Makes the buffers. Comes before leaving_radiance.
-  /// @return  whether it was completed; not if progress asked to stop
-  [[nodiscard]] bool look_from_lights(const LightGatherer<N>& light, const Progress& progress);
+  /// Makes the buffers.
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override;
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override;

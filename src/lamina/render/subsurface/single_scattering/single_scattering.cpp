@@ -33,7 +33,7 @@ float mean_ior(const Material& material) {
 template <int N>
 SingleScattering<N>::SingleScattering(const RenderScene& scene, const BandConversion<N>& conversion,
                                       std::uint32_t material, bool is_refracted,
-                                      std::unique_ptr<SubsurfaceTransport<N>> multiple)
+                                      std::unique_ptr<SubsurfaceMethod<N>> multiple)
     : scene_(scene),
       conversion_(conversion),
       material_(material),

@@ -27,7 +27,7 @@ namespace lamina {
 /// extinction along the way in and so counts the falloff twice, lacks the 1/4 pi of the phase
 /// function and the (cos_i / cos_i') / n^2 of the refracted beam.
 template <int N>
-class SingleScattering final : public SubsurfaceTransport<N> {
+class SingleScattering final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
@@ -35,8 +35,17 @@ class SingleScattering final : public SubsurfaceTransport<N> {
   /// @param multiple      the method that finds light scattered more often
   SingleScattering(const RenderScene& scene, const BandConversion<N>& conversion,
                    std::uint32_t material, bool is_refracted,
-                   std::unique_ptr<SubsurfaceTransport<N>> multiple);
+                   std::unique_ptr<SubsurfaceMethod<N>> multiple);
 
+  void prepare_reflectance(const Preparation<N>& with) override {
+    multiple_->prepare_reflectance(with);
+  }
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override {
+    return multiple_->prepare(with);
+  }
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override {
+    return multiple_->expected_cost(with);
+  }
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override {
     return multiple_->leaving_radiance(exit, light, samples) + once(exit, light, samples);
@@ -75,7 +84,7 @@ class SingleScattering final : public SubsurfaceTransport<N> {
   float ior_;  ///< over that outside, mean of the bands
   FirstOrderStack<Bands> layers_;
   std::vector<PhaseFunction> phases_;  ///< [layer], of the middle band: what directions follow
-  std::unique_ptr<SubsurfaceTransport<N>> multiple_;
+  std::unique_ptr<SubsurfaceMethod<N>> multiple_;
 };
 
 }  // namespace lamina

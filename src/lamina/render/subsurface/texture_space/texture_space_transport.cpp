@@ -208,7 +208,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
 }
 
 template <int N>
-void TextureSpaceTransport<N>::spread(IrradianceCloud& cloud) {
+void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
   const std::size_t texels = cloud.points.size();
   CellField<N> entering(texels);
   for (std::size_t i = 0; i < texels; ++i)

@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
+#include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
@@ -24,7 +25,7 @@ namespace lamina {
 ///
 /// Source: [Donner2008] §4; docs/heterogeneous_skin.md.
 template <int N>
-class TextureSpaceTransport final : public SubsurfaceTransport<N> {
+class TextureSpaceTransport final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
@@ -32,6 +33,22 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
   /// @throws InvalidInput if the material is no recipe of skin.
   TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
 
+  /// Cuts the surface into texels and takes the light that is kept, or works out what skin is at
+  /// each of them.
+  /// @throws InvalidInput if no texel lies on the material, as TextureAtlas, LightCache::find
+  void prepare_reflectance(const Preparation<N>& with) override;
+
+  /// Samples the light on the texels and lets it scatter from texel to texel, unless it was kept.
+  /// Kept light serves until a pixel sees half a texel. Without a cache, what this camera does not
+  /// see is sampled sparingly.
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override;
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
+
+ private:
   /// The width of texels that the settings ask for, never more than `max_texels` of them [mm].
   ///
   /// @param pixel_size  what a pixel sees at least [mm]: texels need not be smaller
@@ -55,34 +72,28 @@ class TextureSpaceTransport final : public SubsurfaceTransport<N> {
                                                             std::uint64_t seed,
                                                             const Progress& progress) const;
 
-  /// Lets light that was sampled spread, and forgets the layers.
-  void spread(IrradianceCloud& cloud);
+  /// Lets light that was sampled scatter, and forgets the layers.
+  void scatter(IrradianceCloud& cloud);
 
-  /// Takes light that has spread. Comes before leaving_radiance.
+  /// Takes light that has scattered. Comes before leaving_radiance.
   /// @throws InvalidInput if it is of other texels.
   void use(const IrradianceCloud& cloud);
 
-  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
-                                       PixelSamples& samples) const override;
-  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
-
-  [[nodiscard]] std::uint32_t material() const { return material_; }
-  [[nodiscard]] std::span<const AtlasTexel> texels() const { return atlas_->texels(); }
-  [[nodiscard]] std::span<const std::string> warnings() const { return atlas_->warnings(); }
-  [[nodiscard]] float spacing() const { return spacing_; }
-
- private:
   [[nodiscard]] Bands looked_up(const CellField<N>& field, const SurfacePoint& point) const;
   /// What lies opposite each texel, if it is near.
   [[nodiscard]] std::vector<FarSide> far_sides() const;
   /// Adds the border texels to a field of texels.
   void extend(CellField<N>& field) const;
 
+  /// Why light that is kept cannot serve this picture; empty: it can.
+  [[nodiscard]] std::string misfit(const IrradianceCloud& cloud, const CameraRays& camera) const;
+
   const RenderScene& scene_;
   const SubsurfaceSurface& surface_;
   std::uint32_t material_;
   bool is_printed_exit_;
   float spacing_ = 0.0f;
+  bool is_kept_ = false;  ///< the light
   std::optional<TextureAtlas> atlas_;
   CellGraph graph_;
   std::optional<SurfaceLayers<N>> layers_;
