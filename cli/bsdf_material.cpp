@@ -162,15 +162,16 @@ void write_plot(const BsdfOptions& options, const Material& material, const Angl
                 "finite radiance and is left out"};
   for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf}) {
     const bool is_above = values == &StackBsdf::brdf;
-    Panel panel;
+    PlotPanel panel;
     panel.title = is_above ? "reflected" : "transmitted";
-    panel.kind = PanelKind::polar;
+    panel.kind = PlotPanelKind::polar;
     panel.y.label = "[1/sr]";
     panel.arrow_angle = -options.theta_i_deg * degree;
     double largest = 0.0;
     for (std::size_t r = 0; r < results.size(); ++r)
       for (std::size_t band = 0; band < material.bands.size(); ++band) {
-        Curve curve{.color = band_color(material.bands, band), .style = styles[r % styles.size()]};
+        PlotCurve curve{.color = band_color(material.bands, band),
+                        .style = styles[r % styles.size()]};
         if (is_above)  // one legend serves both
           curve.name = band_label(material.bands, band) +
                        (results.size() > 1 ? " " + results[r].method : "");

@@ -71,8 +71,8 @@ BandResult trace(const LayerStack& stack, const MonteCarloOptions& options, cons
 }
 
 /// [plane][theta][phi][band]; without planes [theta][phi][band].
-ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::* member,
-                      SideOf side, double Estimate::* part, std::size_t planes, const Cells& cells) {
+ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::*member,
+                      SideOf side, double Estimate::*part, std::size_t planes, const Cells& cells) {
   ordered_json all = ordered_json::array();
   for (std::size_t plane = 0; plane < planes; ++plane) {
     ordered_json rows = ordered_json::array();
@@ -188,7 +188,8 @@ std::string to_text(const BsdfOptions& options, const Material& material, const 
 
 /// Adds a curve through the plane of incidence. `values` gives the estimate of a row and side.
 template <class Values>
-void add_curve(Panel& panel, Curve curve, const Cells& cells, SideOf side, const Values& values) {
+void add_curve(PlotPanel& panel, PlotCurve curve, const Cells& cells, SideOf side,
+               const Values& values) {
   const auto add = [&](std::size_t row, bool is_light_side) {
     const double theta = cells.theta_deg(row) * degree;
     const double angle = side == brdf ? theta : std::numbers::pi - theta;
@@ -203,17 +204,17 @@ void add_curve(Panel& panel, Curve curve, const Cells& cells, SideOf side, const
   panel.curves.push_back(std::move(curve));
 }
 
-Panel make_panel(const BsdfOptions& options, const std::string& title) {
+PlotPanel make_panel(const BsdfOptions& options, const std::string& title) {
   return {.title = title,
-          .kind = PanelKind::polar,
+          .kind = PlotPanelKind::polar,
           .y = {.label = "[1/sr]"},
           .arrow_angle = -options.theta_i_deg * degree};
 }
 
 /// Orders of one band as [HanrahanKrueger1993] Figure 9 shows them, later ones together.
-Panel order_panel(const BsdfOptions& options, const Material& material, const Cells& cells,
-                  const BandResult& result, std::size_t band, SideOf side) {
-  Panel panel = make_panel(
+PlotPanel order_panel(const BsdfOptions& options, const Material& material, const Cells& cells,
+                      const BandResult& result, std::size_t band, SideOf side) {
+  PlotPanel panel = make_panel(
       options, fmt::format("{}, {}, by order", side == brdf ? "reflected" : "transmitted",
                            band_label(material.bands, band)));
   struct Range {
@@ -225,7 +226,7 @@ Panel order_panel(const BsdfOptions& options, const Material& material, const Ce
                                  Range{"all", 0, photon_orders - 1}};
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     const Range& range = ranges[k];
-    Curve curve{.name = side == brdf ? range.name : "", .color = palette_color(k)};
+    PlotCurve curve{.name = side == brdf ? range.name : "", .color = palette_color(k)};
     add_curve(panel, std::move(curve), cells, side, [&](std::size_t row, bool is_light_side) {
       Estimate sum;
       for (std::size_t order = range.first; order <= range.last; ++order) {
@@ -255,10 +256,10 @@ void write_plot(const BsdfOptions& options, const Material& material, const Cell
       }))
     sides.push_back(btdf);
   for (const SideOf side : sides) {
-    Panel& panel =
+    PlotPanel& panel =
         plot.panels.emplace_back(make_panel(options, side == brdf ? "reflected" : "transmitted"));
     for (std::size_t band = 0; band < bands.size(); ++band) {
-      Curve curve{.color = band_color(material.bands, band)};
+      PlotCurve curve{.color = band_color(material.bands, band)};
       if (side == brdf) curve.name = band_label(material.bands, band);  // one legend serves both
       add_curve(panel, std::move(curve), cells, side, [&](std::size_t row, bool is_light_side) {
         return in_plane(bands[band].bsdf.*side, cells, row, is_light_side);

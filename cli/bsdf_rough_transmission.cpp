@@ -159,7 +159,7 @@ struct Named {
 /// Light that leaves in the plane of incidence, from the cells along it: bsdf * cos(theta_o) over
 /// the angle from the upward normal, positive away from the light. Where the cells are noisy, means
 /// over three by three of them.
-Curve lobe_of(const Named& named, bool is_transmitted) {
+PlotCurve lobe_of(const Named& named, bool is_transmitted) {
   const RoughSurfaceScattering& result = named.result;
   const auto& [thetas, phis] = result.cells;
   const std::vector<double>& bsdf = is_transmitted ? result.btdf : result.brdf;
@@ -171,7 +171,7 @@ Curve lobe_of(const Named& named, bool is_transmitted) {
   }
   const int merged = errors > 0.05 * values ? 3 : 1;
 
-  Curve curve{.name = named.name};
+  PlotCurve curve{.name = named.name};
   const auto add = [&](int first_theta, int first_phi, double sign) {
     double flux = 0.0, weight = 0.0;
     for (int i = first_theta; i < first_theta + merged; ++i)
@@ -196,14 +196,14 @@ void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
                                  options.smoothness),
             .caption = "power per solid angle in the plane of incidence, of 1 that arrives"};
   for (const bool is_transmitted : {false, true}) {
-    Panel& panel = plot.panels.emplace_back();
+    PlotPanel& panel = plot.panels.emplace_back();
     panel.title = is_transmitted ? "transmitted" : "reflected";
-    panel.kind = PanelKind::polar;
+    panel.kind = PlotPanelKind::polar;
     panel.y.label = "[1/sr]";
     panel.arrow_angle = -options.theta_i_deg * degree;
     for (const Named& named : results) panel.curves.push_back(lobe_of(named, is_transmitted));
     if (is_transmitted)  // one legend serves both
-      for (Curve& curve : panel.curves) curve.name.clear();
+      for (PlotCurve& curve : panel.curves) curve.name.clear();
   }
   save_svg(plot, options.plot);
 }

@@ -39,7 +39,7 @@ void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
                                      fmt::join(runs[i].bands, " "), runs[i].name));
     for (std::size_t band = 0; band < sum[i].counts.size(); ++band) {
       try {
-        sum[i].counts[band] = merge(sum[i].counts[band], runs[i].counts[band]);
+        sum[i].counts[band] = merge_counts(sum[i].counts[band], runs[i].counts[band]);
       } catch (const InvalidInput& error) {
         throw InvalidInput(file + ": " + error.what());
       }

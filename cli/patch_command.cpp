@@ -49,12 +49,12 @@ void save_fit_plot(const std::string& file, const SkinPatch& patch,
   for (std::size_t layer = 0; layer < tables[0].layers.size(); ++layer)
     for (const auto& [name, table] : operators) {
       if ((tables[0].layers[layer].*table).error.empty()) continue;
-      Panel& panel = plot.panels.emplace_back();
+      PlotPanel& panel = plot.panels.emplace_back();
       panel.title = fmt::format("{} of layer {}", name, layer);
       panel.x = {.label = "absorption [1/mm]", .scale = AxisScale::logarithmic};
       panel.y = {.label = "error", .scale = AxisScale::logarithmic};
       for (std::size_t b = 0; b < tables.size(); ++b) {
-        Curve curve{.name = band_label(patch.bands, b), .color = band_color(patch.bands, b)};
+        PlotCurve curve{.name = band_label(patch.bands, b), .color = band_color(patch.bands, b)};
         curve.y = (tables[b].layers[layer].*table).error;
         for (std::size_t row = 0; row < curve.y.size(); ++row)
           curve.x.push_back(row_absorption(tables[b].grid, static_cast<double>(row)));

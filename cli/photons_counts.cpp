@@ -168,9 +168,9 @@ PhotonCounts read_counts(const JsonInput& input) {
   counts.run = object.required("run").string();
   counts.tallies = read_tallies(object.required("tallies"));
   counts.layers = static_cast<std::size_t>(object.required("layers").integer(1, 100'000));
-  counts.specular = object.required("specular").number(between(0.0, 1.0));
+  counts.specular = object.required("specular").number(closed_interval(0.0, 1.0));
   counts.has_random_specular = object.required("random_specular").boolean();
-  counts.length_unit = object.required("length_unit").number(above(0.0, "mm"));
+  counts.length_unit = object.required("length_unit").number(greater_than(0.0, "mm"));
   counts.photons = whole("photons");
   counts.batches = whole("batches");
   counts.events = word(object.required("events"));

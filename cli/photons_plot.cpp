@@ -21,7 +21,7 @@ BandSet band_set(const std::vector<std::string>& bands) {
 }
 
 void add_curves(const PhotonRun& run, const std::vector<double>& x,
-                TwoSided MonteCarloResult::* member, Panel& panel) {
+                TwoSided MonteCarloResult::*member, PlotPanel& panel) {
   const BandSet bands = band_set(run.bands);
   for (std::size_t band = 0; band < run.counts.size(); ++band) {
     const MonteCarloResult result = summarize(run.counts[band]);
@@ -30,7 +30,7 @@ void add_curves(const PhotonRun& run, const std::vector<double>& x,
     const std::string color = is_named ? band_color(bands, band) : "";
     const auto add = [&](const std::vector<Estimate>& estimates, const std::string& what,
                          CurveStyle style) {
-      Curve curve = {.name = name.empty() ? what : name + " " + what, .x = x, .y = {}};
+      PlotCurve curve = {.name = name.empty() ? what : name + " " + what, .x = x, .y = {}};
       for (const Estimate& e : estimates) {
         curve.y.push_back(e.value);
         curve.low.push_back(std::max(0.0, e.value - e.standard_error));
@@ -61,7 +61,7 @@ void plot_photons(const PhotonRun& run, const std::string& file) {
   plot.caption = fmt::format("Photon Monte Carlo, {} photons per band; shaded: one standard error",
                              run.counts[0].photons);
   if (t.r.count > 0) {
-    Panel& panel = plot.panels.emplace_back();
+    PlotPanel& panel = plot.panels.emplace_back();
     panel.x = {.label = "r [mm]"};
     panel.y = {.label = "flux density [1/mm²]", .scale = AxisScale::logarithmic};
     std::vector<double> x;
@@ -69,7 +69,7 @@ void plot_photons(const PhotonRun& run, const std::string& file) {
     add_curves(run, x, &MonteCarloResult::radial, panel);
   }
   if (t.angles > 0) {
-    Panel& panel = plot.panels.emplace_back();
+    PlotPanel& panel = plot.panels.emplace_back();
     panel.x = {.label = "angle from the normal [degrees]", .low = 0.0, .high = 90.0};
     panel.y = {.label = "intensity [1/sr]"};
     std::vector<double> x;

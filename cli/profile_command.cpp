@@ -249,9 +249,9 @@ ordered_json comparison_json(const Profile& layered, const Rival& rival) {
 }
 
 /// R or T of all bands, with the rival dashed; down to 1e-8 of the highest peak.
-Panel profile_panel(const Material& material, const Profile& layered, const Rival& rival,
-                    bool is_reflectance) {
-  Panel panel;
+PlotPanel profile_panel(const Material& material, const Profile& layered, const Rival& rival,
+                        bool is_reflectance) {
+  PlotPanel panel;
   panel.title = is_reflectance ? "Reflectance" : "Transmittance";
   panel.x = {.label = "distance r from the beam [mm]", .scale = AxisScale::logarithmic};
   panel.y = {.label = is_reflectance ? "R(r) [mm⁻²]" : "T(r) [mm⁻²]",
@@ -265,10 +265,10 @@ Panel profile_panel(const Material& material, const Profile& layered, const Riva
   double last_r = layered.r[0];
   const auto add = [&](const Profile& profile, CurveStyle style, const std::string& kind) {
     for (std::size_t b = 0; b < profile.bands; ++b) {
-      Curve curve{.name = band_label(material.bands, b) + kind,
-                  .color = band_color(material.bands, b),
-                  .style = style,
-                  .width = style == CurveStyle::line ? 1.8 : 1.2};
+      PlotCurve curve{.name = band_label(material.bands, b) + kind,
+                      .color = band_color(material.bands, b),
+                      .style = style,
+                      .width = style == CurveStyle::line ? 1.8 : 1.2};
       for (std::size_t i = 0; i < profile.r.size() && value(profile, i, b) > 1e-8 * peak; ++i) {
         curve.x.push_back(profile.r[i]);
         curve.y.push_back(value(profile, i, b));

@@ -188,7 +188,8 @@ void run_render(const RenderCommandOptions& options) {
                                  : "");
   scene.render.method = s.method;  // where it was left open
   std::string skins;
-  for (const SkinTotals& totals : skin_totals(scene)) skins += describe(totals, scene) + "\n";
+  for (const SkinTotals& totals : skin_totals(scene))
+    skins += describe_skin_totals(totals, scene) + "\n";
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   nlohmann::ordered_json json = make_result("render");
@@ -265,14 +266,15 @@ void add_render_command(CLI::App& app) {
       .type_name("N")
       .range(0, 1000);
   command
-      .add_option("--method", options->method,
-                  "of light below surfaces: auto, one of the others by what the scene needs and what "
-                  "it costs; profile draws entry points at random; "
-                  "hierarchy sums a profile over samples of the light, without noise; "
-                  "shadow_map draws them in what lights see, a fast preview; "
-                  "texture_space spreads "
-                  "light through skin whose parameters are maps; random_walk "
-                  "follows light inside closed meshes, the truth")
+      .add_option(
+          "--method", options->method,
+          "of light below surfaces: auto, one of the others by what the scene needs and what "
+          "it costs; profile draws entry points at random; "
+          "hierarchy sums a profile over samples of the light, without noise; "
+          "shadow_map draws them in what lights see, a fast preview; "
+          "texture_space spreads "
+          "light through skin whose parameters are maps; random_walk "
+          "follows light inside closed meshes, the truth")
       .type_name("NAME");
   command
       .add_option("--compare", options->compared,

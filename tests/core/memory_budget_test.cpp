@@ -15,7 +15,7 @@ constexpr std::size_t mebi = std::size_t{1} << 20;
 
 std::string refusal(MemoryBudget& budget, std::size_t count, std::size_t size) {
   try {
-    take(budget, count, size, "f.png: 3 x 5 pixels");
+    take_memory(budget, count, size, "f.png: 3 x 5 pixels");
   } catch (const FileError& error) {
     return error.what();
   }

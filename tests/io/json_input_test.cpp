@@ -69,10 +69,11 @@ TEST(JsonInput, SaysWhereANumberIsOutOfRange) {
   const JsonInput layer = document.root().peek("layers")->array()[1];
   EXPECT_EQ(message_of([&] { (void)layer.peek("sigma_a")->number(at_least(0.0, "1/mm")); }),
             "head.json:3: layers[1].sigma_a must be >= 0 [1/mm], but is -3");
-  EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(2, inside(-1.0, 1.0)); }),
+  EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(2, open_interval(-1.0, 1.0)); }),
             "head.json:4: layers[1].g[1] must lie in (-1, 1), but is 1");
-  EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(2, between(200.0, 3000.0, "nm")); }),
-            "head.json:4: layers[1].g[0] must lie in [200, 3000] nm, but is 0");
+  EXPECT_EQ(
+      message_of([&] { (void)layer.peek("g")->numbers(2, closed_interval(200.0, 3000.0, "nm")); }),
+      "head.json:4: layers[1].g[0] must lie in [200, 3000] nm, but is 0");
   EXPECT_EQ(message_of([&] { (void)layer.peek("g")->numbers(3); }),
             "head.json:4: layers[1].g must hold 3 values, but holds 2");
   EXPECT_EQ(message_of([&] { (void)layer.peek("g")->number(); }),
@@ -89,10 +90,10 @@ TEST(JsonInput, RangesHoldTheirEndsAsTheySay) {
   const JsonDocument document = parse_json("[0, 1]", "f.json");
   const JsonInput zero = document.root().array()[0], one = document.root().array()[1];
   EXPECT_EQ(zero.number(at_least(0.0)), 0.0);
-  EXPECT_THROW((void)zero.number(above(0.0)), InvalidInput);
-  EXPECT_EQ(one.number(between(0.0, 1.0)), 1.0);
-  EXPECT_THROW((void)one.number(inside(0.0, 1.0)), InvalidInput);
-  EXPECT_THROW((void)zero.number(inside(0.0, 1.0)), InvalidInput);
+  EXPECT_THROW((void)zero.number(greater_than(0.0)), InvalidInput);
+  EXPECT_EQ(one.number(closed_interval(0.0, 1.0)), 1.0);
+  EXPECT_THROW((void)one.number(open_interval(0.0, 1.0)), InvalidInput);
+  EXPECT_THROW((void)zero.number(open_interval(0.0, 1.0)), InvalidInput);
 }
 
 TEST(JsonInput, UnknownKeySuggestsTheNearestOne) {

@@ -51,18 +51,18 @@ PolygonMesh join(PolygonMesh a, const PolygonMesh& b) {
 TEST(Orientation, LeavesASoundMeshAlone) {
   for (const PolygonMesh& shape :
        {make_sphere(1, 8), make_box({1, 2, 3}, 3), make_bumpy_sphere(1, 9)}) {
-    const OrientedMesh oriented = orient(unified(shape));
+    const OrientedMesh oriented = orient_mesh(unified(shape));
     EXPECT_EQ(oriented.turned_faces + oriented.inside_out + oriented.turned_normals, 0U);
     EXPECT_TRUE(oriented.is_closed);
     EXPECT_EQ(outward_faces(oriented.mesh), face_count(shape)) << shape.name;
   }
-  EXPECT_FALSE(orient(unified(make_rectangle(1, 1, 3))).is_closed);
+  EXPECT_FALSE(orient_mesh(unified(make_rectangle(1, 1, 3))).is_closed);
 }
 
 TEST(Orientation, TurnsFacesThatAreWoundAgainstTheirNeighbours) {
   PolygonMesh sphere = without_normals(make_sphere(1, 8));
   for (const std::size_t f : {3U, 20U, 77U}) reverse_face(sphere, f);
-  const OrientedMesh oriented = orient(sphere);
+  const OrientedMesh oriented = orient_mesh(sphere);
   EXPECT_EQ(oriented.turned_faces, 3U);
   EXPECT_EQ(oriented.inside_out, 0U);
   EXPECT_EQ(outward_faces(oriented.mesh), face_count(sphere));
@@ -72,7 +72,7 @@ TEST(Orientation, TurnsAClosedSurfaceThatIsInsideOut) {
   PolygonMesh sphere = without_normals(make_sphere(1, 8));
   for (std::size_t f = 0; f < face_count(sphere); ++f)
     if (f != 5) reverse_face(sphere, f);
-  const OrientedMesh oriented = orient(sphere);
+  const OrientedMesh oriented = orient_mesh(sphere);
   EXPECT_EQ(oriented.inside_out, 1U);
   EXPECT_EQ(oriented.turned_faces, 1U);  // the one that disagreed with the rest
   EXPECT_EQ(outward_faces(oriented.mesh), face_count(sphere));
@@ -81,7 +81,7 @@ TEST(Orientation, TurnsAClosedSurfaceThatIsInsideOut) {
 TEST(Orientation, LeavesTheInnerWallOfAHollowBody) {
   PolygonMesh inner = without_normals(make_sphere(0.5, 6));
   for (std::size_t f = 0; f < face_count(inner); ++f) reverse_face(inner, f);
-  const OrientedMesh oriented = orient(join(without_normals(make_sphere(1, 8)), inner));
+  const OrientedMesh oriented = orient_mesh(join(without_normals(make_sphere(1, 8)), inner));
   EXPECT_EQ(oriented.inside_out, 0U);
   EXPECT_EQ(outward_faces(oriented.mesh), face_count(make_sphere(1, 8)));
 }
@@ -89,7 +89,7 @@ TEST(Orientation, LeavesTheInnerWallOfAHollowBody) {
 TEST(Orientation, AnOpenSurfaceFollowsItsNormals) {
   PolygonMesh sheet = unified(make_rectangle(1, 1, 4));
   for (std::size_t f = 0; f < face_count(sheet); ++f) reverse_face(sheet, f);
-  const OrientedMesh oriented = orient(sheet);
+  const OrientedMesh oriented = orient_mesh(sheet);
   EXPECT_EQ(oriented.turned_faces, 16U);
   EXPECT_EQ(oriented.turned_normals, 0U);
   for (std::size_t f = 0; f < 16; ++f) EXPECT_GT(doubled_area(oriented.mesh, f).z, 0.0);
@@ -98,7 +98,7 @@ TEST(Orientation, AnOpenSurfaceFollowsItsNormals) {
 TEST(Orientation, TurnsNormalsThatPointToTheBack) {
   PolygonMesh sphere = unified(make_sphere(1, 8));
   for (Vec3f& n : sphere.normals) n = -n;
-  const OrientedMesh oriented = orient(sphere);
+  const OrientedMesh oriented = orient_mesh(sphere);
   EXPECT_EQ(oriented.turned_normals, face_count(sphere));
   EXPECT_EQ(oriented.inside_out, 0U);
   for (const MeshCorner& corner : oriented.mesh.corners)
@@ -125,7 +125,7 @@ TEST(Orientation, AMoebiusStripHasNoOutsideAndStaysWhole) {
         {.position = a}, {.position = a + 1}, {.position = b + 1 - twist}, {.position = b + twist}};
     add_face(strip, corners, 0);
   }
-  const OrientedMesh oriented = orient(strip);
+  const OrientedMesh oriented = orient_mesh(strip);
   EXPECT_EQ(face_count(oriented.mesh), n);
   EXPECT_FALSE(oriented.is_closed);
 }

@@ -67,9 +67,9 @@ TEST(CatmullClark, CommutesWithAffineMaps) {
   const Transform map{{1, 2, 0}, {0, 1, -1}, {0.5, 0, 2}, {3, 4, 5}};
   const PolygonMesh shape = unified(make_bumpy_sphere(2.0, 3));
   PolygonMesh before = shape, after = subdivide_catmull_clark(shape, 2);
-  apply(map, before);
+  transform_mesh(map, before);
   before = subdivide_catmull_clark(before, 2);
-  apply(map, after);
+  transform_mesh(map, after);
   ASSERT_EQ(before.positions.size(), after.positions.size());
   for (std::size_t i = 0; i < after.positions.size(); ++i)
     EXPECT_LT(distance(before.positions[i], after.positions[i]), 2e-5);

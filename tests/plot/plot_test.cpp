@@ -24,8 +24,8 @@ int count(const std::string& text, const std::string& part) {
   return found;
 }
 
-Curve decay(const std::string& name, double rate) {
-  Curve curve{.name = name};
+PlotCurve decay(const std::string& name, double rate) {
+  PlotCurve curve{.name = name};
   for (int i = 0; i < 50; ++i) {
     curve.x.push_back(0.1 * (i + 1));
     curve.y.push_back(std::exp(-rate * curve.x.back()));
@@ -35,8 +35,8 @@ Curve decay(const std::string& name, double rate) {
 
 Plot two_panels() {
   Plot plot{.title = "A & B", .caption = "<source>"};
-  for (const PanelKind kind : {PanelKind::cartesian, PanelKind::polar}) {
-    Panel& panel = plot.panels.emplace_back();
+  for (const PlotPanelKind kind : {PlotPanelKind::cartesian, PlotPanelKind::polar}) {
+    PlotPanel& panel = plot.panels.emplace_back();
     panel.kind = kind;
     panel.x = {.label = "r [mm]"};
     panel.y = {.label = "R(r) [mm⁻²]", .scale = AxisScale::logarithmic};
@@ -76,10 +76,10 @@ TEST(Plot, HasEqualBytesForEqualPlots) {
 TEST(Plot, DrawsNothingThatIsNotANumber) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double inf = std::numeric_limits<double>::infinity();
-  for (const PanelKind kind : {PanelKind::cartesian, PanelKind::polar})
+  for (const PlotPanelKind kind : {PlotPanelKind::cartesian, PlotPanelKind::polar})
     for (const AxisScale scale : {AxisScale::linear, AxisScale::logarithmic}) {
       Plot plot;
-      Panel& panel = plot.panels.emplace_back();
+      PlotPanel& panel = plot.panels.emplace_back();
       panel.kind = kind;
       panel.x.scale = panel.y.scale = scale;
       panel.curves = {{.name = "odd",
@@ -103,7 +103,7 @@ TEST(Plot, DrawsNothingThatIsNotANumber) {
 
 TEST(Plot, BreaksALineWhereThereIsNoValue) {
   Plot plot;
-  Panel& panel = plot.panels.emplace_back();
+  PlotPanel& panel = plot.panels.emplace_back();
   panel.curves = {{.x = {0.0, 1.0, 2.0, 3.0, 4.0},
                    .y = {1.0, 2.0, std::nan(""), 3.0, 4.0},
                    .color = "#123456"}};
@@ -114,7 +114,7 @@ TEST(Plot, BreaksALineWhereThereIsNoValue) {
 
 TEST(Plot, RefusesArraysOfDifferentLengthsAndAxesThatAreNoRange) {
   Plot plot;
-  Panel& panel = plot.panels.emplace_back();
+  PlotPanel& panel = plot.panels.emplace_back();
   panel.curves = {{.name = "short", .x = {1.0, 2.0}, .y = {1.0}}};
   try {
     (void)format_svg(plot);
@@ -138,7 +138,7 @@ TEST(Plot, RefusesArraysOfDifferentLengthsAndAxesThatAreNoRange) {
 
 std::vector<std::string> labels(const AxisSpan& span, double pixels) {
   std::vector<std::string> found;
-  for (const Tick& tick : make_ticks(span, pixels, 50.0)) {
+  for (const AxisTick& tick : make_ticks(span, pixels, 50.0)) {
     if (!tick.label.empty())
       found.push_back(tick.label + (tick.exponent.empty() ? "" : "^" + tick.exponent));
   }

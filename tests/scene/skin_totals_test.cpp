@@ -108,7 +108,7 @@ TEST(SkinTotals, ConstantsThatAreNamedAreNeverExchanged) {
 
 TEST(SkinTotals, ReportNamesConstantsAndTotals) {
   Scene scene = scene_of(find_material("skin_type_6"), Method::hierarchy);
-  const auto line = [&] { return describe(skin_totals(scene).at(0), scene); };
+  const auto line = [&] { return describe_skin_totals(skin_totals(scene).at(0), scene); };
   EXPECT_EQ(line(), "skin: skin with the constants \"calibrated\", totals by radiative transfer");
   scene.render.single_scattering = RenderSettings::SingleScattering::refracted;
   EXPECT_NE(line().find("totals by diffusion: brighter than"), std::string::npos);

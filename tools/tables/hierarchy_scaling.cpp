@@ -85,7 +85,8 @@ int main(int count, char** arguments) {
   if (count < 2) return 0;
   Plot plot{.title = "hierarchy over the number of samples, 1 triangle to 2 of them"};
   plot.panels.resize(2);
-  for (Panel& panel : plot.panels) panel.x = {.label = "samples", .scale = AxisScale::logarithmic};
+  for (PlotPanel& panel : plot.panels)
+    panel.x = {.label = "samples", .scale = AxisScale::logarithmic};
   plot.panels[0].y = {.label = "CPU time [s]", .scale = AxisScale::logarithmic};
   plot.panels[0].curves = {
       {.name = "measured", .x = samples, .y = cpu, .style = CurveStyle::line_and_points},

@@ -63,13 +63,13 @@ int main(int count, char** arguments) {
   plot.panels.resize(2);
   plot.panels[0].title = "to what the method converges to";
   plot.panels[1].title = "to random_walk";
-  for (Panel& panel : plot.panels) {
+  for (PlotPanel& panel : plot.panels) {
     panel.x = {.label = "CPU time [s]", .scale = AxisScale::logarithmic};
     panel.y = {.label = "mean error over mean", .scale = AxisScale::logarithmic};
   }
   std::printf("%-12s %8s %8s %10s %10s\n", "method", "samples", "CPU s", "noise %", "error %");
   for (const Tried& tried : all) {
-    Curve noise{.name = tried.name, .style = CurveStyle::line_and_points}, error = noise;
+    PlotCurve noise{.name = tried.name, .style = CurveStyle::line_and_points}, error = noise;
     const bool is_truth = tried.method == Method::random_walk;
     const Image converged =
         is_truth ? truth : picture(scene, tried.method, tried.converged, 98).image;

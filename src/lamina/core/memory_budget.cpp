@@ -22,15 +22,15 @@ constexpr std::array<std::string_view, 5> units = {"B", "KiB", "MiB", "GiB", "Ti
 
 }  // namespace
 
-void take(MemoryBudget& budget, std::size_t bytes, std::string_view what) {
+void take_memory(MemoryBudget& budget, std::size_t bytes, std::string_view what) {
   if (bytes > budget.left) refuse(budget, memory_size_text(bytes), what);
   budget.left -= bytes;
 }
 
-void take(MemoryBudget& budget, std::size_t count, std::size_t size, std::string_view what) {
+void take_memory(MemoryBudget& budget, std::size_t count, std::size_t size, std::string_view what) {
   if (size > 0 && count > std::numeric_limits<std::size_t>::max() / size)
     refuse(budget, "more than " + memory_size_text(std::numeric_limits<std::size_t>::max()), what);
-  take(budget, count * size, what);
+  take_memory(budget, count * size, what);
 }
 
 std::string memory_size_text(std::size_t bytes) {

@@ -19,10 +19,10 @@ struct MemoryBudget {
 /// Takes memory off a budget; to be called before it is allocated.
 /// @param what  needs it, as messages call it: "head.png: 8192 x 8192 pixels of 3 channels".
 /// @throws FileError `WHAT would take 7.3 GiB of memory, but only 4 GiB are left of the budget`.
-void take(MemoryBudget& budget, std::size_t bytes, std::string_view what);
+void take_memory(MemoryBudget& budget, std::size_t bytes, std::string_view what);
 
 /// The same for `count` things of `size` bytes each.
-void take(MemoryBudget& budget, std::size_t count, std::size_t size, std::string_view what);
+void take_memory(MemoryBudget& budget, std::size_t count, std::size_t size, std::string_view what);
 
 /// A size in the largest unit that it reaches, with two digits at least: "4 GiB", "1.5 MiB".
 [[nodiscard]] std::string memory_size_text(std::size_t bytes);

@@ -20,14 +20,14 @@ class Interrupted : public Error {
 };
 
 /// Reports to `progress` if there is one.
-[[nodiscard]] inline bool report(const Progress& progress, double finished) {
+[[nodiscard]] inline bool report_progress(const Progress& progress, double finished) {
   return !progress || progress(finished);
 }
 
 /// The same for work that has nothing to hand over before its end.
 /// @throws Interrupted if asked to stop
 inline void report_or_throw(const Progress& progress, double finished) {
-  if (!report(progress, finished)) throw Interrupted();
+  if (!report_progress(progress, finished)) throw Interrupted();
 }
 
 /// What a part of the work reports to: all of the part is the fraction from `begin` to `end` of the
@@ -39,8 +39,8 @@ inline void report_or_throw(const Progress& progress, double finished) {
   return part_of(progress, 0.0, 0.0);
 }
 
-/// parallel_for of core/parallel.h for work that has nothing to hand over before its end: reports after each call
-/// of `body`.
+/// parallel_for of core/parallel.h for work that has nothing to hand over before its end: reports
+/// after each call of `body`.
 /// @throws Interrupted if asked to stop; calls of `body` that have not begun are left out
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body,
                   const Progress& progress);

@@ -92,7 +92,7 @@ void check_attribute_lengths(const EncodedImage& file, bool is_multipart) {
   }
   constexpr std::size_t growth = 32;
   MemoryBudget for_header = file.memory;
-  take(for_header, at, growth, file.name + ": the header");
+  take_memory(for_header, at, growth, file.name + ": the header");
 }
 
 /// The header of the first part. @throws FileError for what is not read, such as deep images.

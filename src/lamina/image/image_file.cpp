@@ -79,8 +79,8 @@ void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t 
                            (channels == 1 ? " channel" : " channels");
   const std::size_t image_bytes = checked_product(what, {width, height, channels, sizeof(float)});
   MemoryBudget while_decoding = file.memory;
-  take(while_decoding, checked_sum(what, {image_bytes, decoder_bytes}), what);
-  take(file.memory, image_bytes, what);
+  take_memory(while_decoding, checked_sum(what, {image_bytes, decoder_bytes}), what);
+  take_memory(file.memory, image_bytes, what);
 }
 
 float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb) {

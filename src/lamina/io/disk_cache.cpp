@@ -91,7 +91,7 @@ std::optional<DiskCache> user_cache() {
   return std::nullopt;
 }
 
-std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
+std::optional<std::string> load_cached(const DiskCache& cache, std::string_view key) {
   const fs::path file = file_of(cache, key);
   std::error_code error;
   const std::uintmax_t size = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
@@ -111,7 +111,7 @@ std::optional<std::string> load(const DiskCache& cache, std::string_view key) {
   return std::string(value);
 }
 
-bool store(const DiskCache& cache, std::string_view key, std::string_view value) {
+bool save_cached(const DiskCache& cache, std::string_view key, std::string_view value) {
   const Header header{
       .key_size = key.size(), .value_size = value.size(), .checksum = hash_of(key, value)};
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);

@@ -24,9 +24,9 @@ struct DiskCache {
 [[nodiscard]] std::optional<DiskCache> user_cache();
 
 /// What was kept under a key, any bytes.
-[[nodiscard]] std::optional<std::string> load(const DiskCache& cache, std::string_view key);
+[[nodiscard]] std::optional<std::string> load_cached(const DiskCache& cache, std::string_view key);
 
 /// Keeps a value under a key. Returns whether that worked.
-bool store(const DiskCache& cache, std::string_view key, std::string_view value);
+bool save_cached(const DiskCache& cache, std::string_view key, std::string_view value);
 
 }  // namespace lamina

@@ -287,7 +287,7 @@ JsonDocument parse_json(std::string_view text, std::string name) {
 
 JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory) {
   const std::string text = read_json_text(file, std::min(json_max_bytes, memory.left));
-  take(memory, text.size(), file.string());
+  take_memory(memory, text.size(), file.string());
   JsonDocument document = parse_json(text, file.string(), memory);
   memory.left += text.size();  // which is there while it is parsed only
   return document;

@@ -28,7 +28,8 @@
 //   const JsonObject camera = document.root().object({"position", "fov", "lens", "film"});
 //   const std::vector<double> position = camera.required("position").numbers(3);
 //   double fov = 40.0;
-//   if (const auto value = camera.optional("fov")) fov = value->number(inside(0.0, 180.0, "deg"));
+//   if (const auto value = camera.optional("fov")) fov = value->number(open_interval(0.0, 180.0,
+//   "deg"));
 
 namespace lamina {
 
@@ -45,13 +46,15 @@ struct NumberRange {
 [[nodiscard]] constexpr NumberRange at_least(double low, std::string_view unit = {}) {
   return {.low = low, .unit = unit};
 }
-[[nodiscard]] constexpr NumberRange above(double low, std::string_view unit = {}) {
+[[nodiscard]] constexpr NumberRange greater_than(double low, std::string_view unit = {}) {
   return {.low = low, .includes_low = false, .unit = unit};
 }
-[[nodiscard]] constexpr NumberRange between(double low, double high, std::string_view unit = {}) {
+[[nodiscard]] constexpr NumberRange closed_interval(double low, double high,
+                                                    std::string_view unit = {}) {
   return {.low = low, .high = high, .unit = unit};
 }
-[[nodiscard]] constexpr NumberRange inside(double low, double high, std::string_view unit = {}) {
+[[nodiscard]] constexpr NumberRange open_interval(double low, double high,
+                                                  std::string_view unit = {}) {
   return {.low = low, .high = high, .includes_low = false, .includes_high = false, .unit = unit};
 }
 

@@ -35,7 +35,7 @@ void decode_substance(const JsonObject& object, const Context& context, auto& su
       if (g->number_or_numbers(context.bands) != substance.g)
         g->fail("must be 0 or missing where phase is \"rayleigh\"");
   } else {
-    substance.g = object.required("g").number_or_numbers(context.bands, inside(-1.0, 1.0));
+    substance.g = object.required("g").number_or_numbers(context.bands, open_interval(-1.0, 1.0));
   }
 }
 
@@ -48,7 +48,7 @@ std::vector<MixturePart> decode_mixture(const JsonInput& value, bool has_base,
         element.object({"name", "fraction", "sigma_a", "sigma_s", "g", "phase"});
     MixturePart& part = parts.emplace_back();
     if (const auto name = object.optional("name")) part.name = name->string();
-    part.fraction = object.required("fraction").number(between(0.0, 1.0));
+    part.fraction = object.required("fraction").number(closed_interval(0.0, 1.0));
     decode_substance(object, context, part);
     sum += part.fraction;
   }
@@ -64,7 +64,7 @@ double decode_thickness(const JsonInput& value, const Context& context) {
   if (value.is_string() && value.string() == "infinite")
     return std::numeric_limits<double>::infinity();
   if (!value.is_number()) value.refuse("must be a number or \"infinite\"");
-  (void)value.number(above(0.0, context.length_unit));
+  (void)value.number(greater_than(0.0, context.length_unit));
   const double thickness =
       value.number({.high = largest_number / context.mm_per_unit, .unit = context.length_unit});
   return thickness * context.mm_per_unit;
@@ -99,7 +99,7 @@ MaterialLayer decode_layer(const JsonInput& value, bool is_top, bool is_bottom,
 Interface decode_interface(const JsonObject& object) {
   Interface interface;
   if (const auto roughness = object.optional("roughness"))
-    interface.roughness = roughness->number(between(0.0, 1.0));
+    interface.roughness = roughness->number(closed_interval(0.0, 1.0));
   if (const auto distribution = object.optional("distribution")) {
     interface.distribution = distribution->choice<MicrofacetDistribution>();
     (void)object.required("roughness");
@@ -108,7 +108,7 @@ Interface decode_interface(const JsonObject& object) {
 }
 
 std::vector<double> decode_ior(const JsonInput& value, const Context& context) {
-  return value.number_or_numbers(context.bands, between(0.1, 10.0));
+  return value.number_or_numbers(context.bands, closed_interval(0.1, 10.0));
 }
 
 std::vector<MaterialLayer> decode_layers(const JsonInput& layers, const Context& context) {

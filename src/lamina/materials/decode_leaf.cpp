@@ -12,8 +12,9 @@ void decode_leaf(const JsonInput& recipe, const Context& context, Material& mate
   LeafParameters leaf;
   for (const LeafParameterRange& range : leaf_parameter_ranges())
     if (const auto value = object.optional(range.name))
-      leaf.*range.value = range.is_length ? recipe_length(*value, range.low, range.high, context)
-                                          : recipe_number(*value, between(range.low, range.high));
+      leaf.*range.value = range.is_length
+                              ? recipe_length(*value, range.low, range.high, context)
+                              : recipe_number(*value, closed_interval(range.low, range.high));
   std::vector<LayerStack> bands;
   for (const double wavelength : context.wavelengths)
     bands.push_back(leaf_layer_stack(leaf, wavelength));

@@ -36,7 +36,7 @@ std::vector<std::complex<double>> own_ior(const JsonObject& object, const Contex
   const std::vector<double> n = decode_ior(object.required("ior"), context);
   std::vector<double> k(context.bands, 0.0);
   if (const auto given = object.optional("k"))
-    k = given->number_or_numbers(context.bands, between(0.0, 10.0));
+    k = given->number_or_numbers(context.bands, closed_interval(0.0, 10.0));
   std::vector<std::complex<double>> ior;
   for (std::size_t band = 0; band < context.bands; ++band) ior.emplace_back(n[band], k[band]);
   return ior;
@@ -68,10 +68,10 @@ DecodedPigment decode_pigment(const JsonInput& value, const Context& context) {
   if (const auto radius = object.optional("median_radius"))
     particles.median_radius = recipe_length(*radius, smallest_radius, largest_radius, context);
   if (const auto spread = object.optional("sigma_log_radius"))
-    particles.sigma_log_radius = recipe_number(*spread, between(0.0, 1.5));
+    particles.sigma_log_radius = recipe_number(*spread, closed_interval(0.0, 1.5));
   if (largest_of(particles) > largest_grain)
     value.fail("sigma_log_radius is too large for this median_radius: grains of more than 0.1 mm");
-  particles.volume_fraction = recipe_number(object.required("fraction"), between(0.0, 0.6));
+  particles.volume_fraction = recipe_number(object.required("fraction"), closed_interval(0.0, 0.6));
   return decoded;
 }
 
@@ -102,7 +102,7 @@ void decode_paint(const JsonInput& recipe, const Context& context, Material& mat
                       .g = std::vector(context.bands, 0.0),
                       .ior = std::vector(context.bands, 1.5)};
   if (const auto ior = object.optional("binder_ior"))
-    paint.ior = ior->number_or_numbers(context.bands, between(1.0, 3.0));
+    paint.ior = ior->number_or_numbers(context.bands, closed_interval(1.0, 3.0));
   const JsonInput thickness = object.required("thickness");
   const bool is_infinite = thickness.is_string() && thickness.string() == "infinite";
   if (!is_infinite) paint.thickness = recipe_length(thickness, 1e-4, 1e3, context);

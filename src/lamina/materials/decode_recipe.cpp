@@ -13,8 +13,8 @@ double recipe_number(const JsonInput& value, const NumberRange& range) {
 
 double recipe_length(const JsonInput& value, double low, double high, const Context& context) {
   return context.mm_per_unit *
-         recipe_number(value, between(low / context.mm_per_unit, high / context.mm_per_unit,
-                                      context.length_unit));
+         recipe_number(value, closed_interval(low / context.mm_per_unit, high / context.mm_per_unit,
+                                              context.length_unit));
 }
 
 void require_wavelengths(const JsonInput& recipe, const Context& context, double shortest,

@@ -17,10 +17,10 @@ std::vector<std::array<double, 2>> decode_junction_spectrum(const JsonObject& sk
   if (!given) return points;
   for (const JsonInput& pair : given->array(1, 1000)) {
     const std::vector<JsonInput> both = pair.array(2, 2);
-    const double nm = both[0].number(between(350.0, 1000.0, "nm"));
+    const double nm = both[0].number(closed_interval(350.0, 1000.0, "nm"));
     if (!points.empty() && nm <= points.back()[0])
       both[0].refuse("must be greater than the wavelength before it");
-    points.push_back({nm, both[1].number(between(0.0, 1.0))});
+    points.push_back({nm, both[1].number(closed_interval(0.0, 1.0))});
   }
   return points;
 }
@@ -43,12 +43,13 @@ void decode_skin(const JsonInput& recipe, const Context& context, Material& mate
     if (context.maps && value->is_object()) {
       skin.*range.value = context.maps(range, *value);
     } else {
-      skin.*range.value = range.is_length ? recipe_length(*value, range.low, range.high, context)
-                                          : recipe_number(*value, between(range.low, range.high));
+      skin.*range.value = range.is_length
+                              ? recipe_length(*value, range.low, range.high, context)
+                              : recipe_number(*value, closed_interval(range.low, range.high));
     }
   }
   if (const auto oiliness = object.optional("oiliness"))
-    material.oiliness = recipe_number(*oiliness, between(0.0, 1.0));
+    material.oiliness = recipe_number(*oiliness, closed_interval(0.0, 1.0));
   material.layers = skin_layers(skin, context.wavelengths);
   material.skin = std::move(said);
   add_to_source(material, "melanin: Jacques 1998; constants: " + std::string(name_of(constants)));

@@ -45,7 +45,7 @@ BandSet decode_bands(const JsonInput& value) {
   if (!value.is_array()) value.refuse("must be \"rgb\" or an array of wavelengths [nm]");
   std::vector<double> wavelengths;
   for (const JsonInput& element : value.array(1, 10'000)) {
-    wavelengths.push_back(element.number(between(200.0, 3000.0, "nm")));
+    wavelengths.push_back(element.number(closed_interval(200.0, 3000.0, "nm")));
     if (wavelengths.size() > 1 && wavelengths.back() <= *(wavelengths.end() - 2))
       element.refuse("must be longer than the wavelength before it");
   }
@@ -84,7 +84,7 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
   const JsonObject object = ground->object({"reflectance", "roughness", "distribution"});
   material.ground.top = decode_interface(object);
   if (const auto reflectance = object.optional("reflectance"))
-    material.ground.reflectance = reflectance->number(between(0.0, 1.0));
+    material.ground.reflectance = reflectance->number(closed_interval(0.0, 1.0));
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
   if (const auto oiliness = file.optional("oiliness")) {
     if (recipe != nullptr && recipe->key == "skin")
       oiliness->fail("stands in \"skin\" where that is given");
-    material.oiliness = oiliness->number(between(0.0, 1.0));
+    material.oiliness = oiliness->number(closed_interval(0.0, 1.0));
   }
   if (const auto surface = file.optional("surface")) {
     const JsonObject object = surface->object({"roughness", "distribution"});

@@ -40,7 +40,7 @@ void move_to_world(PolygonMesh& mesh, const Transform& to_world) {
   const double det = determinant(to_world);
   if (!std::isfinite(det) || det == 0.0)
     throw InvalidInput(mesh.name + ": its transform must not flatten it");
-  apply(to_world, mesh);
+  transform_mesh(to_world, mesh);
   constexpr float most = 1e9F;  // [mm]; beyond, squares of lengths in float lose all meaning
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     for (const float x : {mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z})
@@ -221,8 +221,8 @@ void take_memory(const PolygonMesh& polygons, const MeshOptions& options) {
   const std::size_t growth = std::size_t{1} << (2 * options.subdivision);
   const std::size_t corners = checked_product(polygons.name, {polygons.corners.size(), growth});
   MemoryBudget memory = options.memory;
-  take(memory, corners, options.subdivision > 0 ? per_subdivided_corner : per_corner,
-       polygons.name + ": " + std::to_string(corners) + " corners of faces");
+  take_memory(memory, corners, options.subdivision > 0 ? per_subdivided_corner : per_corner,
+              polygons.name + ": " + std::to_string(corners) + " corners of faces");
 }
 
 OpenPart open_part(const OpenEdges& open, const MeshPart& part,
@@ -254,7 +254,7 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
   const std::size_t without_uvs = complete_uvs(polygons);
   const std::size_t bad_normals = drop_bad_normals(polygons);
 
-  OrientedMesh oriented = orient(std::move(polygons));
+  OrientedMesh oriented = orient_mesh(std::move(polygons));
   polygons = subdivide_catmull_clark(std::move(oriented.mesh), options.subdivision);
   TriangleBuilder builder(polygons,
                           options.subdivision > 0 && options.normals == NormalSource::file

@@ -34,10 +34,10 @@ PolygonMesh parse(const std::filesystem::path& file, MemoryBudget memory) {
 
 PolygonMesh load_polygon_mesh(const std::filesystem::path& file, MemoryBudget& memory) {
   PolygonMesh mesh = parse(file, memory);
-  take(memory,
-       bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.uvs) +
-           bytes_of(mesh.corners) + bytes_of(mesh.face_begin) + bytes_of(mesh.part),
-       file.string());
+  take_memory(memory,
+              bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.uvs) +
+                  bytes_of(mesh.corners) + bytes_of(mesh.face_begin) + bytes_of(mesh.part),
+              file.string());
   return mesh;
 }
 

@@ -120,7 +120,7 @@ class GltfReader {
         index.fail("a node must have one parent, but node " + std::to_string(place) +
                    " has several");
       seen[place] = true;
-      const Transform to_world = combine(outer, node_transform(node));
+      const Transform to_world = combine_transforms(outer, node_transform(node));
       if (const auto mesh = node.peek("mesh")) add_mesh(*mesh, node, to_world);
       if (const auto children = node.peek("children"))
         for (const JsonInput& child : children->array()) stack.emplace_back(child, to_world);
@@ -215,10 +215,11 @@ class GltfReader {
         triangle_indices(read_indices(primitive, positions.count()), primitive);
     const std::vector<std::uint32_t> used = used_vertices(indices, positions.count());
     constexpr std::size_t per_vertex = 2 * sizeof(Vec3f) + sizeof(Vec2f);
-    take(primitive.memory(),
-         checked_sum("a primitive", {checked_product("a primitive", {used.size(), per_vertex}),
-                                     checked_product("a primitive", {indices.size(), per_corner})}),
-         primitive.where());
+    take_memory(
+        primitive.memory(),
+        checked_sum("a primitive", {checked_product("a primitive", {used.size(), per_vertex}),
+                                    checked_product("a primitive", {indices.size(), per_corner})}),
+        primitive.where());
     PolygonMesh piece;
     piece.positions = read_vectors(positions, used, &*position);
     if (normals) piece.normals = read_vectors(*normals, used, nullptr);
@@ -289,7 +290,7 @@ class GltfReader {
     const GltfAccessor* given = input ? &data_.accessor(*input, 1) : nullptr;
     const std::size_t size = given ? given->count() : count;
     // As they are given, as triangles, and as a list of the vertices used.
-    take(primitive.memory(), size, (1 + 3 + 3) * sizeof(std::uint32_t), primitive.where());
+    take_memory(primitive.memory(), size, (1 + 3 + 3) * sizeof(std::uint32_t), primitive.where());
     std::vector<std::uint32_t> indices(size);
     std::iota(indices.begin(), indices.end(), 0U);
     for (std::size_t i = 0; given && i < size; ++i) {
@@ -313,13 +314,13 @@ class GltfReader {
     std::size_t label_bytes = sizeof(MeshPart);
     for (const std::string& label : labels) label_bytes += sizeof label + label.size();
     // Twice, for the room that vectors keep to grow.
-    take(piece.input.memory(),
-         2 * (moved.corners.size() * per_corner +
-              (moved.positions.size() + moved.normals.size()) * sizeof(Vec3f) +
-              moved.uvs.size() * sizeof(Vec2f) + label_bytes),
-         piece.input.where());
+    take_memory(piece.input.memory(),
+                2 * (moved.corners.size() * per_corner +
+                     (moved.positions.size() + moved.normals.size()) * sizeof(Vec3f) +
+                     moved.uvs.size() * sizeof(Vec2f) + label_bytes),
+                piece.input.where());
     for (std::uint32_t c = 3; c <= moved.corners.size(); c += 3) moved.face_begin.push_back(c);
-    apply(to_world, moved);
+    transform_mesh(to_world, moved);
     for (std::size_t i = 0; i < moved.positions.size(); ++i) {
       const Vec3f& p = moved.positions[i];
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))

@@ -231,6 +231,6 @@ class Orienter {
 
 }  // namespace
 
-OrientedMesh orient(PolygonMesh mesh) { return Orienter(std::move(mesh)).run(); }
+OrientedMesh orient_mesh(PolygonMesh mesh) { return Orienter(std::move(mesh)).run(); }
 
 }  // namespace lamina

@@ -34,6 +34,6 @@ struct OrientedMesh {
 /// contradict their face are turned. Surfaces with one side only stay as they are.
 ///
 /// Indices must be unified (unify_indices).
-[[nodiscard]] OrientedMesh orient(PolygonMesh mesh);
+[[nodiscard]] OrientedMesh orient_mesh(PolygonMesh mesh);
 
 }  // namespace lamina

@@ -205,7 +205,7 @@ class PlyReader {
       const std::string_view keyword = next_word(line);
       if (keyword == "end_header") break;
       if (keyword == "element" || keyword == "property")
-        take(memory_, per_declaration + 4 * end, mesh_.name + ": the header");
+        take_memory(memory_, per_declaration + 4 * end, mesh_.name + ": the header");
       if (keyword == "format") {
         has_format = true;
         format_ = parse_format(next_word(line), where);
@@ -331,7 +331,7 @@ class PlyReader {
     for (const Property& property : element.properties)
       types.push_back(property.list_count.value_or(property.type));
     const std::size_t most = std::min(element.count, values.most(types) + 1);  // one may be cut
-    take(memory_, most, 2 * sizeof(Vec3f) + sizeof(Vec2f), mesh_.name + ": its vertices");
+    take_memory(memory_, most, 2 * sizeof(Vec3f) + sizeof(Vec2f), mesh_.name + ": its vertices");
     mesh_.positions.reserve(most);
     if (has_normals) mesh_.normals.reserve(most);
     if (has_uvs_) mesh_.uvs.reserve(most);

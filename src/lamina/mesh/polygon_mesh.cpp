@@ -95,7 +95,7 @@ Vec3 transform_point(const Transform& transform, const Vec3& p) {
          transform.translation;
 }
 
-Transform combine(const Transform& outer, const Transform& inner) {
+Transform combine_transforms(const Transform& outer, const Transform& inner) {
   const auto turned = [&](const Vec3& v) { return transform_point(outer, v) - outer.translation; };
   return {.x_axis = turned(inner.x_axis),
           .y_axis = turned(inner.y_axis),
@@ -107,7 +107,7 @@ double determinant(const Transform& transform) {
   return dot(cross(transform.x_axis, transform.y_axis), transform.z_axis);
 }
 
-void apply(const Transform& transform, PolygonMesh& mesh) {
+void transform_mesh(const Transform& transform, PolygonMesh& mesh) {
   const double det = determinant(transform);
   assert(det != 0.0);
   for (Vec3f& p : mesh.positions) p = to_float(transform_point(transform, to_double(p)));

@@ -66,14 +66,14 @@ struct Transform {
 [[nodiscard]] Vec3 transform_point(const Transform& transform, const Vec3& p);
 
 /// The transform that applies `inner` first and `outer` then.
-[[nodiscard]] Transform combine(const Transform& outer, const Transform& inner);
+[[nodiscard]] Transform combine_transforms(const Transform& outer, const Transform& inner);
 
 /// Negative if the transform mirrors, 0 if it flattens space.
 [[nodiscard]] double determinant(const Transform& transform);
 
 /// Moves positions and normals. A mirroring transform also reverses the order of the corners, so
 /// that outside stays outside. The determinant must not be 0.
-void apply(const Transform& transform, PolygonMesh& mesh);
+void transform_mesh(const Transform& transform, PolygonMesh& mesh);
 
 /// Gives equal positions one index and, at each position, equal texture coordinates one index, so
 /// that indices tell how the surface and its texture are connected. Along open edges positions that

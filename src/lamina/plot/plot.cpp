@@ -15,8 +15,8 @@
 namespace lamina {
 namespace {
 
-void check(const Panel& panel) {
-  for (const Curve& curve : panel.curves) {
+void check(const PlotPanel& panel) {
+  for (const PlotCurve& curve : panel.curves) {
     const std::size_t size = curve.x.size();
     const auto require = [&](bool holds, const char* what, std::size_t given) {
       if (!holds)
@@ -43,24 +43,24 @@ std::string hex_color(const std::array<double, 3>& rgb) {
 /// Line colours along the spectrum: near what the wavelengths look like, but dark enough on white,
 /// lightest in the yellow, so that lightness tells apart what hue alone may not.
 std::string wavelength_color(double wavelength) {
-  struct Anchor {
+  struct TextAnchor {
     double wavelength;
     std::array<double, 3> rgb;
   };
-  constexpr std::array<Anchor, 11> anchors = {{{380.0, {52, 20, 92}},
-                                               {400.0, {79, 26, 140}},
-                                               {435.0, {62, 62, 196}},
-                                               {470.0, {22, 119, 214}},
-                                               {505.0, {0, 158, 158}},
-                                               {540.0, {44, 150, 52}},
-                                               {575.0, {205, 166, 0}},
-                                               {610.0, {232, 113, 20}},
-                                               {645.0, {200, 26, 30}},
-                                               {700.0, {128, 10, 20}},
-                                               {1000.0, {70, 60, 60}}}};
+  constexpr std::array<TextAnchor, 11> anchors = {{{380.0, {52, 20, 92}},
+                                                   {400.0, {79, 26, 140}},
+                                                   {435.0, {62, 62, 196}},
+                                                   {470.0, {22, 119, 214}},
+                                                   {505.0, {0, 158, 158}},
+                                                   {540.0, {44, 150, 52}},
+                                                   {575.0, {205, 166, 0}},
+                                                   {610.0, {232, 113, 20}},
+                                                   {645.0, {200, 26, 30}},
+                                                   {700.0, {128, 10, 20}},
+                                                   {1000.0, {70, 60, 60}}}};
   if (wavelength <= anchors.front().wavelength) return hex_color(anchors.front().rgb);
   for (std::size_t i = 1; i < anchors.size(); ++i) {
-    const Anchor &below = anchors[i - 1], &above = anchors[i];
+    const TextAnchor &below = anchors[i - 1], &above = anchors[i];
     if (wavelength > above.wavelength) continue;
     const double t = (wavelength - below.wavelength) / (above.wavelength - below.wavelength);
     std::array<double, 3> rgb{};
@@ -111,12 +111,12 @@ std::string format_svg(const Plot& plot) {
   const std::size_t columns =
       plot.columns > 0 ? static_cast<std::size_t>(plot.columns)
                        : static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
-  const Box data{0.0, 0.0, plot.panel_width, plot.panel_height};
+  const PageBox data{0.0, 0.0, plot.panel_width, plot.panel_height};
   std::vector<PreparedPanel> prepared;
-  for (const Panel& panel : plot.panels) {
+  for (const PlotPanel& panel : plot.panels) {
     check(panel);
-    prepared.push_back(panel.kind == PanelKind::polar ? prepare_polar(panel, data)
-                                                      : prepare_cartesian(panel, data));
+    prepared.push_back(panel.kind == PlotPanelKind::polar ? prepare_polar(panel, data)
+                                                          : prepare_cartesian(panel, data));
   }
   // Columns and rows are as wide and high as the widest and highest of their panels.
   const std::size_t rows = count == 0 ? 0 : (count - 1) / columns + 1;
@@ -141,9 +141,9 @@ std::string format_svg(const Plot& plot) {
     for (std::size_t column = 0; column < columns && row * columns + column < count; ++column) {
       const PreparedPanel& panel = prepared[row * columns + column];
       x += left[column];
-      const Box place{x, y, plot.panel_width, plot.panel_height};
-      panel.panel->kind == PanelKind::polar ? draw_polar(canvas, panel, place)
-                                            : draw_cartesian(canvas, panel, place);
+      const PageBox place{x, y, plot.panel_width, plot.panel_height};
+      panel.panel->kind == PlotPanelKind::polar ? draw_polar(canvas, panel, place)
+                                                : draw_cartesian(canvas, panel, place);
       x += plot.panel_width + right[column];
       width = std::max(width, x + margin);
       x += gap;

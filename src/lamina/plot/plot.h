@@ -12,7 +12,7 @@
 // Figures for papers, as SVG. Equal plots give equal bytes.
 //
 //   Plot plot;
-//   Panel& panel = plot.panels.emplace_back();
+//   PlotPanel& panel = plot.panels.emplace_back();
 //   panel.x = {.label = "r [mm]", .scale = AxisScale::logarithmic};
 //   panel.y = {.label = "R(r) [mm⁻²]", .scale = AxisScale::logarithmic};
 //   panel.curves.push_back({.name = "red", .x = r, .y = profile, .color = band_color(bands, 0)});
@@ -22,7 +22,7 @@ namespace lamina {
 
 enum class AxisScale { linear, logarithmic };
 
-struct Axis {
+struct PlotAxis {
   std::string label;  ///< with its unit, as in "r [mm]"; UTF-8
   AxisScale scale = AxisScale::linear;
   std::optional<double> low, high;  ///< else what the curves need
@@ -32,7 +32,7 @@ enum class CurveStyle { line, dashed, dotted, points, line_and_points };
 
 /// One curve. Points that are not finite, or not positive on a logarithmic axis, are left out and
 /// the line is broken there.
-struct Curve {
+struct PlotCurve {
   std::string name;  ///< in the legend; curves without a name are not in it
   std::vector<double> x, y;
   std::vector<double> error;      ///< half length of error bars [point]; empty without
@@ -42,23 +42,23 @@ struct Curve {
   double width = 1.6;  ///< of the line [px]
 };
 
-enum class PanelKind {
+enum class PlotPanelKind {
   cartesian,
   polar,  ///< x: angle from the normal, which points up [rad], positive to the right; y: radius
 };
 
-struct Panel {
+struct PlotPanel {
   std::string title;
-  PanelKind kind = PanelKind::cartesian;
-  Axis x, y;  ///< of a polar panel only y, the radius, which starts at 0 unless logarithmic
-  std::vector<Curve> curves;
+  PlotPanelKind kind = PlotPanelKind::cartesian;
+  PlotAxis x, y;  ///< of a polar panel only y, the radius, which starts at 0 unless logarithmic
+  std::vector<PlotCurve> curves;
   std::optional<double> arrow_angle;  ///< polar: where light comes from, as x [rad]
 };
 
 struct Plot {
   std::string title;
   std::string caption;  ///< small, below, in as many lines as it takes: source, photons, ...
-  std::vector<Panel> panels;
+  std::vector<PlotPanel> panels;
   int columns = 0;  ///< of panels; 0: as nearly square as can be, wide first
   double panel_width = 400.0, panel_height = 300.0;  ///< of the data areas [px]
 };

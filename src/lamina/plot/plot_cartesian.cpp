@@ -12,7 +12,7 @@ constexpr double tick_size = 10.5, label_size = 12.0;
 /// Where the values of a panel are on the page.
 struct Placement {
   const PreparedPanel& prepared;
-  const Box& data;
+  const PageBox& data;
 
   [[nodiscard]] double x(double value) const {
     return data.x + prepared.x.position(value) * data.width;
@@ -27,9 +27,9 @@ struct Placement {
   }
 };
 
-std::vector<Chain> chains_of(const Curve& curve, const std::vector<double>& y,
-                             const Placement& place) {
-  std::vector<Chain> chains;
+std::vector<PageChain> chains_of(const PlotCurve& curve, const std::vector<double>& y,
+                                 const Placement& place) {
+  std::vector<PageChain> chains;
   bool is_broken = true;
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(place.x(curve.x[i])) || !std::isfinite(place.y(y[i]))) {
@@ -43,14 +43,14 @@ std::vector<Chain> chains_of(const Curve& curve, const std::vector<double>& y,
   return chains;
 }
 
-void draw_band(SvgCanvas& canvas, const Curve& curve, const std::string& color,
+void draw_band(SvgCanvas& canvas, const PlotCurve& curve, const std::string& color,
                const Placement& place) {
   if (curve.low.empty()) return;
   // On a logarithmic axis an edge at or below zero stands at the bottom.
   const auto at_least_bottom = [&](double value) {
     return std::isfinite(place.y(value)) || std::isnan(value) ? value : place.prepared.y.low;
   };
-  Chain outline;
+  PageChain outline;
   for (std::size_t i = 0; i < curve.x.size(); ++i)
     if (std::isfinite(place.x(curve.x[i])) && std::isfinite(curve.low[i] + curve.high[i]))
       outline.push_back(place.point(curve.x[i], at_least_bottom(curve.high[i])));
@@ -62,7 +62,7 @@ void draw_band(SvgCanvas& canvas, const Curve& curve, const std::string& color,
               "fill=\"" + svg_escaped(color) + "\" fill-opacity=\"0.18\"");
 }
 
-void draw_error_bars(SvgCanvas& canvas, const Curve& curve, const std::string& color,
+void draw_error_bars(SvgCanvas& canvas, const PlotCurve& curve, const std::string& color,
                      const Placement& place) {
   for (std::size_t i = 0; i < curve.error.size(); ++i) {
     const double high = curve.y[i] + curve.error[i];
@@ -78,18 +78,18 @@ void draw_error_bars(SvgCanvas& canvas, const Curve& curve, const std::string& c
   }
 }
 
-double width_of(const Tick& tick) {
+double width_of(const AxisTick& tick) {
   return text_width(tick.label, tick_size) + text_width(tick.exponent, 0.74 * tick_size);
 }
 
 void draw_grid_and_ticks(SvgCanvas& canvas, const Placement& place) {
-  const Box& data = place.data;
+  const PageBox& data = place.data;
   const auto draw = [&](bool is_major) {
     const char* color = is_major ? "#dcdcdc" : "#f0f0f0";
-    for (const Tick& tick : place.prepared.x_ticks)
+    for (const AxisTick& tick : place.prepared.x_ticks)
       if (tick.is_major == is_major)
         canvas.line(place.x(tick.value), data.y, place.x(tick.value), data.bottom(), color, 0.6);
-    for (const Tick& tick : place.prepared.y_ticks)
+    for (const AxisTick& tick : place.prepared.y_ticks)
       if (tick.is_major == is_major)
         canvas.line(data.x, place.y(tick.value), data.right(), place.y(tick.value), color, 0.6);
   };
@@ -98,30 +98,30 @@ void draw_grid_and_ticks(SvgCanvas& canvas, const Placement& place) {
 }
 
 void draw_frame(SvgCanvas& canvas, const Placement& place) {
-  const Box& data = place.data;
+  const PageBox& data = place.data;
   constexpr const char* ink = "#333333";
   canvas.rectangle(data.x, data.y, data.width, data.height,
                    "stroke=\"#333333\" stroke-width=\"0.9\"");
-  for (const Tick& tick : place.prepared.x_ticks) {
+  for (const AxisTick& tick : place.prepared.x_ticks) {
     const double x = place.x(tick.value), length = tick.is_major ? 4.5 : 2.5;
     canvas.line(x, data.bottom(), x, data.bottom() - length, ink, 0.8);
-    canvas.text(x, data.bottom() + 15.0, tick.label, {.size = tick_size, .anchor = Anchor::middle},
-                tick.exponent);
+    canvas.text(x, data.bottom() + 15.0, tick.label,
+                {.size = tick_size, .anchor = TextAnchor::middle}, tick.exponent);
   }
-  for (const Tick& tick : place.prepared.y_ticks) {
+  for (const AxisTick& tick : place.prepared.y_ticks) {
     const double y = place.y(tick.value), length = tick.is_major ? 4.5 : 2.5;
     canvas.line(data.x, y, data.x + length, y, ink, 0.8);
-    canvas.text(data.x - 6.0, y + 3.8, tick.label, {.size = tick_size, .anchor = Anchor::end},
+    canvas.text(data.x - 6.0, y + 3.8, tick.label, {.size = tick_size, .anchor = TextAnchor::end},
                 tick.exponent);
   }
 }
 
 }  // namespace
 
-PreparedPanel prepare_cartesian(const Panel& panel, const Box& data) {
+PreparedPanel prepare_cartesian(const PlotPanel& panel, const PageBox& data) {
   PreparedPanel prepared{.panel = &panel};
   ValueRange x, y;
-  for (const Curve& curve : panel.curves)
+  for (const PlotCurve& curve : panel.curves)
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
       x.add(curve.x[i], panel.x.scale);
       y.add(curve.y[i], panel.y.scale);
@@ -136,7 +136,7 @@ PreparedPanel prepare_cartesian(const Panel& panel, const Box& data) {
       }
     }
   prepared.x = make_span(panel.x, x);
-  const auto is_line = [](const Curve& curve) {
+  const auto is_line = [](const PlotCurve& curve) {
     return curve.style != CurveStyle::points && curve.style != CurveStyle::line_and_points;
   };
   if (!x.is_empty && x.low < x.high && std::ranges::all_of(panel.curves, is_line)) {
@@ -149,14 +149,14 @@ PreparedPanel prepare_cartesian(const Panel& panel, const Box& data) {
       make_ticks(prepared.y, data.height, panel.y.scale == AxisScale::linear ? 36.0 : 25.0);
 
   double widest = 0.0;
-  for (const Tick& tick : prepared.y_ticks) widest = std::max(widest, width_of(tick));
+  for (const AxisTick& tick : prepared.y_ticks) widest = std::max(widest, width_of(tick));
   prepared.left = 6.0 + widest + (panel.y.label.empty() ? 6.0 : 8.0 + label_size + 6.0);
   prepared.bottom = 20.0 + (panel.x.label.empty() ? 0.0 : label_size + 8.0);
   prepared.top = panel.title.empty() ? 8.0 : 26.0;
   prepared.right = 14.0;  // half a tick label
-  std::vector<std::vector<Chain>> chains;
+  std::vector<std::vector<PageChain>> chains;
   const Placement place{prepared, data};
-  for (const Curve& curve : panel.curves) {
+  for (const PlotCurve& curve : panel.curves) {
     chains.push_back(chains_of(curve, curve.y, place));
     if (!curve.low.empty()) {
       chains.push_back(chains_of(curve, curve.low, place));
@@ -167,8 +167,8 @@ PreparedPanel prepare_cartesian(const Panel& panel, const Box& data) {
   return prepared;
 }
 
-void draw_cartesian(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& data) {
-  const Panel& panel = *prepared.panel;
+void draw_cartesian(SvgCanvas& canvas, const PreparedPanel& prepared, const PageBox& data) {
+  const PlotPanel& panel = *prepared.panel;
   const Placement place{prepared, data};
   canvas.text(data.x, data.y - 9.0, panel.title, {.size = 12.5, .is_bold = true});
   draw_grid_and_ticks(canvas, place);
@@ -184,9 +184,9 @@ void draw_cartesian(SvgCanvas& canvas, const PreparedPanel& prepared, const Box&
   canvas.end_group();
   draw_frame(canvas, place);
   canvas.text(data.x + 0.5 * data.width, data.bottom() + 20.0 + label_size + 2.0, panel.x.label,
-              {.size = label_size, .anchor = Anchor::middle});
+              {.size = label_size, .anchor = TextAnchor::middle});
   canvas.text(data.x - prepared.left + label_size + 4.0, data.y + 0.5 * data.height, panel.y.label,
-              {.size = label_size, .anchor = Anchor::middle, .turn = -90.0});
+              {.size = label_size, .anchor = TextAnchor::middle, .turn = -90.0});
   draw_legend(canvas, prepared, data);
 }
 

@@ -13,12 +13,12 @@ constexpr double sample_width = 22.0;
 constexpr double padding = 7.0;
 constexpr double inset = 9.0;  // from the frame
 
-bool has_line(const Curve& curve) { return curve.style != CurveStyle::points; }
-bool has_points(const Curve& curve) {
+bool has_line(const PlotCurve& curve) { return curve.style != CurveStyle::points; }
+bool has_points(const PlotCurve& curve) {
   return curve.style == CurveStyle::points || curve.style == CurveStyle::line_and_points;
 }
 
-Box legend_box(const PreparedPanel& prepared, const Box& box, int corner) {
+PageBox legend_box(const PreparedPanel& prepared, const PageBox& box, int corner) {
   const double width = prepared.legend_width, height = prepared.legend_height;
   if (corner < 0) return {box.right() + 12.0, box.y, width, height};
   return {corner % 2 == 0 ? box.x + inset : box.right() - inset - width,
@@ -26,14 +26,14 @@ Box legend_box(const PreparedPanel& prepared, const Box& box, int corner) {
 }
 
 /// How many steps of 2 px along the chains lie in the box.
-int hidden_length(const std::vector<std::vector<Chain>>& curves, const Box& box) {
+int hidden_length(const std::vector<std::vector<PageChain>>& curves, const PageBox& box) {
   int hidden = 0;
   const auto count = [&](double x, double y) {
     if (x > box.x - 4.0 && x < box.right() + 4.0 && y > box.y - 4.0 && y < box.bottom() + 4.0)
       ++hidden;
   };
   for (const auto& chains : curves)
-    for (const Chain& chain : chains)
+    for (const PageChain& chain : chains)
       for (std::size_t i = 0; i < chain.size(); ++i) {
         count(chain[i].x, chain[i].y);
         if (i == 0) continue;
@@ -47,15 +47,15 @@ int hidden_length(const std::vector<std::vector<Chain>>& curves, const Box& box)
 
 }  // namespace
 
-std::vector<std::string> curve_colors(const Panel& panel) {
+std::vector<std::string> curve_colors(const PlotPanel& panel) {
   std::vector<std::string> colors;
   std::size_t next = 0;
-  for (const Curve& curve : panel.curves)
+  for (const PlotCurve& curve : panel.curves)
     colors.push_back(curve.color.empty() ? palette_color(next++) : curve.color);
   return colors;
 }
 
-std::string line_attributes(const Curve& curve, const std::string& color) {
+std::string line_attributes(const PlotCurve& curve, const std::string& color) {
   std::string attributes = "stroke=\"" + svg_escaped(color) + "\" stroke-width=\"" +
                            svg_number(curve.width) + "\" stroke-linecap=\"round\"";
   if (curve.style == CurveStyle::dashed) attributes += " stroke-dasharray=\"6 4\"";
@@ -63,9 +63,9 @@ std::string line_attributes(const Curve& curve, const std::string& color) {
   return attributes;
 }
 
-std::string path_data(const std::vector<Chain>& chains) {
+std::string path_data(const std::vector<PageChain>& chains) {
   std::string data;
-  for (const Chain& chain : chains)
+  for (const PageChain& chain : chains)
     for (std::size_t i = 0; i < chain.size(); ++i) {
       data += i == 0 ? "M" : "L";
       data += svg_number(chain[i].x) + " " + svg_number(chain[i].y);
@@ -74,23 +74,23 @@ std::string path_data(const std::vector<Chain>& chains) {
   return data;
 }
 
-void draw_chains(SvgCanvas& canvas, const Curve& curve, const std::string& color,
-                 const std::vector<Chain>& chains) {
+void draw_chains(SvgCanvas& canvas, const PlotCurve& curve, const std::string& color,
+                 const std::vector<PageChain>& chains) {
   if (has_line(curve) && !chains.empty())
     canvas.path(path_data(chains), line_attributes(curve, color));
   if (has_points(curve))
-    for (const Chain& chain : chains)
+    for (const PageChain& chain : chains)
       for (const PagePoint& point : chain)
         canvas.circle(
             point.x, point.y, 2.4,
             "fill=\"" + svg_escaped(color) + "\" stroke=\"#ffffff\" stroke-width=\"0.5\"");
 }
 
-void place_legend(PreparedPanel& prepared, const Box& box,
-                  const std::vector<std::vector<Chain>>& chains) {
+void place_legend(PreparedPanel& prepared, const PageBox& box,
+                  const std::vector<std::vector<PageChain>>& chains) {
   double longest = 0.0;
   int rows = 0;
-  for (const Curve& curve : prepared.panel->curves)
+  for (const PlotCurve& curve : prepared.panel->curves)
     if (!curve.name.empty()) {
       longest = std::max(longest, text_width(curve.name, font_size));
       ++rows;
@@ -101,15 +101,15 @@ void place_legend(PreparedPanel& prepared, const Box& box,
   const bool fits =
       prepared.legend_width < 0.6 * box.width && prepared.legend_height < 0.6 * box.height;
   for (const int corner : {1, 0, 3, 2})
-    if (fits && prepared.panel->kind == PanelKind::cartesian && prepared.legend_corner < 0 &&
+    if (fits && prepared.panel->kind == PlotPanelKind::cartesian && prepared.legend_corner < 0 &&
         hidden_length(chains, legend_box(prepared, box, corner)) == 0)
       prepared.legend_corner = corner;
   if (prepared.legend_corner < 0) prepared.right += 12.0 + prepared.legend_width;
 }
 
-void draw_legend(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& box) {
+void draw_legend(SvgCanvas& canvas, const PreparedPanel& prepared, const PageBox& box) {
   if (prepared.legend_width == 0.0) return;
-  const Box place = legend_box(prepared, box, prepared.legend_corner);
+  const PageBox place = legend_box(prepared, box, prepared.legend_corner);
   if (prepared.legend_corner >= 0)
     canvas.rectangle(place.x, place.y, place.width, place.height,
                      "rx=\"3\" fill=\"#ffffff\" fill-opacity=\"0.9\" stroke=\"#d0d0d0\" "
@@ -117,7 +117,7 @@ void draw_legend(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& bo
   const std::vector<std::string> colors = curve_colors(*prepared.panel);
   double y = place.y + padding + 5.5;
   for (std::size_t i = 0; i < colors.size(); ++i) {
-    const Curve& curve = prepared.panel->curves[i];
+    const PlotCurve& curve = prepared.panel->curves[i];
     if (curve.name.empty()) continue;
     const double x0 = place.x + padding, x1 = x0 + sample_width;
     if (!curve.low.empty())

@@ -20,7 +20,7 @@ struct Disc {
   }
 };
 
-Disc disc_of(const PreparedPanel& prepared, const Box& data) {
+Disc disc_of(const PreparedPanel& prepared, const PageBox& data) {
   constexpr double room = 20.0;
   if (prepared.has_lower_half) {
     const double radius = 0.5 * std::min(data.width, data.height) - room;
@@ -30,8 +30,9 @@ Disc disc_of(const PreparedPanel& prepared, const Box& data) {
   return {data.x + 0.5 * data.width, data.bottom() - room, radius};
 }
 
-std::vector<Chain> chains_of(const Curve& curve, const PreparedPanel& prepared, const Disc& disc) {
-  std::vector<Chain> chains;
+std::vector<PageChain> chains_of(const PlotCurve& curve, const PreparedPanel& prepared,
+                                 const Disc& disc) {
+  std::vector<PageChain> chains;
   bool is_broken = true;
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     const double fraction = prepared.y.position(curve.y[i]);
@@ -46,10 +47,10 @@ std::vector<Chain> chains_of(const Curve& curve, const PreparedPanel& prepared, 
   return chains;
 }
 
-void draw_band(SvgCanvas& canvas, const Curve& curve, const std::string& color,
+void draw_band(SvgCanvas& canvas, const PlotCurve& curve, const std::string& color,
                const PreparedPanel& prepared, const Disc& disc) {
   if (curve.low.empty()) return;
-  Chain outline;
+  PageChain outline;
   const auto add = [&](std::size_t i, double value) {
     const double fraction = prepared.y.position(value);
     if (std::isfinite(curve.x[i]) && !std::isnan(fraction))
@@ -77,7 +78,7 @@ void draw_ring(SvgCanvas& canvas, const PreparedPanel& prepared, const Disc& dis
 }
 
 void draw_rings_and_spokes(SvgCanvas& canvas, const PreparedPanel& prepared, const Disc& disc) {
-  for (const Tick& tick : prepared.y_ticks) {
+  for (const AxisTick& tick : prepared.y_ticks) {
     const double fraction = prepared.y.position(tick.value);
     if (!tick.is_major || fraction < 0.02 || fraction > 1.001) continue;
     draw_ring(canvas, prepared, disc, fraction, "stroke=\"#dcdcdc\" stroke-width=\"0.6\"");
@@ -91,10 +92,10 @@ void draw_rings_and_spokes(SvgCanvas& canvas, const PreparedPanel& prepared, con
     if (!is_major) continue;
     const PagePoint label = disc.at(angle, 1.0 + 11.0 / disc.radius);
     const int from_normal = std::abs(degrees) > 90 ? 180 - std::abs(degrees) : std::abs(degrees);
-    const Anchor anchor = std::abs(std::sin(angle)) < 0.1 ? Anchor::middle
-                          : degrees > 0                   ? Anchor::start
-                                                          : Anchor::end;
-    const bool is_middle = anchor == Anchor::middle || std::abs(degrees) == 90;
+    const TextAnchor anchor = std::abs(std::sin(angle)) < 0.1 ? TextAnchor::middle
+                              : degrees > 0                   ? TextAnchor::start
+                                                              : TextAnchor::end;
+    const bool is_middle = anchor == TextAnchor::middle || std::abs(degrees) == 90;
     const double shift = is_middle ? 0.0 : degrees > 0 ? -4.0 : 4.0;
     canvas.text(label.x + shift, label.y + 3.6, std::to_string(from_normal) + "°",
                 {.size = tick_size, .anchor = anchor, .color = "#555555"});
@@ -104,13 +105,14 @@ void draw_rings_and_spokes(SvgCanvas& canvas, const PreparedPanel& prepared, con
 /// Labels of the rings, along the surface on the right, below it if the lower half is free.
 void draw_ring_labels(SvgCanvas& canvas, const PreparedPanel& prepared, const Disc& disc) {
   const double y = disc.y + (prepared.has_lower_half ? -4.0 : 14.0);
-  for (const Tick& tick : prepared.y_ticks) {
+  for (const AxisTick& tick : prepared.y_ticks) {
     const double fraction = prepared.y.position(tick.value);
     if (tick.label.empty() || fraction > 1.001 || fraction < 0.0) continue;
     if (prepared.has_lower_half && fraction < 0.1) continue;
-    canvas.text(disc.x + fraction * disc.radius, y, tick.label,
-                {.size = tick_size, .anchor = Anchor::middle, .color = "#555555", .has_halo = true},
-                tick.exponent);
+    canvas.text(
+        disc.x + fraction * disc.radius, y, tick.label,
+        {.size = tick_size, .anchor = TextAnchor::middle, .color = "#555555", .has_halo = true},
+        tick.exponent);
   }
 }
 
@@ -129,16 +131,16 @@ void draw_arrow(SvgCanvas& canvas, const Disc& disc, double angle) {
 
 }  // namespace
 
-PreparedPanel prepare_polar(const Panel& panel, const Box& data) {
+PreparedPanel prepare_polar(const PlotPanel& panel, const PageBox& data) {
   PreparedPanel prepared{.panel = &panel};
   ValueRange radius;
-  for (const Curve& curve : panel.curves)
+  for (const PlotCurve& curve : panel.curves)
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
       radius.add(curve.y[i], panel.y.scale);
       if (!curve.high.empty()) radius.add(curve.high[i], panel.y.scale);
       if (std::abs(curve.x[i]) > 0.5 * pi + 1e-9) prepared.has_lower_half = true;
     }
-  Axis axis = panel.y;
+  PlotAxis axis = panel.y;
   if (axis.scale == AxisScale::linear && !axis.low) axis.low = 0.0;
   if (radius.is_empty || radius.high <= 0.0) radius = {.low = 0.1, .high = 1.0, .is_empty = false};
   prepared.y = make_span(axis, radius);
@@ -151,8 +153,8 @@ PreparedPanel prepare_polar(const Panel& panel, const Box& data) {
   return prepared;
 }
 
-void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& data) {
-  const Panel& panel = *prepared.panel;
+void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const PageBox& data) {
+  const PlotPanel& panel = *prepared.panel;
   const Disc disc = disc_of(prepared, data);
   canvas.text(data.x, data.y - 9.0, panel.title, {.size = 12.5, .is_bold = true});
   draw_rings_and_spokes(canvas, prepared, disc);
@@ -168,7 +170,7 @@ void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const Box& dat
   draw_ring_labels(canvas, prepared, disc);
   const double label_y =
       prepared.has_lower_half ? data.bottom() + label_size + 2.0 : disc.y + 22.0 + label_size;
-  canvas.text(disc.x, label_y, panel.y.label, {.size = label_size, .anchor = Anchor::middle});
+  canvas.text(disc.x, label_y, panel.y.label, {.size = label_size, .anchor = TextAnchor::middle});
   draw_legend(canvas, prepared, data);
 }
 

@@ -233,7 +233,7 @@ void make_bands_common(Scene& scene) {
   }
 }
 
-std::string describe(const BandChange& change, const Scene& scene) {
+std::string describe_band_change(const BandChange& change, const Scene& scene) {
   char error[32];
   std::snprintf(error, sizeof error, "%.2g", change.color_error);
   return "material \"" + scene.materials[change.material].name + "\": " +

@@ -29,6 +29,6 @@ namespace lamina {
 void make_bands_common(Scene& scene);
 
 /// What became of a material, in a line.
-[[nodiscard]] std::string describe(const BandChange& change, const Scene& scene);
+[[nodiscard]] std::string describe_band_change(const BandChange& change, const Scene& scene);
 
 }  // namespace lamina

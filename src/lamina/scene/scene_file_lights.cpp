@@ -9,7 +9,7 @@
 namespace lamina::scene_file {
 namespace {
 
-constexpr NumberRange light_range = between(0.0, brightest);
+constexpr NumberRange light_range = closed_interval(0.0, brightest);
 
 PointLight decode_point(const JsonInput& value, double mm_per_unit) {
   const JsonObject object = value.object({"type", "position", "intensity"});
@@ -81,8 +81,8 @@ EnvironmentLight decode_environment(const JsonInput& value, Images& images) {
     light.scale = decode_color(*radiance, light_range);
   }
   if (const auto rotation = object.optional("rotation"))
-    light.rotation =
-        static_cast<float>(rotation->number(between(-1e6, 1e6, "deg")) * std::numbers::pi / 180.0);
+    light.rotation = static_cast<float>(rotation->number(closed_interval(-1e6, 1e6, "deg")) *
+                                        std::numbers::pi / 180.0);
   if (const auto visible = object.optional("visible")) light.is_visible = visible->boolean();
   return light;
 }

@@ -17,8 +17,8 @@ Material decode_look(const JsonInput& value) {
       object.required("diffuse_mean_free_path").number_or_numbers(3, {.low = 1e-6, .high = 1e6});
   const auto g = object.optional("g");
   const auto ior = object.optional("ior");
-  const double cosine = g ? g->number(between(-0.99, 0.99)) : 0.0;
-  const double index = ior ? ior->number(between(1.0, 4.0)) : 1.4;
+  const double cosine = g ? g->number(closed_interval(-0.99, 0.99)) : 0.0;
+  const double index = ior ? ior->number(closed_interval(1.0, 4.0)) : 1.4;
   Material material;
   material.name = "look";
   material.layers.resize(1);

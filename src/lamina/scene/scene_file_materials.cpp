@@ -22,7 +22,7 @@ NoiseMap decode_noise(const JsonInput& value) {
   if (const auto kind = object.optional("kind"))
     noise.kind = kind->choice<NoiseMap::Kind>(
         {{"smooth", NoiseMap::Kind::smooth}, {"cellular", NoiseMap::Kind::cellular}});
-  noise.size = static_cast<float>(object.required("size").number(between(1e-6, 1e6, "mm")));
+  noise.size = static_cast<float>(object.required("size").number(closed_interval(1e-6, 1e6, "mm")));
   if (const auto octaves = object.optional("octaves"))
     noise.octaves = static_cast<int>(octaves->integer(1, 16));
   if (const auto seed = object.optional("seed"))
@@ -127,7 +127,7 @@ class MaterialDecoder {
     }
     surface.thickness.value = 0.0F;
     if (const auto thickness = object.optional("thickness")) {
-      surface.thickness = decode_scalar_parameter(*thickness, between(0.0, longest, "mm"));
+      surface.thickness = decode_scalar_parameter(*thickness, closed_interval(0.0, longest, "mm"));
       if (std::isfinite(surface.material.layers.back().thickness))
         thickness->fail(
             "the layers of the material say how thick it is: leave it out, or make the last one "
@@ -138,9 +138,10 @@ class MaterialDecoder {
         LayerMap map = find_quantity(given, key, surface.material);
         if (given.is_array())
           for (const JsonInput& term : given.array(1, 16))
-            map.terms.push_back(decode_scalar_parameter(term, between(0.0, largest_factor)));
+            map.terms.push_back(
+                decode_scalar_parameter(term, closed_interval(0.0, largest_factor)));
         else
-          map.terms.push_back(decode_scalar_parameter(given, between(0.0, largest_factor)));
+          map.terms.push_back(decode_scalar_parameter(given, closed_interval(0.0, largest_factor)));
         surface.maps.push_back(std::move(map));
       }
     result_.material.surface = std::move(surface);
@@ -175,7 +176,7 @@ class MaterialDecoder {
   void decode_opacity(const JsonObject& object) {
     if (const auto opacity = object.optional("opacity"))
       result_.material.opacity =
-          decode_scalar_parameter(*opacity, between(0.0, 1.0), Use::coverage);
+          decode_scalar_parameter(*opacity, closed_interval(0.0, 1.0), Use::coverage);
   }
 
   void decode_dielectric(const JsonInput& value) {
@@ -184,12 +185,12 @@ class MaterialDecoder {
         object.required("dielectric")
             .object({"ior", "roughness", "smoothness", "distribution", "scattering"});
     DielectricSurface surface;
-    surface.ior = static_cast<float>(inner.required("ior").number(between(0.1, 10.0)));
+    surface.ior = static_cast<float>(inner.required("ior").number(closed_interval(0.1, 10.0)));
     if (const auto roughness = inner.optional("roughness"))
-      surface.roughness = decode_scalar_parameter(*roughness, between(0.0, 1.0));
+      surface.roughness = decode_scalar_parameter(*roughness, closed_interval(0.0, 1.0));
     if (const auto smoothness = inner.optional("smoothness")) {
       if (inner.has("roughness")) smoothness->fail("must not stand beside \"roughness\"");
-      surface.smoothness = decode_scalar_parameter(*smoothness, between(0.1, 1e4));
+      surface.smoothness = decode_scalar_parameter(*smoothness, closed_interval(0.1, 1e4));
     }
     if (const auto distribution = inner.optional("distribution"))
       surface.distribution = decode_distribution(*distribution);
@@ -210,11 +211,11 @@ class MaterialDecoder {
     const JsonObject object = value.object({"ior", "roughness", "weight", "distribution"});
     Coat coat;
     if (const auto ior = object.optional("ior"))
-      coat.ior = static_cast<float>(ior->number(between(1.0, 10.0)));
+      coat.ior = static_cast<float>(ior->number(closed_interval(1.0, 10.0)));
     if (const auto roughness = object.optional("roughness"))
-      coat.roughness = decode_scalar_parameter(*roughness, between(0.0, 1.0));
+      coat.roughness = decode_scalar_parameter(*roughness, closed_interval(0.0, 1.0));
     if (const auto weight = object.optional("weight"))
-      coat.weight = decode_scalar_parameter(*weight, between(0.0, 1.0));
+      coat.weight = decode_scalar_parameter(*weight, closed_interval(0.0, 1.0));
     if (const auto distribution = object.optional("distribution"))
       coat.distribution = decode_distribution(*distribution);
     return coat;
@@ -245,13 +246,13 @@ class MaterialDecoder {
   ColorParameter decode_color_parameter(const JsonInput& value) {
     ColorParameter parameter;
     if (!value.is_object()) {
-      parameter.value = decode_color(value, between(0.0, 1.0));
+      parameter.value = decode_color(value, closed_interval(0.0, 1.0));
       return parameter;
     }
     const JsonObject object =
         value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
     if (const auto factor = object.optional("value"))
-      parameter.value = decode_color(*factor, between(0.0, 1.0));
+      parameter.value = decode_color(*factor, closed_interval(0.0, 1.0));
     parameter.map = decode_map(object, Use::color);
     return parameter;
   }
@@ -284,7 +285,7 @@ class MaterialDecoder {
         if (const auto given = object.optional(key)) given->fail("is for a \"map\" only");
       map.source = decode_noise(object.required("noise"));
     }
-    const NumberRange range = between(-largest_factor, largest_factor);
+    const NumberRange range = closed_interval(-largest_factor, largest_factor);
     if (const auto scale = object.optional("scale"))
       map.scale = static_cast<float>(scale->number(range));
     if (const auto offset = object.optional("offset"))
@@ -308,7 +309,7 @@ class MaterialDecoder {
                             Use use = Use::color) {
     ImageMap map{.image = image(object.required("map"), encoding, use)};
     if (const auto repeat = object.optional("repeat")) {
-      const auto times = repeat->number_or_numbers(2, between(-1e4, 1e4));
+      const auto times = repeat->number_or_numbers(2, closed_interval(-1e4, 1e4));
       map.repeat = {static_cast<float>(times[0]), static_cast<float>(times[1])};
     }
     return map;

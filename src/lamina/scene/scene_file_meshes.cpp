@@ -27,15 +27,15 @@ Transform rotation(const Vec3& axis, double angle) {
 }
 
 Transform decode_rotation(const JsonInput& value) {
-  const NumberRange degrees = between(-1e6, 1e6, "deg");
+  const NumberRange degrees = closed_interval(-1e6, 1e6, "deg");
   if (value.is_array()) {
     const std::vector<double> turns = value.numbers(3, degrees);
     Transform result;
     for (int a = 0; a < 3; ++a) {
       Vec3 axis;
       axis[a] = 1.0;
-      result =
-          combine(rotation(axis, turns[static_cast<std::size_t>(a)] * radians_per_degree), result);
+      result = combine_transforms(
+          rotation(axis, turns[static_cast<std::size_t>(a)] * radians_per_degree), result);
     }
     return result;
   }
@@ -50,18 +50,18 @@ Transform decode_transform(const std::optional<JsonInput>& value, double mm_per_
   if (value) {
     const JsonObject object = value->object({"scale", "rotate", "translate"});
     if (const auto scale = object.optional("scale")) {
-      const std::vector<double> s = scale->number_or_numbers(3, between(-1e9, 1e9));
+      const std::vector<double> s = scale->number_or_numbers(3, closed_interval(-1e9, 1e9));
       result = {.x_axis = {s[0], 0, 0}, .y_axis = {0, s[1], 0}, .z_axis = {0, 0, s[2]}};
       if (determinant(result) == 0.0) scale->fail("must not be 0 along any axis");
     }
     if (const auto rotate = object.optional("rotate"))
-      result = combine(decode_rotation(*rotate), result);
+      result = combine_transforms(decode_rotation(*rotate), result);
     if (const auto translate = object.optional("translate"))
       result.translation = decode_vector(*translate, 1.0);
   }
   const Transform to_mm{
       .x_axis = {mm_per_unit, 0, 0}, .y_axis = {0, mm_per_unit, 0}, .z_axis = {0, 0, mm_per_unit}};
-  return combine(to_mm, result);
+  return combine_transforms(to_mm, result);
 }
 
 double positive(const JsonObject& object, std::string_view key, double otherwise) {

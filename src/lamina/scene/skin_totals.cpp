@@ -39,7 +39,7 @@ std::vector<SkinTotals> skin_totals(const Scene& scene) {
   return found;
 }
 
-std::string describe(const SkinTotals& totals, const Scene& scene) {
+std::string describe_skin_totals(const SkinTotals& totals, const Scene& scene) {
   std::string line = scene.materials[totals.material].name + ": skin with the constants \"" +
                      std::string(name_of(totals.constants)) + "\", totals by " +
                      (totals.is_exact ? "radiative transfer" : "diffusion");

@@ -28,6 +28,6 @@ struct SkinTotals {
 [[nodiscard]] std::vector<SkinTotals> skin_totals(const Scene& scene);
 
 /// That in a line, which warns of constants that were fitted with other totals.
-[[nodiscard]] std::string describe(const SkinTotals& totals, const Scene& scene);
+[[nodiscard]] std::string describe_skin_totals(const SkinTotals& totals, const Scene& scene);
 
 }  // namespace lamina

@@ -22,7 +22,7 @@ class Noise {
  public:
   Noise(std::uint64_t seed, double size) : seed_(seed), size_(size) {}
 
-  [[nodiscard]] double operator()(Point p) const {
+  [[nodiscard]] double operator()(CanvasPoint p) const {
     double sum = 0.0, amount = 1.0, size = size_;
     for (std::uint64_t octave = 0; octave < 3; ++octave, amount *= 0.5, size *= 0.5)
       sum += amount * lattice_noise({p.x / size, p.y / size}, octave);
@@ -30,7 +30,7 @@ class Noise {
   }
 
  private:
-  [[nodiscard]] double lattice_noise(Point p, std::uint64_t octave) const {
+  [[nodiscard]] double lattice_noise(CanvasPoint p, std::uint64_t octave) const {
     const double left = std::floor(p.x), top = std::floor(p.y);
     const double u = smooth_step(p.x - left), v = smooth_step(p.y - top);
     const auto at = [&](double x, double y) {
@@ -47,28 +47,28 @@ class Noise {
   double size_;
 };
 
-double between(Random& random, const Span2& span) {
+double sample_span(Random& random, const Span2& span) {
   return span[0] + random.uniform() * (span[1] - span[0]);
 }
 double between_logarithms(Random& random, const Span2& span) {
-  return std::exp(between(random, {std::log(span[0]), std::log(span[1])}));
+  return std::exp(sample_span(random, {std::log(span[0]), std::log(span[1])}));
 }
 
-void apply(const MelaninSpots& spots, std::uint64_t seed, Canvas& canvas) {
-  const Grid& grid = canvas.grid;
+void apply_feature(const MelaninSpots& spots, std::uint64_t seed, SkinCanvas& canvas) {
+  const CanvasGrid& grid = canvas.grid;
   Random random = make_random(seed, 0);
   const double area = grid.across() * grid.down() / 100.0;  // [cm²]
   const auto count = static_cast<int>(std::lround(spots.density * area));
   std::vector<double> added(grid.size(), 0.0);
   for (int i = 0; i < count; ++i) {
-    const Point middle = {random.uniform() * grid.across(), random.uniform() * grid.down()};
+    const CanvasPoint middle = {random.uniform() * grid.across(), random.uniform() * grid.down()};
     const double radius = 0.5 * between_logarithms(random, spots.diameter);
-    const double melanin = between(random, spots.melanin);
+    const double melanin = sample_span(random, spots.melanin);
     const double stretch = 1.0 + 0.25 * random.uniform(),
                  turn = std::numbers::pi * random.uniform();
     const Noise ragged(seed + 1 + static_cast<std::uint64_t>(i), 1.3 * radius);
     const double rim = std::min(spots.rim, 2.0 / 3.0 * radius);
-    grid.within(middle, 2.0 * radius + rim, [&](std::size_t texel, Point p) {
+    grid.within(middle, 2.0 * radius + rim, [&](std::size_t texel, CanvasPoint p) {
       const double dx = p.x - middle.x, dy = p.y - middle.y;
       const double along = dx * std::cos(turn) + dy * std::sin(turn);
       const double aside = dy * std::cos(turn) - dx * std::sin(turn);
@@ -86,11 +86,11 @@ void apply(const MelaninSpots& spots, std::uint64_t seed, Canvas& canvas) {
 /// Draws vessels into a map of their blood, 1 in the middle of one at no depth.
 class VeinPen {
  public:
-  VeinPen(const Grid& grid, Random& random, std::vector<double>& blood)
+  VeinPen(const CanvasGrid& grid, Random& random, std::vector<double>& blood)
       : grid_(grid), random_(random), blood_(blood) {}
 
   /// One vessel from a point on, and its branches.
-  void draw(Point p, double direction, double diameter, double depth, int branches) {
+  void draw(CanvasPoint p, double direction, double diameter, double depth, int branches) {
     const double reach = 1.2 * std::hypot(grid_.across(), grid_.down());
     const double step = 0.25 * diameter;
     // Across a tube the chord falls off like a Gaussian of a fourth of the diameter; light spreads
@@ -104,7 +104,7 @@ class VeinPen {
       bend = 0.95 * bend + 0.4 * (random_.uniform() - 0.5) * std::sqrt(step);
       direction += (bend - 0.08 * (direction - heading)) * step;
       p = {p.x + step * std::cos(direction), p.y + step * std::sin(direction)};
-      grid_.within(p, 3.0 * spread, [&](std::size_t texel, Point at) {
+      grid_.within(p, 3.0 * spread, [&](std::size_t texel, CanvasPoint at) {
         const double d2 = (at.x - p.x) * (at.x - p.x) + (at.y - p.y) * (at.y - p.y);
         blood_[texel] = std::max(blood_[texel], most * std::exp(-0.5 * d2 / (spread * spread)));
       });
@@ -118,13 +118,13 @@ class VeinPen {
   }
 
  private:
-  const Grid& grid_;
+  const CanvasGrid& grid_;
   Random& random_;
   std::vector<double>& blood_;
 };
 
-void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
-  const Grid& grid = canvas.grid;
+void apply_feature(const Veins& veins, std::uint64_t seed, SkinCanvas& canvas) {
+  const CanvasGrid& grid = canvas.grid;
   Random random = make_random(seed, 0);
   std::vector<double> blood(grid.size(), 0.0);
   VeinPen pen(grid, random, blood);
@@ -132,9 +132,11 @@ void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
     const double angle = 2.0 * std::numbers::pi * random.uniform();
     const double half = 0.55 * std::hypot(grid.across(), grid.down());
     const double aside = 0.8 * (random.uniform() - 0.5) * std::min(grid.across(), grid.down());
-    const Point start = {0.5 * grid.across() - half * std::cos(angle) - aside * std::sin(angle),
-                         0.5 * grid.down() - half * std::sin(angle) + aside * std::cos(angle)};
-    const double diameter = between(random, veins.diameter), depth = between(random, veins.depth);
+    const CanvasPoint start = {
+        0.5 * grid.across() - half * std::cos(angle) - aside * std::sin(angle),
+        0.5 * grid.down() - half * std::sin(angle) + aside * std::cos(angle)};
+    const double diameter = sample_span(random, veins.diameter),
+                 depth = sample_span(random, veins.depth);
     pen.draw(start, angle, diameter, depth, 3);
   }
   for (std::size_t i = 0; i < blood.size(); ++i) {
@@ -145,10 +147,10 @@ void apply(const Veins& veins, std::uint64_t seed, Canvas& canvas) {
   }
 }
 
-void apply(const Blotches& blotches, std::uint64_t seed, Canvas& canvas) {
+void apply_feature(const Blotches& blotches, std::uint64_t seed, SkinCanvas& canvas) {
   const Noise noise(seed, blotches.size);
   std::vector<double> levels(canvas.grid.size());
-  canvas.grid.everywhere([&](std::size_t texel, Point p) { levels[texel] = noise(p); });
+  canvas.grid.everywhere([&](std::size_t texel, CanvasPoint p) { levels[texel] = noise(p); });
   std::vector<double> sorted = levels;  // to find the level that so much of the noise exceeds
   std::ranges::sort(sorted);
   const double rim = sorted[static_cast<std::size_t>((1.0 - blotches.coverage) *
@@ -160,10 +162,10 @@ void apply(const Blotches& blotches, std::uint64_t seed, Canvas& canvas) {
   }
 }
 
-void apply(const Tattoo& tattoo, std::uint64_t, Canvas& canvas) {
+void apply_feature(const Tattoo& tattoo, std::uint64_t, SkinCanvas& canvas) {
   const double height = tattoo.width * tattoo.image.height / tattoo.image.width;
   canvas.grid.within({tattoo.at[0], tattoo.at[1]}, 0.5 * std::max(tattoo.width, height),
-                     [&](std::size_t texel, Point p) {
+                     [&](std::size_t texel, CanvasPoint p) {
                        canvas.skin[texel].junction_absorption +=
                            tattoo.absorbance * ink_at(tattoo.image,
                                                       (p.x - tattoo.at[0]) / tattoo.width + 0.5,
@@ -171,9 +173,9 @@ void apply(const Tattoo& tattoo, std::uint64_t, Canvas& canvas) {
                      });
 }
 
-void apply(const PressedDisc& disc, std::uint64_t seed, Canvas& canvas) {
+void apply_feature(const PressedDisc& disc, std::uint64_t seed, SkinCanvas& canvas) {
   const Noise ragged(seed, 0.5 * disc.diameter);
-  canvas.grid.everywhere([&](std::size_t texel, Point p) {
+  canvas.grid.everywhere([&](std::size_t texel, CanvasPoint p) {
     SkinParameters& skin = canvas.skin[texel];
     const double distance = std::hypot(p.x - disc.at[0], p.y - disc.at[1]);
     const double left = share_left(disc, distance, ragged(p));
@@ -182,9 +184,9 @@ void apply(const PressedDisc& disc, std::uint64_t seed, Canvas& canvas) {
   });
 }
 
-void apply(const Unevenness& uneven, std::uint64_t seed, Canvas& canvas) {
+void apply_feature(const Unevenness& uneven, std::uint64_t seed, SkinCanvas& canvas) {
   const Noise melanin(seed, uneven.melanin_size), blood(seed + 1000, uneven.hemoglobin_size);
-  canvas.grid.everywhere([&](std::size_t texel, Point p) {
+  canvas.grid.everywhere([&](std::size_t texel, CanvasPoint p) {
     SkinParameters& skin = canvas.skin[texel];
     skin.melanin *= std::exp(uneven.melanin * melanin(p));
     const double more = std::exp(uneven.hemoglobin * blood(p));
@@ -194,7 +196,7 @@ void apply(const Unevenness& uneven, std::uint64_t seed, Canvas& canvas) {
 }
 
 /// Maps of what is not the same everywhere, brought into its range.
-std::vector<SkinMap> varying_maps(const Canvas& canvas) {
+std::vector<SkinMap> varying_maps(const SkinCanvas& canvas) {
   std::vector<SkinMap> maps;
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     if (!may_be_map(range.name)) continue;
@@ -240,12 +242,12 @@ double share_left(const PressedDisc& disc, double distance, double raggedness) {
 }
 
 std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe, const Progress& progress) {
-  const Grid grid{recipe.width, recipe.height, recipe.mm_per_texel};
-  Canvas canvas{grid, std::vector<SkinParameters>(grid.size(), recipe.base.skin)};
+  const CanvasGrid grid{recipe.width, recipe.height, recipe.mm_per_texel};
+  SkinCanvas canvas{grid, std::vector<SkinParameters>(grid.size(), recipe.base.skin)};
   std::uint64_t seed = recipe.seed * 1'000'003u;
   double done = 0.0;
   for (const SkinFeature& feature : recipe.features) {
-    std::visit([&](const auto& each) { apply(each, seed, canvas); }, feature);
+    std::visit([&](const auto& each) { apply_feature(each, seed, canvas); }, feature);
     seed += 10'007;
     report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
   }

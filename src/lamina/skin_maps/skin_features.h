@@ -100,8 +100,8 @@ struct SkinMapRecipe {
 [[nodiscard]] SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value);
 
 /// Sets the parameters that the example's maps are of. @param share  of the change, in [0, 1]
-void change(SkinParameters& skin, const Synthesis& synthesis, std::span<const double> values,
-            double share);
+void change_by_synthesis(SkinParameters& skin, const Synthesis& synthesis,
+                         std::span<const double> values, double share);
 
 /// Adds blood or melanin of another composition: shares mix by amount.
 void mix_in(double& amount, double& composition, double added, double composition_of_it);

@@ -30,18 +30,19 @@ void set(const JsonObject& object, std::string_view key, const NumberRange& rang
 }
 
 void set_place(const JsonObject& object, Span2& place) {
-  const std::vector<double> at = object.required("at").numbers(2, between(-longest, longest, "mm"));
+  const std::vector<double> at =
+      object.required("at").numbers(2, closed_interval(-longest, longest, "mm"));
   place = {at[0], at[1]};
 }
 
 SkinFeature decode_spots(const JsonInput& value, MelaninSpots spots) {
   const JsonObject object =
       value.object({"density", "diameter", "melanin", "melanin_blend", "rim"});
-  set(object, "density", between(0.0, 1000.0, "1/cm2"), spots.density);
-  set(object, "diameter", between(0.05, 100.0, "mm"), spots.diameter);
-  set(object, "melanin", between(0.0, 0.5), spots.melanin);
-  set(object, "melanin_blend", between(0.0, 1.0), spots.melanin_blend);
-  set(object, "rim", between(1e-3, 10.0, "mm"), spots.rim);
+  set(object, "density", closed_interval(0.0, 1000.0, "1/cm2"), spots.density);
+  set(object, "diameter", closed_interval(0.05, 100.0, "mm"), spots.diameter);
+  set(object, "melanin", closed_interval(0.0, 0.5), spots.melanin);
+  set(object, "melanin_blend", closed_interval(0.0, 1.0), spots.melanin_blend);
+  set(object, "rim", closed_interval(1e-3, 10.0, "mm"), spots.rim);
   return spots;
 }
 
@@ -57,10 +58,10 @@ SkinFeature decode_veins(const JsonInput& value) {
 SkinFeature decode_blotches(const JsonInput& value) {
   const JsonObject object = value.object({"size", "coverage", "hemoglobin_dermis", "melanin"});
   Blotches blotches;
-  set(object, "size", between(0.1, longest, "mm"), blotches.size);
-  set(object, "coverage", between(0.0, 1.0), blotches.coverage);
-  set(object, "hemoglobin_dermis", between(-0.1, 0.1), blotches.hemoglobin_dermis);
-  set(object, "melanin", between(-0.5, 0.5), blotches.melanin);
+  set(object, "size", closed_interval(0.1, longest, "mm"), blotches.size);
+  set(object, "coverage", closed_interval(0.0, 1.0), blotches.coverage);
+  set(object, "hemoglobin_dermis", closed_interval(-0.1, 0.1), blotches.hemoglobin_dermis);
+  set(object, "melanin", closed_interval(-0.5, 0.5), blotches.melanin);
   return blotches;
 }
 
@@ -96,10 +97,10 @@ SkinFeature decode_unevenness(const JsonInput& value) {
   const JsonObject object =
       value.object({"melanin", "melanin_size", "hemoglobin", "hemoglobin_size"});
   Unevenness uneven;
-  set(object, "melanin", between(0.0, 2.0), uneven.melanin);
-  set(object, "melanin_size", between(0.05, longest, "mm"), uneven.melanin_size);
-  set(object, "hemoglobin", between(0.0, 2.0), uneven.hemoglobin);
-  set(object, "hemoglobin_size", between(0.05, longest, "mm"), uneven.hemoglobin_size);
+  set(object, "melanin", closed_interval(0.0, 2.0), uneven.melanin);
+  set(object, "melanin_size", closed_interval(0.05, longest, "mm"), uneven.melanin_size);
+  set(object, "hemoglobin", closed_interval(0.0, 2.0), uneven.hemoglobin);
+  set(object, "hemoglobin_size", closed_interval(0.05, longest, "mm"), uneven.hemoglobin_size);
   return uneven;
 }
 
@@ -116,7 +117,7 @@ SkinFeature decode_synthesis(const JsonInput& value) {
         document.root().file_object("patch", 1,
                                     {"name", "mm_per_pixel", "width", "height", "bands", "skin",
                                      "light", "totals", "transport"});
-    mm_per_texel = patch.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
+    mm_per_texel = patch.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
     const JsonInput skin = patch.required("skin");
     SkinMaps decoded = decode_skin_maps(skin);
     maps = std::move(decoded.maps);
@@ -140,7 +141,7 @@ SkinFeature decode_synthesis(const JsonInput& value) {
   const double side =
       mm_per_texel * std::min(maps.front().values.width, maps.front().values.height);
   double tile = 0.4 * side;
-  set(object, "tile", between(4.0 * mm_per_texel, side, "mm"), tile);
+  set(object, "tile", closed_interval(4.0 * mm_per_texel, side, "mm"), tile);
   bool are_factors = false;
   if (const auto use = object.optional("use"))
     are_factors = use->choice<bool>({{"values", false}, {"factors", true}});
@@ -168,25 +169,25 @@ Tattoo decode_ink(const JsonObject& object) {
   } catch (const Error& error) {
     file.fail(error.what());
   }
-  set(object, "width", between(0.1, longest, "mm"), tattoo.width);
-  set(object, "absorbance", between(0.0, 10.0), tattoo.absorbance);
+  set(object, "width", closed_interval(0.1, longest, "mm"), tattoo.width);
+  set(object, "absorbance", closed_interval(0.0, 10.0), tattoo.absorbance);
   return tattoo;
 }
 
 PressedDisc decode_disc(const JsonObject& object) {
   PressedDisc disc;
-  set(object, "diameter", between(0.1, longest, "mm"), disc.diameter);
-  set(object, "share", between(0.0, 1.0), disc.share);
+  set(object, "diameter", closed_interval(0.1, longest, "mm"), disc.diameter);
+  set(object, "share", closed_interval(0.0, 1.0), disc.share);
   return disc;
 }
 
 Veins decode_vein_look(const JsonObject& object) {
   Veins veins;
-  set(object, "diameter", between(0.05, 20.0, "mm"), veins.diameter);
-  set(object, "depth", between(0.0, 10.0, "mm"), veins.depth);
-  set(object, "hemoglobin", between(0.0, 1.0), veins.hemoglobin);
-  set(object, "saturation", between(0.0, 1.0), veins.saturation);
-  set(object, "absorbance", between(0.0, 10.0), veins.absorbance);
+  set(object, "diameter", closed_interval(0.05, 20.0, "mm"), veins.diameter);
+  set(object, "depth", closed_interval(0.0, 10.0, "mm"), veins.depth);
+  set(object, "hemoglobin", closed_interval(0.0, 1.0), veins.hemoglobin);
+  set(object, "saturation", closed_interval(0.0, 1.0), veins.saturation);
+  set(object, "absorbance", closed_interval(0.0, 10.0), veins.absorbance);
   return veins;
 }
 
@@ -213,7 +214,7 @@ SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file, MemoryBudg
   SkinMapRecipe recipe;
   recipe.width = static_cast<int>(object.required("width").integer(1, 16384));
   recipe.height = static_cast<int>(object.required("height").integer(1, 16384));
-  recipe.mm_per_texel = object.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
+  recipe.mm_per_texel = object.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
   if (const auto seed = object.optional("seed"))
     recipe.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
   const JsonInput skin = object.required("skin");

@@ -36,7 +36,7 @@ Image decode_values(const JsonInput& value) {
   constexpr double most = 1e6;
   const auto factor = [&](std::string_view key, double otherwise) {
     const auto given = object.optional(key);
-    return given ? given->number(between(-most, most)) : otherwise;
+    return given ? given->number(closed_interval(-most, most)) : otherwise;
   };
   const double scale = factor("scale", 1.0), offset = factor("offset", 0.0);
   Image values = make_image(image.width, image.height, {"Y"});
@@ -108,13 +108,13 @@ SkinMaps decode_skin_maps(const JsonInput& recipe) {
     const auto value = object.optional(range.name);
     if (!value) continue;
     if (!value->is_object()) {
-      result.skin.*range.value = value->number(between(range.low, range.high));
+      result.skin.*range.value = value->number(closed_interval(range.low, range.high));
     } else {
       result.maps.push_back(decode_skin_map(range, *value, result.warnings));
     }
   }
   if (const auto oiliness = object.optional("oiliness"))
-    result.oiliness = oiliness->number(between(0.0, 1.0));
+    result.oiliness = oiliness->number(closed_interval(0.0, 1.0));
   return result;
 }
 

@@ -15,7 +15,7 @@ class TileLattice {
   static constexpr int around = 2;
   static constexpr std::size_t most = (2 * around + 1) * (2 * around + 1);
 
-  TileLattice(const MapExample& example, const Grid& grid, std::uint64_t seed)
+  TileLattice(const MapExample& example, const CanvasGrid& grid, std::uint64_t seed)
       : example_(example),
         columns_(squares(grid.across())),
         tiles_(columns_ * squares(grid.down())) {
@@ -30,7 +30,7 @@ class TileLattice {
   }
 
   /// The tiles that count at a place. @return how many
-  std::size_t at(Point p, std::array<MapExample::Tile, most>& tiles) const {
+  std::size_t at(CanvasPoint p, std::array<MapExample::Tile, most>& tiles) const {
     const auto first = static_cast<std::size_t>(p.y / example_.tile()) * columns_ +
                        static_cast<std::size_t>(p.x / example_.tile());
     const auto tile = [&](std::size_t n) -> const PlacedTile& {
@@ -66,8 +66,8 @@ class TileLattice {
 
 }  // namespace
 
-void change(SkinParameters& skin, const Synthesis& synthesis, std::span<const double> values,
-            double share) {
+void change_by_synthesis(SkinParameters& skin, const Synthesis& synthesis,
+                         std::span<const double> values, double share) {
   const MapExample& example = synthesis.example;
   for (std::size_t m = 0; m < values.size(); ++m) {
     double& parameter = skin.*example.maps()[m].parameter;
@@ -78,19 +78,20 @@ void change(SkinParameters& skin, const Synthesis& synthesis, std::span<const do
   }
 }
 
-void apply(const Synthesis& synthesis, std::uint64_t seed, Canvas& canvas) {
+void apply_feature(const Synthesis& synthesis, std::uint64_t seed, SkinCanvas& canvas) {
   const TileLattice lattice(synthesis.example, canvas.grid, seed);
-  const Grid& grid = canvas.grid;
+  const CanvasGrid& grid = canvas.grid;
   parallel_for(static_cast<std::size_t>(grid.height), [&](std::size_t y) {
     std::array<MapExample::Tile, TileLattice::most> tiles;
     std::array<double, MapExample::most_maps> store;
     const std::span<double> values(store.data(), synthesis.example.maps().size());
     for (std::size_t x = 0; x < static_cast<std::size_t>(grid.width); ++x) {
-      const Point place = {(static_cast<double>(x) + 0.5) * grid.mm,
-                           (static_cast<double>(y) + 0.5) * grid.mm};
+      const CanvasPoint place = {(static_cast<double>(x) + 0.5) * grid.mm,
+                                 (static_cast<double>(y) + 0.5) * grid.mm};
       const std::size_t count = lattice.at(place, tiles);
       synthesis.example.values_at(std::span(tiles).first(count), grid.mm, values);
-      change(canvas.skin[y * static_cast<std::size_t>(grid.width) + x], synthesis, values, 1.0);
+      change_by_synthesis(canvas.skin[y * static_cast<std::size_t>(grid.width) + x], synthesis,
+                          values, 1.0);
     }
   });
 }

@@ -26,11 +26,11 @@ void note_size(const std::string& what, const Image& image, SkinPatch& patch) {
 /// Strips of light across the patch, each texel by the share of it that is lit.
 void cut_stripes(const JsonInput& value, const SkinPatch& patch, Image& light) {
   const JsonObject object = value.object({"period", "width", "angle"});
-  const double period = object.required("period").number(between(1e-3, 1e6, "mm"));
-  const double width = object.required("width").number(between(0.0, period, "mm"));
+  const double period = object.required("period").number(closed_interval(1e-3, 1e6, "mm"));
+  const double width = object.required("width").number(closed_interval(0.0, period, "mm"));
   const auto angle = object.optional("angle");
-  const double turn =
-      (angle ? angle->number(between(-360.0, 360.0, "deg")) : 0.0) * std::numbers::pi / 180.0;
+  const double turn = (angle ? angle->number(closed_interval(-360.0, 360.0, "deg")) : 0.0) *
+                      std::numbers::pi / 180.0;
   constexpr int samples = 4;  // across a texel, each way
   for (int y = 0; y < light.height; ++y)
     for (int x = 0; x < light.width; ++x) {
@@ -48,7 +48,7 @@ void cut_stripes(const JsonInput& value, const SkinPatch& patch, Image& light) {
 
 /// Light on a rectangle in the middle only.
 void cut_window(const JsonInput& value, const SkinPatch& patch, Image& light) {
-  const std::vector<double> size = value.number_or_numbers(2, between(0.0, 1e6, "mm"));
+  const std::vector<double> size = value.number_or_numbers(2, closed_interval(0.0, 1e6, "mm"));
   /// Share of texel i, of `count`, within `side` of the middle.
   const auto share = [&](int i, int count, double side) {
     const double half = 0.5 * side / patch.mm_per_texel, middle = 0.5 * count;
@@ -81,7 +81,7 @@ void decode_light(const JsonInput& value, SkinPatch& patch) {
     patch.light = resampled(image, patch.width, patch.height);
   }
   if (const auto level = object.optional("irradiance")) {
-    const auto factor = static_cast<float>(level->number(between(0.0, 1e6)));
+    const auto factor = static_cast<float>(level->number(closed_interval(0.0, 1e6)));
     for (float& light : patch.light.pixels) light *= factor;
   }
   if (const auto window = object.optional("window")) cut_window(*window, patch, patch.light);
@@ -117,7 +117,7 @@ TransportOptions decode_transport(const JsonInput& value) {
     options.terms = static_cast<int>(terms->integer(1, 100));
   if (const auto kept = object.optional("kept")) {
     if (object.has("terms")) kept->fail("\"terms\" says already when to end the series");
-    options.kept = kept->number(between(0.0, 0.9999));
+    options.kept = kept->number(closed_interval(0.0, 0.9999));
     options.terms = 0;
   }
   if (const auto profile = object.optional("profile"))
@@ -137,7 +137,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
                                    "light", "totals", "transport", "albedo"});
   SkinPatch patch;
   patch.name = object.has("name") ? object.required("name").string() : file.stem().string();
-  patch.mm_per_texel = object.required("mm_per_pixel").number(between(1e-3, 100.0, "mm"));
+  patch.mm_per_texel = object.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
   patch.skin = decode_skin_maps(object.required("skin"));
   patch.warnings = patch.skin.warnings;
   std::tie(patch.width, patch.height) = patch_size(object, patch.skin.maps);
@@ -146,7 +146,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
   if (const auto bands = object.optional("bands")) {
     std::vector<double> wavelengths;
     for (const JsonInput& band : bands->array(1, 1000))
-      wavelengths.push_back(band.number(between(350.0, 1000.0, "nm")));
+      wavelengths.push_back(band.number(closed_interval(350.0, 1000.0, "nm")));
     try {
       patch.bands = BandSet(std::move(wavelengths));
     } catch (const InvalidInput& error) {

@@ -41,8 +41,8 @@ std::pair<float, float> range_of(const std::vector<Image>& images,
       const auto* image = std::get_if<ImageMap>(&map->source);
       const Range source =
           image ? range_of(images[image->image]) : range_of(std::get<NoiseMap>(map->source));
-      a *= clamped(*map, map->offset + map->scale * source.first);
-      b *= clamped(*map, map->offset + map->scale * source.second);
+      a *= clamp_to_range(*map, map->offset + map->scale * source.first);
+      b *= clamp_to_range(*map, map->offset + map->scale * source.second);
     }
     total.first += std::min(a, b);
     total.second += std::max(a, b);

@@ -81,7 +81,7 @@ constexpr float cellular_mean = 0.901f;
 
 }  // namespace
 
-float evaluate(const NoiseMap& noise, const Vec3f& position, float footprint) {
+float evaluate_noise(const NoiseMap& noise, const Vec3f& position, float footprint) {
   float value = 0.0f, weight = 1.0f, variance = 0.0f, size = noise.size;
   const bool is_smooth_noise = noise.kind == NoiseMap::Kind::smooth;
   for (int octave = 0; octave < noise.octaves; ++octave, size *= 0.5f, weight *= 0.5f) {

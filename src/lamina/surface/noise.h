@@ -16,6 +16,6 @@ namespace lamina {
 ///
 /// Source: smooth is gradient noise, [Perlin2002]; cellular is [Worley1996], cut off at a radius
 /// that eight cells cover.
-[[nodiscard]] float evaluate(const NoiseMap& noise, const Vec3f& position, float footprint);
+[[nodiscard]] float evaluate_noise(const NoiseMap& noise, const Vec3f& position, float footprint);
 
 }  // namespace lamina

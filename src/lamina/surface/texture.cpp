@@ -154,9 +154,9 @@ Vec3f TextureStore::mean_color(std::size_t image) const {
 
 float TextureStore::scalar(const TextureMap& map, const SurfacePoint& point) const {
   const auto* noise = std::get_if<NoiseMap>(&map.source);
-  const float value = noise ? evaluate(*noise, point.position, point.footprint)
+  const float value = noise ? evaluate_noise(*noise, point.position, point.footprint)
                             : luminance(color(std::get<ImageMap>(map.source), point));
-  return clamped(map, map.offset + map.scale * value);
+  return clamp_to_range(map, map.offset + map.scale * value);
 }
 
 Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) const {
@@ -165,7 +165,7 @@ Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) cons
     return {value, value, value};
   }
   Vec3f value = color(std::get<ImageMap>(map.source), point);
-  for (int c = 0; c < 3; ++c) value[c] = clamped(map, map.offset + map.scale * value[c]);
+  for (int c = 0; c < 3; ++c) value[c] = clamp_to_range(map, map.offset + map.scale * value[c]);
   return value;
 }
 

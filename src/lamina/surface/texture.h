@@ -58,7 +58,7 @@ class TextureStore {
                                 const SurfacePoint& point);
 
 /// A map's value kept in its range.
-[[nodiscard]] inline float clamped(const TextureMap& map, float value) {
+[[nodiscard]] inline float clamp_to_range(const TextureMap& map, float value) {
   return std::clamp(value, map.low, map.high);
 }
 

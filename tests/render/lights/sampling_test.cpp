@@ -132,7 +132,7 @@ TEST(Noise, SmoothNoiseHasMeanZeroAndUnitVariance) {
     for (int i = 0; i < count; ++i) {
       const Vec3f p{200.0f * random.uniform_float(), 200.0f * random.uniform_float(),
                     200.0f * random.uniform_float()};
-      const double value = static_cast<double>(evaluate(noise, p, 1e-3f));
+      const double value = static_cast<double>(evaluate_noise(noise, p, 1e-3f));
       sum += value;
       sum2 += value * value;
     }
@@ -150,14 +150,14 @@ TEST(Noise, FadesToItsMeanWhereTooFineToSee) {
     for (int i = 0; i < count; ++i) {
       const Vec3f p{50.0f * random.uniform_float(), 50.0f * random.uniform_float(),
                     50.0f * random.uniform_float()};
-      const float value = evaluate(noise, p, 1e-4f);
+      const float value = evaluate_noise(noise, p, 1e-4f);
       if (kind == NoiseMap::Kind::cellular) {
         EXPECT_GE(value, 0.0f);
         EXPECT_LE(value, 1.0f);
       }
       mean += static_cast<double>(value) / count;
     }
-    EXPECT_NEAR(static_cast<double>(evaluate(noise, {1, 2, 3}, 10.0f)), mean, 0.02);
+    EXPECT_NEAR(static_cast<double>(evaluate_noise(noise, {1, 2, 3}, 10.0f)), mean, 0.02);
   }
 }
 

@@ -190,7 +190,7 @@ TEST(MonteCarlo, ShardsAddUpToTheRunBitForBit) {
   for (int i = 0; i < 3; ++i) {
     options.shard = {.index = i, .count = 3};
     const PhotonCounts part = count_photons(stack, options);
-    sum = i == 0 ? part : merge(sum, part);
+    sum = i == 0 ? part : merge_counts(sum, part);
   }
   EXPECT_EQ(whole.first, sum.first);
   EXPECT_EQ(whole.second, sum.second);
@@ -198,7 +198,7 @@ TEST(MonteCarlo, ShardsAddUpToTheRunBitForBit) {
   EXPECT_EQ(whole.volume_second, sum.volume_second);
   EXPECT_EQ(whole.photons, sum.photons);
   options.seed = 8;
-  EXPECT_THROW(merge(sum, count_photons(stack, options)), InvalidInput);
+  EXPECT_THROW(merge_counts(sum, count_photons(stack, options)), InvalidInput);
 }
 
 }  // namespace

@@ -128,7 +128,8 @@ std::string GltfBuffers::load(const JsonInput& uri) const {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos || !text.substr(0, comma).ends_with(";base64"))
     uri.fail("data within the file must be base64");
-  take(uri.memory(), text.size(), uri.where() + ": its data");  // three fourths, and the copy above
+  take_memory(uri.memory(), text.size(),
+              uri.where() + ": its data");  // three fourths, and the copy above
   return decode_base64(std::string_view(text).substr(comma + 1), uri);
 }
 

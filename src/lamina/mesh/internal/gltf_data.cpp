@@ -147,7 +147,7 @@ void GltfData::decode_sparse(const JsonInput& accessor, const JsonInput& sparse,
   const GltfAccessor::Elements places =
       elements(indices, component_type(required(indices, "componentType")), 1);
   into.replacements_ = elements(values, into.elements_.type, into.components_);
-  take(sparse.memory(), count, sizeof(std::uint32_t), sparse.where());
+  take_memory(sparse.memory(), count, sizeof(std::uint32_t), sparse.where());
   into.replaced_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double place = places(i, 0);

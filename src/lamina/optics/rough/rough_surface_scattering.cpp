@@ -101,7 +101,7 @@ RoughSurfaceScattering run_parts(std::size_t parts, std::int64_t rays, std::uint
       const std::int64_t now = std::min(left, chunk);
       for (std::int64_t k = 0; k < now; ++k) trace_ray(random, tallies[i]);
       traced += now;
-      if (!report(progress, static_cast<double>(traced) / static_cast<double>(rays)))
+      if (!report_progress(progress, static_cast<double>(traced) / static_cast<double>(rays)))
         is_stopped = true;
     }
   });

@@ -25,7 +25,7 @@ std::string tick_text(double value, int decimals) {
 
 std::string integer_text(int value) { return tick_text(value, 0); }
 
-std::vector<Tick> linear_ticks(const AxisSpan& span, double labels) {
+std::vector<AxisTick> linear_ticks(const AxisSpan& span, double labels) {
   const double rough = (span.high - span.low) / std::max(labels, 2.0);
   const double decade = std::pow(10.0, std::floor(std::log10(rough)));
   double step = 10.0 * decade;
@@ -39,13 +39,13 @@ std::vector<Tick> linear_ticks(const AxisSpan& span, double labels) {
   // for the spans of fractions, angles and wavelengths that plots have; others get an exponent.
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
   const bool is_plain = decimals <= 5 && std::max(std::abs(span.low), std::abs(span.high)) < 1e6;
-  std::vector<Tick> ticks;
+  std::vector<AxisTick> ticks;
   const double minor = step / minor_count;
   const double tolerance = 1e-6 * minor;
   for (double i = std::ceil((span.low - tolerance) / minor);
        i * minor <= span.high + tolerance && ticks.size() < 200; ++i) {
     const bool is_major = std::fmod(std::abs(i), minor_count) == 0.0;
-    Tick tick{.value = i * minor, .label = {}, .exponent = {}, .is_major = is_major};
+    AxisTick tick{.value = i * minor, .label = {}, .exponent = {}, .is_major = is_major};
     if (is_major && is_plain) tick.label = tick_text(tick.value, decimals);
     if (is_major && !is_plain)
       tick.label = printf_text("%.3g", tick.value == 0.0 ? 0.0 : tick.value);
@@ -54,12 +54,12 @@ std::vector<Tick> linear_ticks(const AxisSpan& span, double labels) {
   return ticks;
 }
 
-std::vector<Tick> log_ticks(const AxisSpan& span, double labels) {
+std::vector<AxisTick> log_ticks(const AxisSpan& span, double labels) {
   const double low = std::log10(span.low), high = std::log10(span.high);
   const double decades = high - low;
   const int every = std::max(1, static_cast<int>(std::ceil(decades / std::max(labels, 2.0))));
   const bool labels_within_decades = decades < 1.6;  // else 10 and 100 alone would stand there
-  std::vector<Tick> ticks;
+  std::vector<AxisTick> ticks;
   for (int power = static_cast<int>(std::floor(low)); power <= static_cast<int>(std::ceil(high));
        ++power)
     for (int digit = 1; digit <= 9; ++digit) {
@@ -68,7 +68,7 @@ std::vector<Tick> log_ticks(const AxisSpan& span, double labels) {
       const bool is_decade = digit == 1;
       const bool is_major = is_decade && power % every == 0;
       if (!is_decade && decades > 12.0) continue;
-      Tick tick{.value = value, .label = {}, .exponent = {}, .is_major = is_major};
+      AxisTick tick{.value = value, .label = {}, .exponent = {}, .is_major = is_major};
       if (is_major || (labels_within_decades && (digit == 2 || digit == 5))) {
         const bool is_plain = labels_within_decades || (low > -3.01 && high < 4.01);
         if (is_plain && power >= -4 && power <= 4) {
@@ -99,7 +99,7 @@ double AxisSpan::position(double value) const {
   return std::log(value / low) / std::log(high / low);
 }
 
-AxisSpan make_span(const Axis& axis, const ValueRange& values) {
+AxisSpan make_span(const PlotAxis& axis, const ValueRange& values) {
   const bool log = is_log(axis.scale);
   double low = log ? 0.1 : 0.0, high = 1.0;
   if (!values.is_empty) {
@@ -128,7 +128,7 @@ AxisSpan make_span(const Axis& axis, const ValueRange& values) {
   return span;
 }
 
-std::vector<Tick> make_ticks(const AxisSpan& span, double pixels, double pixels_per_label) {
+std::vector<AxisTick> make_ticks(const AxisSpan& span, double pixels, double pixels_per_label) {
   const double labels = pixels / pixels_per_label;
   return is_log(span.scale) ? log_ticks(span, labels) : linear_ticks(span, labels);
 }

@@ -30,9 +30,9 @@ struct AxisSpan {
 
 /// The axis' own limits, or else a little more than the values.
 /// @throws InvalidInput if the limits are no range.
-[[nodiscard]] AxisSpan make_span(const Axis& axis, const ValueRange& values);
+[[nodiscard]] AxisSpan make_span(const PlotAxis& axis, const ValueRange& values);
 
-struct Tick {
+struct AxisTick {
   double value;
   std::string label;     ///< empty for minor ticks
   std::string exponent;  ///< of a label 10, raised; else empty
@@ -40,7 +40,7 @@ struct Tick {
 };
 
 /// Ticks in the span; about one label per 45 px along x, 30 px along y.
-[[nodiscard]] std::vector<Tick> make_ticks(const AxisSpan& span, double pixels,
-                                           double pixels_per_label);
+[[nodiscard]] std::vector<AxisTick> make_ticks(const AxisSpan& span, double pixels,
+                                               double pixels_per_label);
 
 }  // namespace lamina

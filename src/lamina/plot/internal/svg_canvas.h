@@ -17,11 +17,11 @@ namespace lamina {
 /// About how wide text is [px], rather too wide.
 [[nodiscard]] double text_width(std::string_view text, double font_size);
 
-enum class Anchor { start, middle, end };
+enum class TextAnchor { start, middle, end };
 
 struct TextStyle {
   double size = 11.0;
-  Anchor anchor = Anchor::start;
+  TextAnchor anchor = TextAnchor::start;
   std::string_view color = "#222222";
   bool is_bold = false;
   double turn = 0.0;      ///< clockwise [degrees]

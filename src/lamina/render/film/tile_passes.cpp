@@ -20,8 +20,8 @@
 namespace lamina {
 namespace {
 
-constexpr int tile_size = 16;      // [pixel]
-constexpr int least_samples = 16;  // before a tile may end early
+constexpr int tile_size = 16;        // [pixel]
+constexpr int least_samples = 16;    // before a tile may end early
 constexpr int samples_at_once = 16;  // of each pixel of a tile; what a stop may lose
 constexpr std::chrono::seconds between_checkpoints{30};
 
@@ -80,8 +80,7 @@ class Passes {
     if (!options_.checkpoint.empty()) {
       std::error_code ignored;
       if (is_stopped_ && finished_ > 0) keep();
-      if (!is_stopped_)
-        std::filesystem::remove(options_.checkpoint, ignored);
+      if (!is_stopped_) std::filesystem::remove(options_.checkpoint, ignored);
     }
     return !is_stopped_;
   }
@@ -129,7 +128,7 @@ class Passes {
   bool is_told() {
     const double all =
         static_cast<double>(options_.samples) * static_cast<double>(tiles_.samples.size());
-    if (!report(progress_, static_cast<double>(finished_) / all)) is_stopped_ = true;
+    if (!report_progress(progress_, static_cast<double>(finished_) / all)) is_stopped_ = true;
     return !is_stopped_;
   }
 

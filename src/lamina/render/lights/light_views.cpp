@@ -89,12 +89,12 @@ std::vector<LightView> make_light_views(const Scene& scene, int lamp_views, int 
   return views;
 }
 
-LightFrom look_from(const Vec3f& position, const LightView& view) {
+IncidentLight incident_light(const Vec3f& position, const LightView& view) {
   if (view.is_far) return {view.where, std::numeric_limits<float>::infinity(), 1.0f};
   const Vec3f d = view.where - position;
   const float d2 = dot(d, d), distance = std::sqrt(d2);
   if (!(d2 > 0.0f)) return {{0, 0, 1}, 0.0f, 0.0f};
-  LightFrom from{d / distance, distance, 1.0f / d2};
+  IncidentLight from{d / distance, distance, 1.0f / d2};
   if (dot(view.facing, view.facing) > 0.0f)
     from.irradiance *= std::max(-dot(from.direction, view.facing), 0.0f);
   return from;

@@ -30,11 +30,11 @@ struct LightView {
                                                       int dome_views);
 
 /// Towards the light from a point.
-struct LightFrom {
+struct IncidentLight {
   Vec3f direction;          ///< unit length
   float distance = 0.0f;    ///< [mm]; infinite for what is far away
   float irradiance = 0.0f;  ///< on a facing surface, per LightView::strength
 };
-[[nodiscard]] LightFrom look_from(const Vec3f& position, const LightView& view);
+[[nodiscard]] IncidentLight incident_light(const Vec3f& position, const LightView& view);
 
 }  // namespace lamina

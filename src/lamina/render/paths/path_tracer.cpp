@@ -120,7 +120,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const float footprint = path.footprint + path.spread * hit.distance;
     const SurfacePoint point = surface_at(world_.scene, hit, footprint);
     if (passes(point, ray, throughput, samples)) {
-      t_near = behind(hit, point);
+      t_near = distance_behind(hit, point);
       continue;
     }
     if (path.is_camera_ray && first) {
@@ -146,7 +146,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
         path.is_from_inside = false;
         t_near = 0.0f;
       } else {
-        t_near = behind(hit, point);
+        t_near = distance_behind(hit, point);
       }
       continue;
     }

@@ -50,7 +50,7 @@ BandValues<N> clear_fraction(const RenderScene& scene, const ThinSheets<N>& shee
     }
     fraction *= through;
     if (!(largest(fraction) > 0.0f)) return {};
-    t_near = behind(hit, point);
+    t_near = distance_behind(hit, point);
   }
   return {};
 }

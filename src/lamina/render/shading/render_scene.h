@@ -46,7 +46,7 @@ struct RenderScene {
 [[nodiscard]] SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprint);
 
 /// Where to look for the next surface along a ray that goes on behind a hit [mm].
-[[nodiscard]] inline float behind(const Hit& hit, const SurfacePoint& point) {
+[[nodiscard]] inline float distance_behind(const Hit& hit, const SurfacePoint& point) {
   return hit.distance + 1e-5f * std::max(hit.distance, length(point.position));
 }
 

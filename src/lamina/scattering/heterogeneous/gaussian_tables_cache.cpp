@@ -73,10 +73,10 @@ StackTables cached_stack_tables(const std::optional<DiskCache>& cache, const Map
                                 const GaussianTableGrid& grid) {
   if (!cache) return make_stack_tables(stack, totals, reference_sigma_a, grid);
   const std::string key = key_of(stack, totals, reference_sigma_a, grid);
-  if (const auto bytes = load(*cache, key))
+  if (const auto bytes = load_cached(*cache, key))
     if (auto tables = unpacked(*bytes, grid, stack.layers.size())) return std::move(*tables);
   StackTables tables = make_stack_tables(stack, totals, reference_sigma_a, grid);
-  store(*cache, key, packed(tables));
+  save_cached(*cache, key, packed(tables));
   return tables;
 }
 

@@ -215,7 +215,7 @@ PatchPhotons trace_patch_photons(const Patch& patch, const PatchPhotonOptions& o
       }
     });
     result.photons = end;
-    if (!report(options.progress, double(end) / double(options.photons))) break;
+    if (!report_progress(options.progress, double(end) / double(options.photons))) break;
   }
   const double n = double(result.photons);
   for (std::size_t t = 0; t < texels; ++t) {

@@ -98,7 +98,7 @@ void check_counts(const PhotonCounts& counts) {
           "counts must have a sum for each cell of their tallies, but have not");
 }
 
-PhotonCounts merge(const PhotonCounts& a, const PhotonCounts& b) {
+PhotonCounts merge_counts(const PhotonCounts& a, const PhotonCounts& b) {
   if (a.run != b.run)
     throw InvalidInput("shards must be of one run, but are of \"" + a.run + "\" and \"" + b.run +
                        "\"");

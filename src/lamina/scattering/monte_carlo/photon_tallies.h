@@ -129,7 +129,7 @@ void check_counts(const PhotonCounts& counts);
 
 /// The counts of two shards of one run together; exact.
 /// @throws InvalidInput if they are not of one run.
-[[nodiscard]] PhotonCounts merge(const PhotonCounts& a, const PhotonCounts& b);
+[[nodiscard]] PhotonCounts merge_counts(const PhotonCounts& a, const PhotonCounts& b);
 
 /// Reflected and transmitted light of one kind.
 struct TwoSided {

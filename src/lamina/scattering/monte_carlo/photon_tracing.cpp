@@ -169,7 +169,7 @@ void trace_batches(const Run& run, const MonteCarloOptions& options, PhotonCount
         add_batch(sums, count, counts);
         const double spent = static_cast<double>(counts.batches) / static_cast<double>(run.batches);
         const double past = options.seconds > 0.0 ? since(start) / options.seconds : 0.0;
-        if (!report(options.progress, std::min(1.0, std::max(spent, past))) || past >= 1.0)
+        if (!report_progress(options.progress, std::min(1.0, std::max(spent, past))) || past >= 1.0)
           stopped = true;
         if (options.keep && since(kept) > keep_seconds) pauses = true;
       }
@@ -198,7 +198,7 @@ PhotonCounts continue_photons(const LayerStack& stack, const MonteCarloOptions& 
   const Run run = make_run(stack, options);
   const PhotonCounts none = make_counts(stack, options, run.scene, run.plan);
   check_counts(counts);
-  static_cast<void>(merge(none, counts));  // throws if they are of another run
+  static_cast<void>(merge_counts(none, counts));  // throws if they are of another run
   const std::uint64_t last = counts.batches == 0 ? 0 : counts.batches - 1;
   const std::uint64_t end =
       std::min(run.first_photon(last, options.shard) + run.batch_size, options.photons);

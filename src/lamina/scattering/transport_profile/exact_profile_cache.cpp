@@ -128,7 +128,8 @@ void for_each_member(Result& result, const Act& act) {
       profile;
   act(per), act(bands), act(r), act(reflectance), act(transmittance);
   act(total_reflectance), act(total_transmittance);
-  act(relative_error), act(transmittance_error), act(estimated_error), act(nodes), act(modes), act(is_accurate);
+  act(relative_error), act(transmittance_error), act(estimated_error), act(nodes), act(modes),
+      act(is_accurate);
 }
 
 std::string packed(const ExactProfile& result) {
@@ -151,10 +152,10 @@ CachedExactProfile cached_exact_profile(const std::optional<DiskCache>& cache,
                                         const ExactProfileOptions& options) {
   if (!cache) return {exact_profile(stacks, radii, options)};
   const std::string key = key_of(stacks, radii, options);
-  if (const auto bytes = load(*cache, key))
+  if (const auto bytes = load_cached(*cache, key))
     if (auto result = unpacked(*bytes)) return {std::move(*result), true};
   ExactProfile result = exact_profile(stacks, radii, options);
-  store(*cache, key, packed(result));
+  save_cached(*cache, key, packed(result));
   return {std::move(result)};
 }
 

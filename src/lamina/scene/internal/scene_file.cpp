@@ -32,8 +32,8 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
   if (found != index_of_.end()) return found->second;
   Image image = load_for(file, [&] {
     Image loaded = load_image(path, encoding, file.memory());
-    lamina::take(file.memory(), bytes_of_smaller_copies(loaded),
-                 path.string() + ": its smaller copies");
+    lamina::take_memory(file.memory(), bytes_of_smaller_copies(loaded),
+                        path.string() + ": its smaller copies");
     require_finite(loaded, path);
     return loaded;
   });
@@ -46,7 +46,7 @@ std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding)
   const auto found = coverage_of_.find(whole);
   if (found != coverage_of_.end()) return found->second;
   const Image& image = images_[whole];
-  lamina::take(
+  lamina::take_memory(
       file.memory(),
       image.pixels.size() / image.channel_count() * sizeof(float) + bytes_of_smaller_copies(image),
       file.where() + ": its alpha");
@@ -60,7 +60,7 @@ std::size_t Images::add(Image image) {
 
 Vec3 decode_vector(const JsonInput& value, double scale) {
   const double most = longest / std::max(scale, 1e-9);
-  const std::vector<double> v = value.numbers(3, between(-most, most));
+  const std::vector<double> v = value.numbers(3, closed_interval(-most, most));
   return scale * Vec3{v[0], v[1], v[2]};
 }
 
@@ -98,9 +98,9 @@ Camera decode_camera(const JsonInput& value, double mm_per_unit) {
         .fail("the camera's up must not be parallel to its direction of view");
   double degrees = 40.0;
   if (const auto fov = object.optional("horizontal_fov"))
-    degrees = fov->number(between(0.01, 175.0, "deg"));
+    degrees = fov->number(closed_interval(0.01, 175.0, "deg"));
   camera.horizontal_fov = degrees * std::numbers::pi / 180.0;
-  const NumberRange length_range = between(0.0, longest / mm_per_unit);
+  const NumberRange length_range = closed_interval(0.0, longest / mm_per_unit);
   if (const auto aperture = object.optional("aperture_diameter"))
     camera.aperture_diameter = mm_per_unit * aperture->number(length_range);
   if (const auto distance = object.optional("focus_distance"))
@@ -117,7 +117,7 @@ Film decode_film(const JsonInput& value) {
   if (const auto height = object.optional("height"))
     film.height = static_cast<int>(height->integer(1, most));
   if (const auto exposure = object.optional("exposure"))
-    film.exposure = static_cast<float>(exposure->number(between(-50.0, 50.0, "stops")));
+    film.exposure = static_cast<float>(exposure->number(closed_interval(-50.0, 50.0, "stops")));
   if (const auto view = object.optional("view")) film.view = view->choice<View>();
   return film;
 }
@@ -127,15 +127,15 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
       value.object({"spacing_mm", "max_points", "irradiance_samples", "error", "refine"});
   HierarchySettings settings;
   if (const auto spacing = object.optional("spacing_mm"))
-    settings.spacing = static_cast<float>(spacing->number(between(0.0, 1e6, "mm")));
+    settings.spacing = static_cast<float>(spacing->number(closed_interval(0.0, 1e6, "mm")));
   if (const auto points = object.optional("max_points"))
     settings.max_points = static_cast<int>(points->integer(1000, 20'000'000));
   if (const auto samples = object.optional("irradiance_samples"))
     settings.irradiance_samples = static_cast<int>(samples->integer(0, 1 << 20));
   if (const auto error = object.optional("error"))
-    settings.error = static_cast<float>(error->number(between(1e-4, 1.0, "sr")));
+    settings.error = static_cast<float>(error->number(closed_interval(1e-4, 1.0, "sr")));
   if (const auto refine = object.optional("refine"))
-    settings.refine = static_cast<float>(refine->number(between(0.0, 1.0)));
+    settings.refine = static_cast<float>(refine->number(closed_interval(0.0, 1.0)));
   return settings;
 }
 
@@ -143,7 +143,7 @@ TextureSpaceSettings decode_texture_space(const JsonInput& value) {
   const JsonObject object = value.object({"texel_mm", "max_texels", "irradiance_samples", "terms"});
   TextureSpaceSettings settings;
   if (const auto texel = object.optional("texel_mm"))
-    settings.texel = static_cast<float>(texel->number(between(0.0, 1e6, "mm")));
+    settings.texel = static_cast<float>(texel->number(closed_interval(0.0, 1e6, "mm")));
   if (const auto texels = object.optional("max_texels"))
     settings.max_texels = static_cast<int>(texels->integer(1000, 20'000'000));
   if (const auto samples = object.optional("irradiance_samples"))
@@ -206,7 +206,7 @@ RenderSettings decode_render_settings(const JsonInput& value) {
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto noise = object.optional("noise"))
-    settings.noise = static_cast<float>(noise->number(between(0.0, 1.0)));
+    settings.noise = static_cast<float>(noise->number(closed_interval(0.0, 1.0)));
   if (const auto bounces = object.optional("max_bounces"))
     settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
   if (const auto seed = object.optional("seed"))
@@ -244,7 +244,7 @@ Scene decode_scene(const JsonInput& root) {
   const JsonObject file = root.file_object("scene", 1,
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
                                             "materials", "meshes", "lights", "render"});
-  const double mm_per_unit = file.required("mm_per_unit").number(between(1e-6, 1e6, "mm"));
+  const double mm_per_unit = file.required("mm_per_unit").number(closed_interval(1e-6, 1e6, "mm"));
   Scene scene;
   for (const std::string_view text : {"$schema", "name"})  // for other readers
     if (const auto given = file.optional(text)) (void)given->string();
@@ -278,7 +278,7 @@ Scene decode_scene(const JsonInput& root) {
     scene.materials.push_back(std::move(material.material));
   make_bands_common(scene);
   for (const BandChange& change : scene.band_changes)
-    scene.warnings.push_back(describe(change, scene));
+    scene.warnings.push_back(describe_band_change(change, scene));
   scene.images = images.take();
   return scene;
 }

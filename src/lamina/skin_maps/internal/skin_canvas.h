@@ -11,12 +11,12 @@
 
 namespace lamina {
 
-struct Point {
+struct CanvasPoint {
   double x, y;
 };
 
 /// The texels of the maps.
-struct Grid {
+struct CanvasGrid {
   int width, height;
   double mm;  ///< per texel
 
@@ -28,7 +28,7 @@ struct Grid {
 
   /// Calls `act(index, place)` for the texels of a square.
   template <class Act>
-  void within(Point middle, double half_side, const Act& act) const {
+  void within(CanvasPoint middle, double half_side, const Act& act) const {
     const auto first = [&](double at) { return std::max(0, static_cast<int>(at / mm - 0.5)); };
     const auto last = [&](double at, int size) {
       return std::min(size, static_cast<int>(std::ceil(at / mm + 0.5)));
@@ -37,7 +37,7 @@ struct Grid {
       for (int x = first(middle.x - half_side); x < last(middle.x + half_side, width); ++x)
         act(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                 static_cast<std::size_t>(x),
-            Point{(x + 0.5) * mm, (y + 0.5) * mm});
+            CanvasPoint{(x + 0.5) * mm, (y + 0.5) * mm});
   }
   template <class Act>
   void everywhere(const Act& act) const {
@@ -46,12 +46,12 @@ struct Grid {
 };
 
 /// The skin of each texel while features change it.
-struct Canvas {
-  Grid grid;
+struct SkinCanvas {
+  CanvasGrid grid;
   std::vector<SkinParameters> skin;
 };
 
 /// Spreads the maps of an example over the canvas.
-void apply(const Synthesis& synthesis, std::uint64_t seed, Canvas& canvas);
+void apply_feature(const Synthesis& synthesis, std::uint64_t seed, SkinCanvas& canvas);
 
 }  // namespace lamina

@@ -139,8 +139,8 @@ const SurfaceTexel& nearest_texel(const SurfaceCanvas& canvas, const Vec3f& at, 
   return *nearest;
 }
 
-void apply(const SurfaceTattoo& tattoo, const SurfacePlaces& where, std::uint64_t,
-           SurfaceCanvas& canvas) {
+void apply_feature(const SurfaceTattoo& tattoo, const SurfacePlaces& where, std::uint64_t,
+                   SurfaceCanvas& canvas) {
   const double width = tattoo.ink.width;
   const double height = width * tattoo.ink.image.height / tattoo.ink.image.width;
   const SurfaceTexel& middle = nearest_texel(canvas, tattoo.at, static_cast<float>(width));
@@ -160,8 +160,8 @@ void apply(const SurfaceTattoo& tattoo, const SurfacePlaces& where, std::uint64_
   });
 }
 
-void apply(const SurfacePress& press, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const SurfacePress& press, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   const SurfaceTexel& middle =
       nearest_texel(canvas, press.at, static_cast<float>(press.disc.diameter));
   const NoiseMap ragged{.kind = NoiseMap::Kind::smooth,
@@ -173,7 +173,7 @@ void apply(const SurfacePress& press, const SurfacePlaces& where, std::uint64_t 
     if (dot(texel.normal, middle.normal) < 0.0f) return;
     const double left =
         share_left(press.disc, static_cast<double>(length(texel.position - middle.position)),
-                   static_cast<double>(evaluate(ragged, texel.position, texel.width)));
+                   static_cast<double>(evaluate_noise(ragged, texel.position, texel.width)));
     const double weight = static_cast<double>(where.weight(texel.position));
     SkinParameters& skin = canvas.skin[i];
     skin.hemoglobin_dermis *= 1.0 - weight * (1.0 - left);
@@ -181,8 +181,8 @@ void apply(const SurfacePress& press, const SurfacePlaces& where, std::uint64_t 
   });
 }
 
-void apply(const SurfaceVein& vein, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const SurfaceVein& vein, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   constexpr float most = 30.0f;
   Random random = make_random(seed, 0);
   const SurfaceTexel& from = nearest_texel(canvas, vein.from, most);

@@ -75,8 +75,8 @@ NoiseMap smooth_noise(double size, int octaves, std::uint64_t seed) {
           .seed = static_cast<std::uint32_t>(seed)};
 }
 
-void apply(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   const NoiseMap melanin = smooth_noise(uneven.melanin_size, 3, seed);
   const NoiseMap blood = smooth_noise(uneven.hemoglobin_size, 3, seed + 1);
   for_texels(canvas, [&](std::size_t i) {
@@ -84,7 +84,7 @@ void apply(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t s
     const auto weight = static_cast<double>(where.weight(texel.position));
     const auto noise = [&](const NoiseMap& map, double amount) {
       return std::exp(weight * amount *
-                      static_cast<double>(evaluate(map, texel.position, texel.width)));
+                      static_cast<double>(evaluate_noise(map, texel.position, texel.width)));
     };
     SkinParameters& skin = canvas.skin[i];
     skin.melanin *= noise(melanin, uneven.melanin);
@@ -94,7 +94,8 @@ void apply(const Unevenness& uneven, const SurfacePlaces& where, std::uint64_t s
   });
 }
 
-void apply(const Flush& flush, const SurfacePlaces& where, std::uint64_t, SurfaceCanvas& canvas) {
+void apply_feature(const Flush& flush, const SurfacePlaces& where, std::uint64_t,
+                   SurfaceCanvas& canvas) {
   for_texels(canvas, [&](std::size_t i) {
     const auto weight = static_cast<double>(where.weight(canvas.texels[i].position));
     SkinParameters& skin = canvas.skin[i];
@@ -104,21 +105,21 @@ void apply(const Flush& flush, const SurfacePlaces& where, std::uint64_t, Surfac
   });
 }
 
-void apply(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   const NoiseMap noise = smooth_noise(net.size, 2, seed);
   for_texels(canvas, [&](std::size_t i) {
     const SurfaceTexel& texel = canvas.texels[i];
     const float weight = where.weight(texel.position);
     if (!(weight > 0.0f)) return;
     // Distance to where the noise is 0: its value over its slope.
-    const float value = evaluate(noise, texel.position, texel.width);
+    const float value = evaluate_noise(noise, texel.position, texel.width);
     const auto step = static_cast<float>(0.05 * net.size);
     Vec3f slope;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3f moved = texel.position;
       moved[axis] += step;
-      slope[axis] = (evaluate(noise, moved, texel.width) - value) / step;
+      slope[axis] = (evaluate_noise(noise, moved, texel.width) - value) / step;
     }
     const double distance = static_cast<double>(std::abs(value) / std::max(length(slope), 1e-6f));
     const double across = distance / (0.5 * net.width);
@@ -129,8 +130,8 @@ void apply(const VesselNet& net, const SurfacePlaces& where, std::uint64_t seed,
   });
 }
 
-void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   // Each cube of space as wide as the largest spot may hold the middle of one. A spot is a ball, so
   // where the surface cuts it beside its middle it is smaller; as many are cut as the density says.
   const auto cube = static_cast<float>(spots.diameter[1]);
@@ -142,7 +143,7 @@ void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t 
     if (!(weight > 0.0f)) return;
     const auto index = [&](float x) { return static_cast<std::int64_t>(std::floor(x / cube)); };
     double darkest = 0.0;
-    const float unevenness = evaluate(ragged, texel.position, texel.width);
+    const float unevenness = evaluate_noise(ragged, texel.position, texel.width);
     for (std::int64_t z = -1; z <= 1; ++z)
       for (std::int64_t y = -1; y <= 1; ++y)
         for (std::int64_t x = -1; x <= 1; ++x) {
@@ -171,8 +172,8 @@ void apply(const MelaninSpots& spots, const SurfacePlaces& where, std::uint64_t 
   });
 }
 
-void apply(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t,
-           SurfaceCanvas& canvas) {
+void apply_feature(const ColorOfSkin& color, const SurfacePlaces& where, std::uint64_t,
+                   SurfaceCanvas& canvas) {
   const SkinOfColor table(canvas.recipe.base.skin);
   const double exposure =
       color.exposure ? *color.exposure : match_exposure(canvas.recipe, color).exposure;
@@ -246,7 +247,8 @@ std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Pro
   std::uint64_t seed = recipe.seed * 1'000'003u + 1;
   double done = 0.0;
   for (const SurfaceFeature& feature : recipe.features) {
-    std::visit([&](const auto& kind) { apply(kind, feature.where, seed, canvas); }, feature.kind);
+    std::visit([&](const auto& kind) { apply_feature(kind, feature.where, seed, canvas); },
+               feature.kind);
     seed += 10'007;
     report_or_throw(progress, ++done / static_cast<double>(recipe.features.size()));
   }

@@ -18,7 +18,7 @@ constexpr double longest = 1e6;  // [mm]
 /// The faces of a part of a mesh file, in mm.
 Mesh decode_surface(const JsonInput& value) {
   const JsonObject object = value.object({"file", "part", "mm_per_unit", "subdivision"});
-  const double scale = object.required("mm_per_unit").number(between(1e-6, 1e6, "mm"));
+  const double scale = object.required("mm_per_unit").number(closed_interval(1e-6, 1e6, "mm"));
   MeshOptions options{.to_world = {.x_axis = {scale, 0, 0},
                                    .y_axis = {0, scale, 0},
                                    .z_axis = {0, 0, scale},
@@ -52,7 +52,7 @@ Mesh decode_surface(const JsonInput& value) {
 
 Vec3f decode_place(const JsonInput& value, double mm_per_unit) {
   const std::vector<double> at =
-      value.numbers(3, between(-longest / mm_per_unit, longest / mm_per_unit));
+      value.numbers(3, closed_interval(-longest / mm_per_unit, longest / mm_per_unit));
   return {static_cast<float>(mm_per_unit * at[0]), static_cast<float>(mm_per_unit * at[1]),
           static_cast<float>(mm_per_unit * at[2])};
 }
@@ -63,7 +63,7 @@ SurfacePlaces decode_places(const JsonInput& value, double mm_per_unit) {
     const JsonObject object = place.object({"at", "radius", "mirrored"});
     const Vec3f at = decode_place(object.required("at"), mm_per_unit);
     const auto radius =
-        static_cast<float>(mm_per_unit * object.required("radius").number(above(0.0)));
+        static_cast<float>(mm_per_unit * object.required("radius").number(greater_than(0.0)));
     where.places.push_back({at, radius});
     if (const auto mirrored = object.optional("mirrored"); mirrored && mirrored->boolean())
       where.places.push_back({{-at.x, at.y, at.z}, radius});
@@ -74,13 +74,14 @@ SurfacePlaces decode_places(const JsonInput& value, double mm_per_unit) {
 VesselNet decode_net(const JsonInput& value) {
   const JsonObject object = value.object({"size", "width", "hemoglobin", "saturation"});
   VesselNet net;
-  if (const auto size = object.optional("size")) net.size = size->number(between(0.1, 1e4, "mm"));
+  if (const auto size = object.optional("size"))
+    net.size = size->number(closed_interval(0.1, 1e4, "mm"));
   if (const auto width = object.optional("width"))
-    net.width = width->number(between(0.01, 100.0, "mm"));
+    net.width = width->number(closed_interval(0.01, 100.0, "mm"));
   if (const auto blood = object.optional("hemoglobin"))
-    net.hemoglobin = blood->number(between(0.0, 1.0));
+    net.hemoglobin = blood->number(closed_interval(0.0, 1.0));
   if (const auto saturation = object.optional("saturation"))
-    net.saturation = saturation->number(between(0.0, 1.0));
+    net.saturation = saturation->number(closed_interval(0.0, 1.0));
   return net;
 }
 
@@ -88,11 +89,11 @@ Flush decode_flush(const JsonInput& value) {
   const JsonObject object = value.object({"melanin", "hemoglobin_epidermis", "hemoglobin_dermis"});
   Flush flush;
   if (const auto melanin = object.optional("melanin"))
-    flush.melanin = melanin->number(between(-0.5, 0.5));
+    flush.melanin = melanin->number(closed_interval(-0.5, 0.5));
   if (const auto blood = object.optional("hemoglobin_epidermis"))
-    flush.hemoglobin_epidermis = blood->number(between(-0.1, 0.1));
+    flush.hemoglobin_epidermis = blood->number(closed_interval(-0.1, 0.1));
   if (const auto blood = object.optional("hemoglobin_dermis"))
-    flush.hemoglobin_dermis = blood->number(between(-0.1, 0.1));
+    flush.hemoglobin_dermis = blood->number(closed_interval(-0.1, 0.1));
   return flush;
 }
 
@@ -105,7 +106,7 @@ ColorOfSkin decode_color(const JsonInput& value) {
     require_finite(image, file.file_path());
     ColorOfSkin color{rgb_image(image)};
     if (const auto exposure = object.optional("exposure"))
-      color.exposure = exposure->number(between(0.01, 100.0));
+      color.exposure = exposure->number(closed_interval(0.01, 100.0));
     return color;
   } catch (const FileError& error) {
     file.fail(error.what());
@@ -117,7 +118,7 @@ SurfaceTattoo decode_surface_tattoo(const JsonInput& value, double mm_per_unit) 
   SurfaceTattoo tattoo{.ink = decode_ink(object),
                        .at = decode_place(object.required("at"), mm_per_unit)};
   if (const auto angle = object.optional("angle"))
-    tattoo.turn = angle->number(between(-360.0, 360.0, "deg")) * std::numbers::pi / 180.0;
+    tattoo.turn = angle->number(closed_interval(-360.0, 360.0, "deg")) * std::numbers::pi / 180.0;
   return tattoo;
 }
 
@@ -184,7 +185,7 @@ std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::p
   const JsonInput surface = object.required("surface");
   const double mm_per_unit = surface.object({"file", "part", "mm_per_unit", "subdivision"})
                                  .required("mm_per_unit")
-                                 .number(between(1e-6, 1e6, "mm"));
+                                 .number(closed_interval(1e-6, 1e6, "mm"));
   for (const JsonInput& feature : object.required("features").array())
     recipe.features.push_back(decode_feature(feature, mm_per_unit));
   recipe.meshes.push_back(decode_surface(surface));

@@ -54,8 +54,8 @@ std::vector<PointGrid::Place> scatter_tiles(const SurfaceCanvas& canvas, float s
 
 }  // namespace
 
-void apply(const Synthesis& synthesis, const SurfacePlaces& where, std::uint64_t seed,
-           SurfaceCanvas& canvas) {
+void apply_feature(const Synthesis& synthesis, const SurfacePlaces& where, std::uint64_t seed,
+                   SurfaceCanvas& canvas) {
   const MapExample& example = synthesis.example;
   const auto spacing = static_cast<float>(example.tile());
   const std::vector<PointGrid::Place> middles = scatter_tiles(canvas, spacing, seed);
@@ -84,7 +84,7 @@ void apply(const Synthesis& synthesis, const SurfacePlaces& where, std::uint64_t
     std::array<double, MapExample::most_maps> store;
     const std::span<double> values(store.data(), example.maps().size());
     example.values_at(std::span(tiles).first(near.count), static_cast<double>(texel.width), values);
-    change(canvas.skin[i], synthesis, values, static_cast<double>(weight));
+    change_by_synthesis(canvas.skin[i], synthesis, values, static_cast<double>(weight));
   });
 }
 

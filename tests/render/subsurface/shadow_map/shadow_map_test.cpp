@@ -64,13 +64,13 @@ TEST(LightViews, AddUpToTheLight) {
       .center = {0, 0, 5}, .edge_u = {0, 4, 0}, .edge_v = {4, 0, 0}, .radiance = {2, 2, 2}}};
   double irradiance = 0.0;
   for (const LightView& view : make_light_views(scene, 64, 1)) {
-    const LightFrom from = look_from({0, 0, 0}, view);
+    const IncidentLight from = incident_light({0, 0, 0}, view);
     irradiance += static_cast<double>(from.irradiance * from.direction.z * view.strength.x);
   }
   // A square of half-width a at height h: 4 a / sqrt(a² + h²) atan(a / sqrt(a² + h²)) per radiance.
   const double s = std::sqrt(4.0 + 25.0);
   EXPECT_NEAR(irradiance, 2.0 * 4.0 * 2.0 / s * std::atan(2.0 / s), 2e-3 * irradiance);
-  EXPECT_EQ(look_from({0, 0, 9}, make_light_views(scene, 1, 1)[0]).irradiance, 0.0f);
+  EXPECT_EQ(incident_light({0, 0, 9}, make_light_views(scene, 1, 1)[0]).irradiance, 0.0f);
 
   scene.images = {make_studio_environment(64)};
   scene.lights = {EnvironmentLight{.image = 0}};
@@ -140,9 +140,9 @@ TEST(ShadowMap, GivesThePictureOfTheProfileMethods) {
   for (const Light& light :
        {Light{sun({1, 0.3, 0.2})}, Light{PointLight{.position = {5, 3, 1}, .intensity = {9, 9, 9}}},
         Light{RectangleLight{.center = {8, 0, 3},
-                             .edge_u = {0, 4, 0},
-                             .edge_v = {3, 0, -8},
-                             .radiance = {10, 10, 10}}},
+        .edge_u = {0, 4, 0},
+        .edge_v = {3, 0, -8},
+        .radiance = {10, 10, 10}}},
         Light{EnvironmentLight{}}}) {
     Scene scene = scene_of(egg, half_space({0.02, 0.1, 0.5}, 4.0, 1.3), light);
     scene.camera = camera_above(5.0);

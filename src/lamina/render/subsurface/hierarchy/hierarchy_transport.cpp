@@ -95,9 +95,11 @@ float HierarchyTransport<N>::closest_spacing() const {
 }
 
 template <int N>
-std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(
-    const LightGatherer<N>& light, const SpacingField& field, int estimates, std::uint64_t seed,
-    const Progress& progress) const {
+std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGatherer<N>& light,
+                                                                   const SpacingField& field,
+                                                                   int estimates,
+                                                                   std::uint64_t seed,
+                                                                   const Progress& progress) const {
   const auto levels = make_surface_cells(scene_.scene->meshes, material_, field, seed);
   struct Patch {
     const SurfaceCell* cell;
@@ -154,7 +156,7 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(
                          .albedo = profiles_.color_at(middle),
                          .thickness = profiles_.thickness_at(middle)};
     }
-    if (!report(progress, 0.0)) is_stopped = true;
+    if (!report_progress(progress, 0.0)) is_stopped = true;
   });
   if (is_stopped) return std::nullopt;
   return cloud;
@@ -189,8 +191,8 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
     return PointGrid(places, reach);
   };
   grid_ = grid_of(points_, reach_of_fit * cloud.spacing);
-  const PointGrid wide = grid_of(std::span(cloud.points).subspan(points_.size()),
-                                 1.5f * reach_of_fit * cloud.spacing);
+  const PointGrid wide =
+      grid_of(std::span(cloud.points).subspan(points_.size()), 1.5f * reach_of_fit * cloud.spacing);
   const std::vector<float> areas = balanced_areas(points_, grid_, wide, blur);
   for (std::size_t i = 0; i < areas.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);

@@ -158,7 +158,7 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
     std::size_t points = 0;
     require(words >> cloud.material >> points >> cloud.spacing && cloud.spacing > 0.0f &&
             std::isfinite(cloud.spacing) && points <= bytes.size() - count);
-    take(memory, 2 * sizeof cloud, name + ": its header");
+    take_memory(memory, 2 * sizeof cloud, name + ": its header");
     sizes.push_back(points);
     count += points;
     clouds.push_back(std::move(cloud));
@@ -171,8 +171,8 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
   std::string_view rest = lines.rest();
   require(rest.size() == count * stride * sizeof(float));
-  take(memory, count, sizeof(CloudPoint) + 2 * 2 * bands * sizeof(float),
-       name + ": " + std::to_string(count) + " points");
+  take_memory(memory, count, sizeof(CloudPoint) + 2 * 2 * bands * sizeof(float),
+              name + ": " + std::to_string(count) + " points");
   std::vector<float> v(stride);
   for (std::size_t c = 0; c < clouds.size(); ++c) {
     IrradianceCloud& cloud = clouds[c];

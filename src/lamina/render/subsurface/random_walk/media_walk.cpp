@@ -121,7 +121,7 @@ typename MediaWalk<N>::Step MediaWalk<N>::advance(WalkPath<N>& path, Place& plac
       break;
     }
     begin = surface.hit.distance;
-    t_near = behind(surface.hit, surface.point);
+    t_near = distance_behind(surface.hit, surface.point);
     place = surface.beyond;
   }
 

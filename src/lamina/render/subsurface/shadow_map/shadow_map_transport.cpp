@@ -110,7 +110,7 @@ void ShadowMapTransport<N>::make_buffers() {
   for (const LightView& view : views) {
     all += wanted(view);
     // Even a view that the middle is behind may light something.
-    const float seen = view.is_far ? 1.0f : look_from(middle, view).irradiance;
+    const float seen = view.is_far ? 1.0f : incident_light(middle, view).irradiance;
     const float least = view.is_far ? 0.0f : 1e-3f / dot(high - low, high - low);
     const Vec3f& s = view.strength;
     chances.push_back((s.x + s.y + s.z) * std::max(seen, least));
@@ -158,7 +158,7 @@ bool ShadowMapTransport<N>::prepare(const Preparation<N>& with) {
     const std::size_t first = chunks[c].second;
     for (std::size_t k = first; k < std::min(first + chunk, buffer.texels.size()); ++k)
       look(buffer, k, with.light);
-    if (!report(with.progress, 0.0)) is_stopped = true;
+    if (!report_progress(with.progress, 0.0)) is_stopped = true;
   });
   return !is_stopped;
 }
@@ -199,7 +199,7 @@ float ShadowMapTransport<N>::nearest_blocker(const Ray& ray, const Hit& entry) c
   Hit hit = entry;
   constexpr int most_surfaces = 16;
   for (int i = 0; i < most_surfaces; ++i) {
-    const float from = behind(hit, make_surface_point(scene_.scene->meshes, hit, 0.0f));
+    const float from = distance_behind(hit, make_surface_point(scene_.scene->meshes, hit, 0.0f));
     hit = scene_.geometry.first_hit(ray, from);
     if (!hit.is_hit()) break;
     const std::uint32_t material = scene_.scene->meshes[hit.mesh].material[hit.triangle];
@@ -240,7 +240,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
         static_cast<std::size_t>(std::min(chosen, chance_ends_.end() - 1) - chance_ends_.begin());
     const Buffer& buffer = buffers_[b];
     Vec2f u = own.next_2d();
-    const Vec3f across = look_from(exit.point.position, buffer.view).direction;
+    const Vec3f across = incident_light(exit.point.position, buffer.view).direction;
     // What is reflected and what passes have points of their own: one is narrow, the other wide.
     float chance = 0.0f;  // of a point for what passes
     if (!passing.empty()) {
@@ -266,7 +266,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     const Vec3f entry = buffer.grid.origin() + place.ray.origin +
                         facet_distance(buffer, place) * place.ray.direction;
     const Vec3f offset = entry - exit.point.position;
-    const LightFrom from = look_from(drawn, buffer.view);
+    const IncidentLight from = incident_light(drawn, buffer.view);
     const float flux = from.irradiance * dot(from.direction, across);  // that crosses the plane
     const float share = (passes ? chance : 1.0f - chance) * density * static_cast<float>(lookups);
     const Bands shade = buffer.shades.empty() ? Bands{} : buffer.shades[place.texel];

@@ -201,7 +201,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
                          .albedo = {1, 1, 1},
                          .thickness = 0.0f};
     }
-    if (!report(progress, 0.0)) is_stopped = true;
+    if (!report_progress(progress, 0.0)) is_stopped = true;
   });
   if (is_stopped) return std::nullopt;
   return cloud;

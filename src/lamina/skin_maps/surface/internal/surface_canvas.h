@@ -55,9 +55,9 @@ inline float smooth_step(float x) {
                                                 float most);
 
 // Features that surface_skin_maps.cpp has no room for.
-void apply(const Synthesis&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
-void apply(const SurfaceTattoo&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
-void apply(const SurfacePress&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
-void apply(const SurfaceVein&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
+void apply_feature(const Synthesis&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
+void apply_feature(const SurfaceTattoo&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
+void apply_feature(const SurfacePress&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
+void apply_feature(const SurfaceVein&, const SurfacePlaces&, std::uint64_t seed, SurfaceCanvas&);
 
 }  // namespace lamina

@@ -101,7 +101,7 @@ bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& redu
   std::atomic<bool> is_stopped = false;
   const auto for_nodes = [&](const auto& body) {
     parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
-      if (!is_stopped && !report(progress, 0.0)) is_stopped = true;
+      if (!is_stopped && !report_progress(progress, 0.0)) is_stopped = true;
       if (is_stopped) return;
       for (std::size_t n = c * chunk; n < std::min((c + 1) * chunk, nodes); ++n) body(n);
     });

@@ -87,7 +87,7 @@ BandValues<N> WalkMedia<N>::optical_thickness(const Ray& way, const MediaPlace<N
                                                  std::min(surface.hit.distance, length) - begin);
     if (!surface.passes) break;
     begin = surface.hit.distance;
-    t_near = behind(surface.hit, surface.point);
+    t_near = distance_behind(surface.hit, surface.point);
     here = surface.beyond;
   }
   return sum;
@@ -107,7 +107,7 @@ std::optional<BoundaryHit> WalkMedia<N>::find_boundary(const Ray& way,
       return BoundaryHit{surface.point, surface.hit};
     }
     if (!surface.passes) return std::nullopt;
-    t_near = behind(surface.hit, surface.point);
+    t_near = distance_behind(surface.hit, surface.point);
     here = surface.beyond;
   }
   return std::nullopt;
