@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/render/paths/internal/light_choice.h"
-#include "lamina/render/paths/internal/path_turn.h"
+#include "lamina/render/paths/internal/direct_light.h"
+#include "lamina/render/paths/internal/path_step.h"
 
 namespace lamina {
 namespace {

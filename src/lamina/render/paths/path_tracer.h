@@ -4,7 +4,7 @@
 #include "lamina/core/low_discrepancy.h"
 #include "lamina/render/film/camera_sample.h"
 #include "lamina/render/paths/path.h"
-#include "lamina/render/shading/clear_fraction.h"
+#include "lamina/render/shading/shadow_transmittance.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "lamina/render/paths/internal/light_choice.h"
-#include "lamina/render/paths/internal/path_turn.h"
+#include "lamina/render/paths/internal/direct_light.h"
+#include "lamina/render/paths/internal/path_step.h"
 #include "lamina/render/shading/dielectric_scattering.h"
 
 namespace lamina {

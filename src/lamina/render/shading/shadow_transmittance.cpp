@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/shading/clear_fraction.h"
+#include "lamina/render/shading/shadow_transmittance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/lights/light_parts.h"
+#include "lamina/render/lights/light_cluster_sampler.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/paths/internal/path_turn.h"
+#include "lamina/render/paths/internal/path_step.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "lamina/render/paths/internal/light_choice.h"
+#include "lamina/render/paths/internal/direct_light.h"
 
 namespace lamina {
 namespace {

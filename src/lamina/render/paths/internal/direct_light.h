@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "lamina/core/low_discrepancy.h"
-#include "lamina/render/lights/light_parts.h"
+#include "lamina/render/lights/light_cluster_sampler.h"
 #include "lamina/render/paths/path.h"
-#include "lamina/render/shading/clear_fraction.h"
+#include "lamina/render/shading/shadow_transmittance.h"
 
 namespace lamina {
 
