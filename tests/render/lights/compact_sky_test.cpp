@@ -287,7 +287,7 @@ TEST(CompactSky, IsLeftToSearchesOnlyWhereTheyFindIt) {
   double sought = 0.0;
   RenderScene(scene).lights.for_lights_seen(
       straight, 0.0f, std::numeric_limits<float>::infinity(), false,
-      [&](const LightSeen& seen) { sought += static_cast<double>(seen.sought); });
+      [&](const LightSeen& seen) { sought += static_cast<double>(seen.next_event_share); });
   EXPECT_GT(sought, 0.2);
   EXPECT_LT(sought, 1.0);
   EXPECT_NEAR(arriving_radiance(scene, straight), (1.0 - sought) * sky, 1e-4 * sky);

@@ -34,10 +34,10 @@ struct Estimate {
 };
 
 // Both draw from all lights, so the mirrored light is the same; with a fifth of the variance.
-TEST(MirroredParts, LeaveTheLightAsItIsWithLessNoise) {
+TEST(LightClusterSampler, LeaveTheLightAsItIsWithLessNoise) {
   const Scene scene = lit_scene();
   const Lights lights(scene, {-100, -100, -100}, {100, 100, 100});
-  ASSERT_GT(lights.part_count(), 100u);
+  ASSERT_GT(lights.cluster_count(), 100u);
   const BoundaryReflectance table(1.44f, MicrofacetDistribution::beckmann, 0.3f, false);
   SurfaceBoundary boundary;
   boundary.add({&table, 0.3f, 1.0f});
@@ -53,15 +53,15 @@ TEST(MirroredParts, LeaveTheLightAsItIsWithLessNoise) {
       return static_cast<double>(specular_brdf(boundary, wi, frame.to_local(wo)) *
                                  std::max(wi.z, 0.0f) * light.radiance.y / light.pdf);
     };
-    const MirroredParts parts(lights, {boundary, normal, wo}, position);
+    const LightClusterSampler parts(lights, {boundary, normal, wo}, position);
     Estimate plain, chosen, all;
     const auto uniform = [&] { return random.uniform_float(); };
     for (int i = 0; i < 40'000; ++i) {
       plain.add(mirrored(lights.sample_light(position, uniform(), {uniform(), uniform()})));
-      const auto [light, advantage] = parts.draw(uniform(), {uniform(), uniform()});
-      ASSERT_GT(advantage, 0.0f);
-      chosen.add(mirrored(light) / static_cast<double>(advantage));
-      all.add(1.0 / static_cast<double>(advantage));
+      const auto [light, density_ratio] = parts.sample(uniform(), {uniform(), uniform()});
+      ASSERT_GT(density_ratio, 0.0f);
+      chosen.add(mirrored(light) / static_cast<double>(density_ratio));
+      all.add(1.0 / static_cast<double>(density_ratio));
     }
     const double noise = std::sqrt((plain.variance() + chosen.variance()) / plain.count);
     EXPECT_NEAR(chosen.value(), plain.value(), 4.0 * noise);
@@ -72,13 +72,13 @@ TEST(MirroredParts, LeaveTheLightAsItIsWithLessNoise) {
   }
 }
 
-TEST(MirroredParts, PartsAreDrawnAsTheirLightsAre) {
+TEST(LightClusterSampler, PartsAreDrawnAsTheirLightsAre) {
   const Scene scene = lit_scene();
   const Lights lights(scene, {-100, -100, -100}, {100, 100, 100});
   float total = 0.0f;
-  for (std::size_t i = 0; i < lights.part_count(); ++i) {
-    total += lights.probability_of_part(i);
-    const LightSample light = lights.sample_part(i, {0, 0, 0}, {0.3f, 0.6f});
+  for (std::size_t i = 0; i < lights.cluster_count(); ++i) {
+    total += lights.probability_of_cluster(i);
+    const LightSample light = lights.sample_cluster(i, {0, 0, 0}, {0.3f, 0.6f});
     ASSERT_GT(light.pdf, 0.0f);
     if (light.is_delta || !std::isinf(light.distance)) continue;
     float pdf = 0.0f;  // of that direction, of all skies
@@ -91,12 +91,12 @@ TEST(MirroredParts, PartsAreDrawnAsTheirLightsAre) {
   EXPECT_NEAR(total, 1.0f, 1e-5f);
 }
 
-TEST(MirroredParts, TooManyLightsAreNotCut) {
+TEST(LightClusterSampler, TooManyLightsAreNotCut) {
   Scene scene;
   for (int i = 0; i < 100; ++i)
     scene.lights.push_back(PointLight{.position = {1.0 * i, 300, 0}, .intensity = {1, 1, 1}});
-  EXPECT_EQ(Lights(scene, {-1, -1, -1}, {1, 1, 1}).part_count(), 0u);
-  EXPECT_EQ(Lights(Scene{}, {-1, -1, -1}, {1, 1, 1}).part_count(), 0u);
+  EXPECT_EQ(Lights(scene, {-1, -1, -1}, {1, 1, 1}).cluster_count(), 0u);
+  EXPECT_EQ(Lights(Scene{}, {-1, -1, -1}, {1, 1, 1}).cluster_count(), 0u);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(Environment, DensityIntegratesToOne) {
       const Vec3 w{std::sin(theta) * std::sin(phi), std::cos(theta),
                    std::sin(theta) * std::cos(phi)};
       const auto seen =
-          sky.look({static_cast<float>(w.x), static_cast<float>(w.y), static_cast<float>(w.z)});
+          sky.evaluate({static_cast<float>(w.x), static_cast<float>(w.y), static_cast<float>(w.z)});
       integral += static_cast<double>(seen.pdf) * std::sin(theta) * pi / rows * 2.0 * pi / columns;
     }
   EXPECT_NEAR(integral, 1.0, 4e-3);
@@ -85,9 +85,9 @@ TEST(Environment, DrawnDirectionsCarryTheirOwnDensity) {
   const Environment sky(sunny_sky(), {1, 2, 3}, -1.1f);
   Random random(5);
   for (int i = 0; i < 10'000; ++i) {
-    const auto drawn = sky.draw({random.uniform_float(), random.uniform_float()});
+    const auto drawn = sky.sample({random.uniform_float(), random.uniform_float()});
     EXPECT_NEAR(length(drawn.direction), 1.0f, 1e-5f);
-    const auto seen = sky.look(drawn.direction);
+    const auto seen = sky.evaluate(drawn.direction);
     // A float direction is off by 1e-7, which at the slope of the sun is 1e-5 of its brightness.
     EXPECT_NEAR(seen.pdf, drawn.seen.pdf, 2e-3f * drawn.seen.pdf + 1e-3f);
     EXPECT_NEAR(seen.radiance.y, drawn.seen.radiance.y, 2e-3f * drawn.seen.radiance.y + 0.2f);
@@ -101,7 +101,7 @@ TEST(Environment, ASunGivesNoOutliers) {
   Random random(6);
   float top = 0.0f;
   for (int i = 0; i < 100'000; ++i) {
-    const auto [direction, seen] = sky.draw({random.uniform_float(), random.uniform_float()});
+    const auto [direction, seen] = sky.sample({random.uniform_float(), random.uniform_float()});
     // With the part that surfaces sample better taken out by the balance heuristic.
     top = std::max(top, seen.radiance.x / (seen.pdf + 0.25f / std::numbers::pi_v<float>));
   }
@@ -114,13 +114,13 @@ TEST(Environment, PolesAndRotationPointWhereTheySay) {
   for (int x = 0; x < 8; ++x) image.at(x, 0)[0] = 1.0f;  // red top
   for (int y = 1; y < 4; ++y) image.at(4, y)[1] = 1.0f;  // green just right of the middle
   const Environment sky(image, {1, 1, 1}, 0.0f);
-  EXPECT_FLOAT_EQ(sky.look({0, 1, 0}).radiance.x, 1.0f);
-  EXPECT_FLOAT_EQ(sky.look({0, -1, 0}).radiance.x, 0.0f);
+  EXPECT_FLOAT_EQ(sky.evaluate({0, 1, 0}).radiance.x, 1.0f);
+  EXPECT_FLOAT_EQ(sky.evaluate({0, -1, 0}).radiance.x, 0.0f);
   const float a = 0.125f * std::numbers::pi_v<float>;  // the centre of pixel 4 is right of -z
-  EXPECT_NEAR(sky.look({std::sin(a), 0, -std::cos(a)}).radiance.y, 1.0f, 1e-5f);
+  EXPECT_NEAR(sky.evaluate({std::sin(a), 0, -std::cos(a)}).radiance.y, 1.0f, 1e-5f);
   // Turned by +90 degrees about +y, what was at -z is at -x.
   const Environment turned(image, {1, 1, 1}, 0.5f * std::numbers::pi_v<float>);
-  EXPECT_NEAR(turned.look({-std::cos(a), 0, -std::sin(a)}).radiance.y, 1.0f, 1e-5f);
+  EXPECT_NEAR(turned.evaluate({-std::cos(a), 0, -std::sin(a)}).radiance.y, 1.0f, 1e-5f);
 }
 
 TEST(Noise, SmoothNoiseHasMeanZeroAndUnitVariance) {

@@ -56,7 +56,7 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
   if (!(focus_distance_ > 0.0)) focus_distance_ = distance;
 }
 
-float CameraRays::draw_offset(float u) const {
+float CameraRays::sample_offset(float u) const {
   const float at = u * static_cast<float>(filter_quantiles_.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(at), filter_quantiles_.size() - 2);
   const float f = at - static_cast<float>(i);
@@ -65,8 +65,8 @@ float CameraRays::draw_offset(float u) const {
 
 Ray CameraRays::make_ray(int x, int y, PixelSamples& samples) const {
   const Vec2f offset = samples.next_2d();
-  const double px = x + 0.5 + static_cast<double>(draw_offset(offset.x)) - 0.5 * width_;
-  const double py = 0.5 * height_ - (y + 0.5 + static_cast<double>(draw_offset(offset.y)));
+  const double px = x + 0.5 + static_cast<double>(sample_offset(offset.x)) - 0.5 * width_;
+  const double py = 0.5 * height_ - (y + 0.5 + static_cast<double>(sample_offset(offset.y)));
   Vec3 direction{px * pixel_size_, py * pixel_size_, -1.0};
   Vec3 origin;
   if (lens_radius_ > 0.0) {

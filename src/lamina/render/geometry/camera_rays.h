@@ -26,7 +26,7 @@ class CameraRays {
   [[nodiscard]] float pixel_angle() const { return static_cast<float>(pixel_size_); }
 
  private:
-  [[nodiscard]] float draw_offset(float u) const;
+  [[nodiscard]] float sample_offset(float u) const;
 
   Vec3 position_;
   Frame frame_;        ///< x right, y up, z backward

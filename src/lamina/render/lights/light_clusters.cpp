@@ -7,109 +7,116 @@
 namespace lamina {
 namespace {
 
-constexpr int sky_halvings = 7;     // 128 parts
-constexpr int panel_cuts = 2;       // along either side
-constexpr int samples_of_part = 4;  // along either side, to find out how bright it is and where
+constexpr int environment_halvings = 7;  // 128 clusters
+constexpr int area_light_cuts = 2;       // along either side
+constexpr int samples_of_cluster = 4;  // along either side, to find out how bright it is and where
 
 float brightness(const Vec3f& c) { return (c.x + c.y + c.z) / 3.0f; }
 
 }  // namespace
 
-void Lights::make_parts() {
-  for (std::size_t i = 0; i < skies_.size(); ++i)
-    if (skies_[i].environment.can_be_drawn()) cut_sky(i, {0.0f, 0.0f}, {1.0f, 1.0f}, sky_halvings);
-  const auto add_spots = [&](bool far) {
-    for (std::size_t i = 0; i < spots_.size(); ++i)
-      if (spots_[i].is_far == far && spots_[i].probability > 0.0f)
-        parts_.push_back({Part::Of::spot, i, {0.0f, 0.0f}, {1.0f, 1.0f}, spots_[i].probability});
+void Lights::make_clusters() {
+  for (std::size_t i = 0; i < infinite_lights_.size(); ++i)
+    if (infinite_lights_[i].environment.can_be_sampled())
+      split_environment(i, {0.0f, 0.0f}, {1.0f, 1.0f}, environment_halvings);
+  const auto add_delta_lights = [&](bool far) {
+    for (std::size_t i = 0; i < delta_lights_.size(); ++i)
+      if (delta_lights_[i].is_far == far && delta_lights_[i].probability > 0.0f)
+        clusters_.push_back({Cluster::Kind::delta_light,
+                             i,
+                             {0.0f, 0.0f},
+                             {1.0f, 1.0f},
+                             delta_lights_[i].probability});
   };
-  add_spots(true);
-  for (std::size_t i = far_parts_[0].size(); i < parts_.size(); ++i) {
-    const Spot& spot = spots_[parts_[i].light];
-    const float values[] = {spot.where.x, spot.where.y, spot.where.z, brightness(spot.strength),
-                            0.0f};
-    for (std::size_t v = 0; v < 5; ++v) far_parts_[v].push_back(values[v]);
+  add_delta_lights(true);
+  for (std::size_t i = far_clusters_[0].size(); i < clusters_.size(); ++i) {
+    const DeltaLight& delta_light = delta_lights_[clusters_[i].light];
+    const float values[] = {delta_light.where.x, delta_light.where.y, delta_light.where.z,
+                            brightness(delta_light.strength), 0.0f};
+    for (std::size_t v = 0; v < 5; ++v) far_clusters_[v].push_back(values[v]);
   }
-  add_spots(false);
-  constexpr float side = 1.0f / panel_cuts;
-  for (std::size_t i = 0; i < panels_.size(); ++i)
-    for (int y = 0; y < panel_cuts; ++y)
-      for (int x = 0; x < panel_cuts; ++x)
-        if (panels_[i].probability > 0.0f)
-          parts_.push_back({Part::Of::panel,
-                            i,
-                            {side * static_cast<float>(x), side * static_cast<float>(y)},
-                            {side, side},
-                            side * side * panels_[i].probability});
-  const bool are_too_many = parts_.size() > most_light_parts ||
-                            parts_.size() - far_parts_[0].size() > most_near_light_parts;
-  if (are_too_many) parts_.clear();
+  add_delta_lights(false);
+  constexpr float side = 1.0f / area_light_cuts;
+  for (std::size_t i = 0; i < area_lights_.size(); ++i)
+    for (int y = 0; y < area_light_cuts; ++y)
+      for (int x = 0; x < area_light_cuts; ++x)
+        if (area_lights_[i].probability > 0.0f)
+          clusters_.push_back({Cluster::Kind::area_light,
+                               i,
+                               {side * static_cast<float>(x), side * static_cast<float>(y)},
+                               {side, side},
+                               side * side * area_lights_[i].probability});
+  const bool are_too_many = clusters_.size() > max_light_clusters ||
+                            clusters_.size() - far_clusters_[0].size() > max_near_light_clusters;
+  if (are_too_many) clusters_.clear();
 }
 
-void Lights::cut_sky(std::size_t sky, Vec2f low, Vec2f size, int halvings) {
-  const Environment& environment = skies_[sky].environment;
+void Lights::split_environment(std::size_t light, Vec2f low, Vec2f size, int halvings) {
+  const Environment& environment = infinite_lights_[light].environment;
   const auto at = [&](float x, float y) {
-    return environment.draw({low.x + x * size.x, low.y + y * size.y});
+    return environment.sample({low.x + x * size.x, low.y + y * size.y});
   };
   if (halvings > 0) {
     const auto apart = [](const Vec3f& a, const Vec3f& b) { return dot(a - b, a - b); };
     const float across = apart(at(0.02f, 0.5f).direction, at(0.98f, 0.5f).direction);
     const float down = apart(at(0.5f, 0.02f).direction, at(0.5f, 0.98f).direction);
     const Vec2f half = across > down ? Vec2f{0.5f * size.x, size.y} : Vec2f{size.x, 0.5f * size.y};
-    cut_sky(sky, low, half, halvings - 1);
-    cut_sky(sky, low + (size - half), half, halvings - 1);
+    split_environment(light, low, half, halvings - 1);
+    split_environment(light, low + (size - half), half, halvings - 1);
     return;
   }
-  std::vector<Environment::Drawn> drawn;
-  for (int i = 0; i < samples_of_part * samples_of_part; ++i)
-    drawn.push_back(at((static_cast<float>(i % samples_of_part) + 0.5f) / samples_of_part,
-                       (static_cast<float>(i / samples_of_part) + 0.5f) / samples_of_part));
+  std::vector<Environment::Sample> drawn;
+  for (int i = 0; i < samples_of_cluster * samples_of_cluster; ++i)
+    drawn.push_back(at((static_cast<float>(i % samples_of_cluster) + 0.5f) / samples_of_cluster,
+                       (static_cast<float>(i / samples_of_cluster) + 0.5f) / samples_of_cluster));
   Vec3f middle;
   float flux = 0.0f, spread2 = 0.0f;
-  const auto flux_of = [&](const Environment::Drawn& d) {
+  const auto flux_of = [&](const Environment::Sample& d) {
     return d.seen.pdf > 0.0f ? size.x * size.y * brightness(d.seen.radiance) /
                                    (d.seen.pdf * static_cast<float>(drawn.size()))
                              : 0.0f;
   };
-  for (const Environment::Drawn& d : drawn) {
+  for (const Environment::Sample& d : drawn) {
     flux += flux_of(d);
     middle += flux_of(d) * d.direction;
   }
   middle = length(middle) > 0.0f ? normalize(middle) : drawn.front().direction;
-  for (const Environment::Drawn& d : drawn)
+  for (const Environment::Sample& d : drawn)
     spread2 += dot(d.direction - middle, d.direction - middle) / static_cast<float>(drawn.size());
-  parts_.push_back({Part::Of::sky, sky, low, size, size.x * size.y * skies_[sky].probability});
+  clusters_.push_back({Cluster::Kind::infinite_light, light, low, size,
+                       size.x * size.y * infinite_lights_[light].probability});
   const float values[] = {middle.x, middle.y, middle.z, flux, spread2};
-  for (std::size_t v = 0; v < 5; ++v) far_parts_[v].push_back(values[v]);
+  for (std::size_t v = 0; v < 5; ++v) far_clusters_[v].push_back(values[v]);
 }
 
-LightPartsSeen Lights::far_parts() const {
-  const auto& [x, y, z, flux, spread2] = far_parts_;
-  return {parts_.empty() ? 0 : x.size(), x.data(), y.data(), z.data(), flux.data(), spread2.data()};
+LightClusters Lights::far_clusters() const {
+  const auto& [x, y, z, flux, spread2] = far_clusters_;
+  return {
+      clusters_.empty() ? 0 : x.size(), x.data(), y.data(), z.data(), flux.data(), spread2.data()};
 }
 
-LightPartsSeen Lights::near_parts(const Vec3f& position, NearLightParts& storage) const {
+LightClusters Lights::near_clusters(const Vec3f& position, NearLightClusters& storage) const {
   std::size_t count = 0;
-  for (std::size_t i = far_parts().count; i < parts_.size(); ++i) {
-    const Part& part = parts_[i];
+  for (std::size_t i = far_clusters().count; i < clusters_.size(); ++i) {
+    const Cluster& cluster = clusters_[i];
     Vec3f where, strength;
     float area = 0.0f;
-    if (part.of == Part::Of::spot) {
-      where = spots_[part.light].where;
-      strength = spots_[part.light].strength;
+    if (cluster.kind == Cluster::Kind::delta_light) {
+      where = delta_lights_[cluster.light].where;
+      strength = delta_lights_[cluster.light].strength;
     } else {
-      const Panel& panel = panels_[part.light];
-      const Vec2f at = part.low + 0.5f * part.size;
-      where = panel.corner + at.x * panel.edge_u + at.y * panel.edge_v;
-      area = panel.size_u * panel.size_v * part.size.x * part.size.y;
-      strength = area * panel.radiance;
+      const AreaLight& area_light = area_lights_[cluster.light];
+      const Vec2f at = cluster.low + 0.5f * cluster.size;
+      where = area_light.corner + at.x * area_light.edge_u + at.y * area_light.edge_v;
+      area = area_light.size_u * area_light.size_v * cluster.size.x * cluster.size.y;
+      strength = area * area_light.radiance;
     }
     const Vec3f d = where - position;
     const float distance2 = std::max({dot(d, d), 0.1f * area, 1e-12f});
     const Vec3f direction = d / std::sqrt(distance2);
-    const float facing = part.of == Part::Of::spot
+    const float facing = cluster.kind == Cluster::Kind::delta_light
                              ? 1.0f
-                             : std::max(0.0f, -dot(direction, panels_[part.light].normal));
+                             : std::max(0.0f, -dot(direction, area_lights_[cluster.light].normal));
     storage.x[count] = direction.x;
     storage.y[count] = direction.y;
     storage.z[count] = direction.z;
@@ -125,16 +132,16 @@ LightPartsSeen Lights::near_parts(const Vec3f& position, NearLightParts& storage
           storage.spread2.data()};
 }
 
-LightSample Lights::sample_part(std::size_t part, const Vec3f& position, Vec2f u) const {
-  const auto& [of, light, low, size, probability] = parts_[part];
+LightSample Lights::sample_cluster(std::size_t cluster, const Vec3f& position, Vec2f u) const {
+  const auto& [kind, light, low, size, probability] = clusters_[cluster];
   const Vec2f v{low.x + u.x * size.x, low.y + u.y * size.y};
-  if (of == Part::Of::spot) return sample_spot(spots_[light], position);
-  if (of == Part::Of::panel) {
-    LightSample sample = sample_panel(panels_[light], position, v);
-    sample.pdf *= panels_[light].probability;
+  if (kind == Cluster::Kind::delta_light) return sample_delta_light(delta_lights_[light], position);
+  if (kind == Cluster::Kind::area_light) {
+    LightSample sample = sample_area_light(area_lights_[light], position, v);
+    sample.pdf *= area_lights_[light].probability;
     return sample;
   }
-  return sample_sky(skies_[light], v);
+  return sample_infinite_light(infinite_lights_[light], v);
 }
 
 }  // namespace lamina

@@ -44,13 +44,13 @@ void add_views(const Environment& sky, int count, std::vector<LightView>& views)
   const float all = mean.x + mean.y + mean.z;
   if (!(all > 0.0f)) return;
   int drawn = 0;
-  if (sky.can_be_drawn())
+  if (sky.can_be_sampled())
     drawn = std::clamp(
-        static_cast<int>(std::lround(static_cast<float>(count) * 3.0f * sky.mean_drawn() / all)), 0,
-        count);
+        static_cast<int>(std::lround(static_cast<float>(count) * 3.0f * sky.mean_sampled() / all)),
+        0, count);
   const int even = count - drawn;
   const auto add = [&](const Vec3f& direction) {
-    const Environment::Seen seen = sky.look(direction);
+    const Environment::Seen seen = sky.evaluate(direction);
     const float density =
         static_cast<float>(drawn) * seen.pdf + static_cast<float>(even) / (4.0f * pi);
     if (density > 0.0f)
@@ -59,7 +59,7 @@ void add_views(const Environment& sky, int count, std::vector<LightView>& views)
                        .strength = seen.radiance / density,
                        .parts = count});
   };
-  for (int i = 0; i < drawn; ++i) add(sky.draw(spread_point(i)).direction);
+  for (int i = 0; i < drawn; ++i) add(sky.sample(spread_point(i)).direction);
   for (int i = 0; i < even; ++i) {
     // A spiral over the sphere, whose turns are a golden ratio apart.
     const float y = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / static_cast<float>(even);

@@ -8,17 +8,18 @@
 
 namespace lamina {
 
-/// A place or a direction that a scene is lit from: a whole light, or a part of one.
+/// A virtual point or directional light: a whole light of the scene, or a sample of an area light
+/// or environment.
 struct LightView {
   Vec3f where;          ///< position [mm], or the direction towards the light, unit length
   bool is_far = false;  ///< `where` is a direction
   Vec3f strength;       ///< radiant intensity [W/sr], or irradiance on a facing surface
-  Vec3f facing;         ///< where a lamp shines, unit length; 0: everywhere alike
+  Vec3f facing;         ///< where an area light shines, unit length; 0: everywhere alike
   int parts = 1;        ///< views of its light
 };
 
 /// A view for every point and distant light, and a set of them for every soft one: points spread
-/// over a lamp, directions of a dome that follow the radiance of a sky and the sphere.
+/// over an area light, directions of a dome that follow the radiance of a sky and the sphere.
 ///
 /// The sum over the views of a light tends to what the light gives as they become more. Nothing is
 /// random about them.
@@ -29,7 +30,7 @@ struct LightView {
 [[nodiscard]] std::vector<LightView> make_light_views(const Scene& scene, int lamp_views,
                                                       int dome_views);
 
-/// Towards the light from a point.
+/// Light from a view as it arrives at a point.
 struct IncidentLight {
   Vec3f direction;          ///< unit length
   float distance = 0.0f;    ///< [mm]; infinite for what is far away

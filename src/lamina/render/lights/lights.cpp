@@ -67,128 +67,133 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
       const Vec3f where = to_float(point->position);
       const float d2 = std::max(dot(where - middle, where - middle), 0.25f * radius * radius);
-      spots_.push_back({where, point->intensity, false, brightness(point->intensity) / d2});
+      delta_lights_.push_back({where, point->intensity, false, brightness(point->intensity) / d2});
     } else if (const auto* far_light = std::get_if<DirectionalLight>(&light)) {
-      spots_.push_back({normalize(to_float(far_light->direction)), far_light->irradiance, true,
-                        brightness(far_light->irradiance)});
+      delta_lights_.push_back({normalize(to_float(far_light->direction)), far_light->irradiance,
+                               true, brightness(far_light->irradiance)});
     } else if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
-      Panel panel;
-      panel.edge_u = to_float(rectangle->edge_u);
-      panel.edge_v = to_float(rectangle->edge_v);
-      panel.corner = to_float(rectangle->center) - 0.5f * (panel.edge_u + panel.edge_v);
-      panel.size_u = length(panel.edge_u);
-      panel.size_v = length(panel.edge_v);
-      const Vec3f area_normal = cross(panel.edge_u, panel.edge_v);
+      AreaLight area_light;
+      area_light.edge_u = to_float(rectangle->edge_u);
+      area_light.edge_v = to_float(rectangle->edge_v);
+      area_light.corner =
+          to_float(rectangle->center) - 0.5f * (area_light.edge_u + area_light.edge_v);
+      area_light.size_u = length(area_light.edge_u);
+      area_light.size_v = length(area_light.edge_v);
+      const Vec3f area_normal = cross(area_light.edge_u, area_light.edge_v);
       const float area = length(area_normal);
       if (!(area > 0.0f)) continue;
-      panel.axis_u = panel.edge_u / panel.size_u;
-      panel.axis_v = panel.edge_v / panel.size_v;
-      panel.normal = area_normal / area;
-      panel.radiance = rectangle->radiance;
+      area_light.axis_u = area_light.edge_u / area_light.size_u;
+      area_light.axis_v = area_light.edge_v / area_light.size_v;
+      area_light.normal = area_normal / area;
+      area_light.radiance = rectangle->radiance;
       const Vec3f to_middle = middle - to_float(rectangle->center);
       const float d2 = std::max(dot(to_middle, to_middle), 0.25f * radius * radius);
-      panel.probability = brightness(panel.radiance) * std::min(area / d2, 2.0f * pi);
-      panels_.push_back(panel);
+      area_light.probability = brightness(area_light.radiance) * std::min(area / d2, 2.0f * pi);
+      area_lights_.push_back(area_light);
     } else {
       const auto& sky = std::get<EnvironmentLight>(light);
       if (sky.image)
-        skies_.push_back(
+        infinite_lights_.push_back(
             {Environment(scene.images[*sky.image], sky.scale, sky.rotation), sky.is_visible, 0.0f});
       else
-        skies_.push_back({Environment(sky.scale), sky.is_visible, 0.0f});
-      const Environment& environment = skies_.back().environment;
-      skies_.back().probability = pi * environment.mean_drawn();
+        infinite_lights_.push_back({Environment(sky.scale), sky.is_visible, 0.0f});
+      const Environment& environment = infinite_lights_.back().environment;
+      infinite_lights_.back().probability = pi * environment.mean_sampled();
       typical_irradiance_ +=
-          pi * (brightness(environment.mean_radiance()) - environment.mean_drawn());
+          pi * (brightness(environment.mean_radiance()) - environment.mean_sampled());
     }
   }
   float total = 0.0f;
-  for (const Panel& panel : panels_) total += panel.probability;
-  for (const Spot& spot : spots_) total += spot.probability;
-  for (const Sky& sky : skies_) total += sky.probability;
+  for (const AreaLight& area_light : area_lights_) total += area_light.probability;
+  for (const DeltaLight& delta_light : delta_lights_) total += delta_light.probability;
+  for (const InfiniteLight& infinite_light : infinite_lights_) total += infinite_light.probability;
   typical_irradiance_ += total;
   if (!(total > 0.0f)) return;
-  for (Panel& panel : panels_) panel.probability /= total;
-  for (Spot& spot : spots_) spot.probability /= total;
-  for (Sky& sky : skies_) sky.probability /= total;
-  make_shares();
-  make_parts();
+  for (AreaLight& area_light : area_lights_) area_light.probability /= total;
+  for (DeltaLight& delta_light : delta_lights_) delta_light.probability /= total;
+  for (InfiniteLight& infinite_light : infinite_lights_) infinite_light.probability /= total;
+  make_strata();
+  make_clusters();
 }
 
-void Lights::make_shares() {
+void Lights::make_strata() {
   constexpr std::size_t most = 4;
-  constexpr int of_sky = 8;  // a panel's directions give much the same, and a spot has but one
+  constexpr int of_environment = 8;  // directions to an area light give much the same
   float low = 0.0f;
   const auto add = [&](float probability, int candidates) {
-    if (probability > 0.0f) shares_.push_back({low, probability, candidates});
+    if (probability > 0.0f) strata_.push_back({low, probability, candidates});
     low += probability;
   };
-  for (const Spot& spot : spots_) add(spot.probability, 1);  // in the order of sample_light
-  for (const Panel& panel : panels_) add(panel.probability, 1);
-  for (const Sky& sky : skies_) add(sky.probability, of_sky);
-  if (shares_.size() > most) shares_ = {{}};
+  for (const DeltaLight& delta_light : delta_lights_)
+    add(delta_light.probability, 1);  // in the order of sample_light
+  for (const AreaLight& area_light : area_lights_) add(area_light.probability, 1);
+  for (const InfiniteLight& infinite_light : infinite_lights_)
+    add(infinite_light.probability, of_environment);
+  if (strata_.size() > most) strata_ = {{}};
 }
 
 LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) const {
-  for (const Spot& spot : spots_) {
-    u_light -= spot.probability;
+  for (const DeltaLight& delta_light : delta_lights_) {
+    u_light -= delta_light.probability;
     if (!(u_light < 0.0f)) continue;
-    return sample_spot(spot, position);
+    return sample_delta_light(delta_light, position);
   }
-  for (const Panel& panel : panels_) {
-    u_light -= panel.probability;
+  for (const AreaLight& area_light : area_lights_) {
+    u_light -= area_light.probability;
     if (!(u_light < 0.0f)) continue;
-    LightSample sample = sample_panel(panel, position, u);
-    sample.pdf *= panel.probability;
+    LightSample sample = sample_area_light(area_light, position, u);
+    sample.pdf *= area_light.probability;
     return sample;
   }
-  for (const Sky& sky : skies_) {
-    u_light -= sky.probability;
-    if (!(u_light < 0.0f) || !sky.environment.can_be_drawn()) continue;
-    return sample_sky(sky, u);
+  for (const InfiniteLight& infinite_light : infinite_lights_) {
+    u_light -= infinite_light.probability;
+    if (!(u_light < 0.0f) || !infinite_light.environment.can_be_sampled()) continue;
+    return sample_infinite_light(infinite_light, u);
   }
   return {};
 }
 
-LightSample Lights::sample_sky(const Sky& sky, Vec2f u) const {
-  const auto [direction, seen] = sky.environment.draw(u);
+LightSample Lights::sample_infinite_light(const InfiniteLight& infinite_light, Vec2f u) const {
+  const auto [direction, seen] = infinite_light.environment.sample(u);
   return {direction,     std::numeric_limits<float>::infinity(),
-          seen.radiance, seen.pdf * sky.probability,
-          false,         sought_share(seen.radiance)};
+          seen.radiance, seen.pdf * infinite_light.probability,
+          false,         next_event_share_of(seen.radiance)};
 }
 
 /// What is above the typical radiance and some: so paths meet nothing much brighter by chance, and
-/// an even sky, which they find well, takes no search. Typical is at least the mean of the sky, so
-/// what is sought can be drawn.
-float Lights::sought_share(const Vec3f& radiance) const {
+/// an even sky, which they find well, takes no next-event estimation. Typical is at least the mean
+/// of the sky, so what is left to it can be sampled.
+float Lights::next_event_share_of(const Vec3f& radiance) const {
   const float even = most_left * typical_irradiance_ / pi, whole = brightness(radiance);
   return whole > even ? 1.0f - even / whole : 0.0f;
 }
 
-bool Lights::has_sought() const {
-  return !panels_.empty() || !spots_.empty() || std::ranges::any_of(skies_, [&](const Sky& sky) {
-    const float most = sky.environment.greatest_brightness();
-    return sought_share({most, most, most}) > 0.0f;
-  });
+bool Lights::has_next_event_light() const {
+  return !area_lights_.empty() || !delta_lights_.empty() ||
+         std::ranges::any_of(infinite_lights_, [&](const InfiniteLight& infinite_light) {
+           const float most = infinite_light.environment.greatest_brightness();
+           return next_event_share_of({most, most, most}) > 0.0f;
+         });
 }
 
-LightSample Lights::sample_spot(const Spot& spot, const Vec3f& position) const {
-  if (spot.is_far)
-    return {spot.where, std::numeric_limits<float>::infinity(), spot.strength, spot.probability,
-            true};
-  const Vec3f d = spot.where - position;
+LightSample Lights::sample_delta_light(const DeltaLight& delta_light, const Vec3f& position) const {
+  if (delta_light.is_far)
+    return {delta_light.where, std::numeric_limits<float>::infinity(), delta_light.strength,
+            delta_light.probability, true};
+  const Vec3f d = delta_light.where - position;
   const float distance2 = dot(d, d), distance = std::sqrt(distance2);
   if (!(distance2 > 0.0f)) return {};
-  return {d / distance, distance, spot.strength / distance2, spot.probability, true};
+  return {d / distance, distance, delta_light.strength / distance2, delta_light.probability, true};
 }
 
-LightSample Lights::sample_panel(const Panel& panel, const Vec3f& position, Vec2f u) {
-  if (!(dot(position - panel.corner, panel.normal) > 0.0f)) return {};  // behind it
-  const SphericalRectangle s = see_rectangle(panel.corner, panel.axis_u, panel.axis_v, panel.normal,
-                                             panel.size_u, panel.size_v, position);
+LightSample Lights::sample_area_light(const AreaLight& area_light, const Vec3f& position, Vec2f u) {
+  if (!(dot(position - area_light.corner, area_light.normal) > 0.0f)) return {};  // behind it
+  const SphericalRectangle s =
+      see_rectangle(area_light.corner, area_light.axis_u, area_light.axis_v, area_light.normal,
+                    area_light.size_u, area_light.size_v, position);
   Vec3f target;
   const bool is_even = s.solid_angle > smallest_solid_angle &&  // over the solid angle
-                       std::abs(dot(panel.axis_u, panel.axis_v)) < 1e-4f;
+                       std::abs(dot(area_light.axis_u, area_light.axis_v)) < 1e-4f;
   if (is_even) {
     const float au = u.x * s.solid_angle + s.k;
     const float sin_au = std::sin(au);
@@ -203,48 +208,50 @@ LightSample Lights::sample_panel(const Panel& panel, const Vec3f& position, Vec2
     const float hv = h0 + u.y * (h1 - h0), hv2 = hv * hv;
     const float yv =
         std::clamp(hv2 < 1.0f - 1e-6f ? hv * d / std::sqrt(1.0f - hv2) : s.y1, s.y0, s.y1);
-    target = position + xu * panel.axis_u + yv * panel.axis_v + s.z0 * s.axis_z;
+    target = position + xu * area_light.axis_u + yv * area_light.axis_v + s.z0 * s.axis_z;
   } else {
-    target = panel.corner + u.x * panel.edge_u + u.y * panel.edge_v;
+    target = area_light.corner + u.x * area_light.edge_u + u.y * area_light.edge_v;
   }
   const Vec3f d = target - position;
   const float distance = length(d);
   if (!(distance > 0.0f)) return {};
   const Vec3f direction = d / distance;
   const float pdf =
-      is_even ? 1.0f / s.solid_angle : pdf_panel(panel, position, direction, distance);
-  return {direction, distance, panel.radiance, pdf, false};
+      is_even ? 1.0f / s.solid_angle : pdf_area_light(area_light, position, direction, distance);
+  return {direction, distance, area_light.radiance, pdf, false};
 }
 
-float Lights::pdf_panel(const Panel& panel, const Vec3f& position, const Vec3f& direction,
-                        float distance) {
-  if (std::abs(dot(panel.axis_u, panel.axis_v)) < 1e-4f) {
-    const float solid_angle = see_rectangle(panel.corner, panel.axis_u, panel.axis_v, panel.normal,
-                                            panel.size_u, panel.size_v, position)
-                                  .solid_angle;
+float Lights::pdf_area_light(const AreaLight& area_light, const Vec3f& position,
+                             const Vec3f& direction, float distance) {
+  if (std::abs(dot(area_light.axis_u, area_light.axis_v)) < 1e-4f) {
+    const float solid_angle =
+        see_rectangle(area_light.corner, area_light.axis_u, area_light.axis_v, area_light.normal,
+                      area_light.size_u, area_light.size_v, position)
+            .solid_angle;
     if (solid_angle > smallest_solid_angle) return 1.0f / solid_angle;
   }
-  const float cos_light = -dot(direction, panel.normal);
-  const float area = length(cross(panel.edge_u, panel.edge_v));
+  const float cos_light = -dot(direction, area_light.normal);
+  const float area = length(cross(area_light.edge_u, area_light.edge_v));
   return cos_light > 1e-6f ? distance * distance / (cos_light * area) : 0.0f;
 }
 
-std::optional<LightSeen> Lights::look_at_panel(const Panel& panel, const Ray& ray, float from,
-                                               float limit) const {
-  const float cos_light = -dot(ray.direction, panel.normal);
+std::optional<LightSeen> Lights::intersect_area_light(const AreaLight& area_light, const Ray& ray,
+                                                      float from, float limit) const {
+  const float cos_light = -dot(ray.direction, area_light.normal);
   if (!(cos_light > 1e-6f)) return std::nullopt;  // from behind
-  const float distance = dot(ray.origin - panel.corner, panel.normal) / cos_light;
+  const float distance = dot(ray.origin - area_light.corner, area_light.normal) / cos_light;
   if (!(distance > from) || distance >= limit) return std::nullopt;
-  const Vec3f at = ray.origin + distance * ray.direction - panel.corner;
+  const Vec3f at = ray.origin + distance * ray.direction - area_light.corner;
   // Coordinates along edges that need not be at right angles.
-  const Vec3f area_normal = cross(panel.edge_u, panel.edge_v);
+  const Vec3f area_normal = cross(area_light.edge_u, area_light.edge_v);
   const float area2 = dot(area_normal, area_normal);
-  const float s = dot(cross(at, panel.edge_v), area_normal) / area2;
-  const float t = dot(cross(panel.edge_u, at), area_normal) / area2;
+  const float s = dot(cross(at, area_light.edge_v), area_normal) / area2;
+  const float t = dot(cross(area_light.edge_u, at), area_normal) / area2;
   if (s < 0.0f || s > 1.0f || t < 0.0f || t > 1.0f) return std::nullopt;
-  return LightSeen{panel.radiance,
-                   pdf_panel(panel, ray.origin, ray.direction, distance) * panel.probability,
-                   distance};
+  return LightSeen{
+      area_light.radiance,
+      pdf_area_light(area_light, ray.origin, ray.direction, distance) * area_light.probability,
+      distance};
 }
 
 }  // namespace lamina

@@ -12,16 +12,18 @@
 
 namespace lamina {
 
-/// How directions are drawn at a surface. Each alone converges to the same image; they are for
-/// tests, together they have the least noise.
+/// The ways to sample direct light: next-event estimation of lights, sampling of surfaces, or both
+/// by multiple importance sampling. Each alone converges to the same image; they are for tests,
+/// together they have the least noise.
 enum class DirectLight { combined, lights_only, surfaces_only };
 
-/// Directions to lights are drawn by the handful, weighed without shadows, and one of them traced.
+/// Candidates of resampled importance sampling: light samples that are weighed without shadows, to
+/// trace one of them.
 inline constexpr int light_candidates = 4;
 
-/// What such a handful is worth where it is drawn by what a mirror makes of the lights, counted in
-/// directions drawn without. Any number gives the same picture, this one little noise.
-inline constexpr float mirrored_candidates = 32.0f;
+/// As how many candidates those count in MIS weights that product importance sampling of the
+/// specular lobe gave. Any number gives the same picture, this one little noise.
+inline constexpr float product_sampling_candidates = 32.0f;
 
 struct PathOptions {
   int max_bounces = 4;  ///< of light between surfaces
@@ -41,18 +43,18 @@ struct PathWorld {
   PathOptions options;
 };
 
-/// Where a path of light is on its way back from the eye, its ray and throughput aside.
+/// The state of a path on its way back from the eye, its ray and throughput aside.
 struct Path {
   int bounce = 0;
-  float pdf = 0.0f;        ///< with which its direction was drawn [1/sr]; 0: from a single one
+  float pdf = 0.0f;        ///< with which its direction was sampled [1/sr]; 0: a delta direction
   float spread = 0.0f;     ///< growth of the footprint with distance [rad]
   float footprint = 0.0f;  ///< at the origin of the ray [mm]
   float index = 1.0f;      ///< refractive index of what it is in, known on paths from the eye
-  float candidates = light_candidates;  ///< that lights had where it turned last
+  float candidates = light_candidates;  ///< of next-event estimation where it was scattered last
   bool is_camera_ray = false;           ///< straight from the camera
   bool is_from_eye = false;             ///< from the camera, maybe through glass
-  bool is_from_inside = false;          ///< straight from where lights are sought otherwise
-  bool is_scattered = false;            ///< spread out by a surface on the way
+  bool is_from_inside = false;  ///< straight from a point inside that has next-event estimation
+  bool is_scattered = false;    ///< by a surface that is no mirror
 };
 
 }  // namespace lamina

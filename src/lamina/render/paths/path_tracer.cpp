@@ -24,8 +24,8 @@ class PathTracer<N>::Gatherer final : public LightGatherer<N> {
   Bands entering_irradiance(const SurfacePoint& entry, PixelSamples& samples) const override {
     return tracer_.entering_irradiance(entry, bounce_, samples);
   }
-  Bands clear_fraction(const Ray& ray, float distance) const override {
-    return tracer_.clear_fraction(ray, distance);
+  Bands shadow_transmittance(const Ray& ray, float distance) const override {
+    return tracer_.shadow_transmittance(ray, distance);
   }
   Bands arriving_radiance(const Ray& ray, PixelSamples& samples) const override {
     return tracer_.arriving_radiance(ray, bounce_, samples);
@@ -37,7 +37,7 @@ class PathTracer<N>::Gatherer final : public LightGatherer<N> {
 };
 
 template <int N>
-BandValues<N> PathTracer<N>::without_caustics(Bands light, const Path& path) const {
+BandValues<N> PathTracer<N>::clamp_indirect(Bands light, const Path& path) const {
   if (!path.is_scattered) return light;
   const float limit = 10.0f * world_.scene.lights.typical_irradiance() / pi;
   const float top = largest(light);
@@ -53,18 +53,18 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
     const float cos_i = dot(light.direction, entry.normal);
     if (!(cos_i > 0.0f) || !(dot(light.direction, entry.geometric_normal) > 0.0f)) return 0.0f;
     return cos_i * (1.0f - reflectance(boundary, cos_i)) *
-           weight_of_light_sample(world_.options.direct_light, light, cos_i / pi);
+           mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / pi);
   };
   // One light of each share: whether one is seen would be noise on what another gives.
-  for (const LightShare& share : world_.scene.lights.shares()) {
-    const LightDrawn<N> drawn =
-        draw_light(world_, entry, samples, entering, Dielectrics::let_through, share);
+  for (const LightStratum& share : world_.scene.lights.strata()) {
+    const ResampledLight<N> drawn =
+        resample_light(world_, entry, samples, entering, Dielectrics::transmit, share);
     if (drawn.weight > 0.0f)
       irradiance += drawn.weight * entering(drawn.light) * drawn.clear *
                     world_.conversion.from_rgb(drawn.light.radiance);
   }
   const Framef frame = make_frame(entry.normal);
-  const Vec3f wi = draw_cosine(samples.next_2d());
+  const Vec3f wi = sample_cosine_hemisphere(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);
   if (wi.z > 0.0f && dot(direction, entry.geometric_normal) > 0.0f) {
     const Path path{.bounce = bounce + 1,
@@ -106,15 +106,15 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const Hit hit = world_.scene.geometry.first_hit(ray, t_near);
     world_.scene.lights.for_lights_seen(
         ray, t_near, hit.distance, path.is_camera_ray, [&](const LightSeen& seen) {
-          const float left = path.is_from_inside ? 1.0f - seen.sought : 1.0f;
+          const float left = path.is_from_inside ? 1.0f - seen.next_event_share : 1.0f;
           if (!(left > 0.0f)) return;
           const float weight = left *
-                               weight_of_surface_sample(world_.options.direct_light, path.pdf,
-                                                        seen.pdf, path.candidates) /
+                               mis_weight_of_surface_sample(world_.options.direct_light, path.pdf,
+                                                            seen.pdf, path.candidates) /
                                (path.index * path.index);
           const Bands arriving = weight * throughput * world_.conversion.from_rgb(seen.radiance);
           const bool is_caustic = path.pdf == 0.0f && !path.is_from_inside;
-          radiance += is_caustic ? without_caustics(arriving, path) : arriving;
+          radiance += is_caustic ? clamp_indirect(arriving, path) : arriving;
         });
     if (!hit.is_hit()) break;
     const float footprint = path.footprint + path.spread * hit.distance;
@@ -131,13 +131,13 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
     const auto& material = world_.scene.scene->materials[point.material];
     if (const auto* glass = std::get_if<DielectricSurface>(&material.surface)) {
       if (path.is_from_eye) {
-        if (!pass_dielectric(world_, point, *glass, ray, path, throughput, radiance, samples))
+        if (!scatter_at_dielectric(world_, point, *glass, ray, path, throughput, radiance, samples))
           break;
         path.footprint = footprint;
         t_near = 0.0f;
         continue;
       }
-      // Light on other surfaces passes glass straight, as in clear_fraction, or is mirrored.
+      // Light on other surfaces passes glass straight, as in shadow_transmittance, or is mirrored.
       const float cos_i = std::min(std::abs(dot(ray.direction, point.smooth_normal)), 1.0f);
       if (samples.next_1d() < fresnel(cos_i, glass->ior)) {
         ray.direction = normalize(reflect(-ray.direction, point.smooth_normal));
@@ -178,7 +178,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       if (goes_on) {
         throughput *= sample.weight;
         path.pdf = sample.is_mirror ? 0.0f : sample.pdf;
-        path.candidates = candidates_for_mirrors(world_);
+        path.candidates = specular_light_candidates(world_);
         path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
         ray.direction = surface.frame.to_world(sample.wi);
         goes_on = dot(ray.direction, surface.point.geometric_normal) > 0.0f;
@@ -188,7 +188,7 @@ BandValues<N> PathTracer<N>::follow(Ray ray, Path path, PixelSamples& samples,
       const float chance = specular_chance(surface);
       const Reflected<N> direct =
           direct_light(world_, surface, true, chance, 1.0f - chance, samples);
-      radiance += without_caustics(throughput * direct.specular, path) + throughput * direct.base;
+      radiance += clamp_indirect(throughput * direct.specular, path) + throughput * direct.base;
       if (is_first) first->specular += world_.conversion.to_rgb(throughput * direct.specular);
       if (is_first && surface.layered) {
         first->is_subsurface = true;

@@ -10,7 +10,8 @@
 
 namespace lamina {
 
-/// Follows light from the camera back to the lights.
+/// A path tracer with next-event estimation and multiple importance sampling: follows light from
+/// the camera back to the lights.
 ///
 /// At the first translucent surface both its reflection and its inside are followed; behind a
 /// bounce translucent surfaces count as diffuse ones of the same total reflectance, since the
@@ -31,9 +32,9 @@ class PathTracer final : public LightGatherer<N> {
                                           PixelSamples& samples) const override {
     return entering_irradiance(entry, 0, samples);
   }
-  [[nodiscard]] Bands clear_fraction(const Ray& ray, float distance) const override {
-    return lamina::clear_fraction(world_.scene, world_.sheets, ray, distance,
-                                  Dielectrics::let_through);
+  [[nodiscard]] Bands shadow_transmittance(const Ray& ray, float distance) const override {
+    return lamina::shadow_transmittance(world_.scene, world_.sheets, ray, distance,
+                                        Dielectrics::transmit);
   }
   [[nodiscard]] Bands arriving_radiance(const Ray& ray, PixelSamples& samples) const override {
     return arriving_radiance(ray, 0, samples);
@@ -53,10 +54,10 @@ class PathTracer final : public LightGatherer<N> {
   /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
   [[nodiscard]] bool passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,
                             PixelSamples& samples) const;
-  /// Light on its way to a surface by a mirror or a highlight, cut off at ten times the typical
-  /// radiance of the scene. What is lost are caustics, which paths from the eye find so seldom that
-  /// they are but bright specks; light scattered diffusely stays below that anyway.
-  [[nodiscard]] Bands without_caustics(Bands light, const Path& path) const;
+  /// Indirect clamping: light on its way to a surface by a mirror or a highlight, cut off at ten
+  /// times the typical radiance of the scene. What is lost are caustics, which paths from the eye
+  /// find so seldom that they are but fireflies; light scattered diffusely stays below that anyway.
+  [[nodiscard]] Bands clamp_indirect(Bands light, const Path& path) const;
 
   PathWorld<N> world_;
 };

@@ -106,9 +106,9 @@ std::optional<RefractedEntry> search_entry(const RenderScene& scene, const Vec3f
                             .length = length,
                             .cos_outside = r.cos_outside,
                             .cos_inside = r.cos_inside,
-                            .focus = nearer * nearer *
-                                     std::abs(dot(cross(d.edge[0], d.edge[1]), to_light)) /
-                                     std::sqrt(area2)};
+                            .geometry_term = nearer * nearer *
+                                             std::abs(dot(cross(d.edge[0], d.edge[1]), to_light)) /
+                                             std::sqrt(area2)};
     }
     // The step along the edges that closes the miss, by Cramer's rule in the plane across the beam.
     const float a = -dot(cross(miss, d.across[1]), area) / area2;
@@ -149,7 +149,7 @@ std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, cons
                         .length = found->hit.distance * r.cos_outside / r.cos_inside,
                         .cos_outside = r.cos_outside,
                         .cos_inside = r.cos_inside,
-                        .focus = r.cos_outside / r.cos_inside};
+                        .geometry_term = r.cos_outside / r.cos_inside};
 }
 
 std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,

@@ -12,7 +12,8 @@
 
 namespace lamina {
 
-/// Where light enters a smooth boundary so that it passes a given point inside.
+/// A connection through refraction, for next-event estimation from inside: where light enters a
+/// smooth boundary so that it passes a given point inside.
 struct RefractedEntry {
   SurfacePoint point;
   Vec3f to_light;               ///< outside, unit length
@@ -20,9 +21,9 @@ struct RefractedEntry {
   Vec3f to_surface;             ///< inside, from the given point's side, refracted; unit length
   float length = 0.0f;          ///< of the path inside [mm]
   float cos_outside = 0.0f, cos_inside = 0.0f;  ///< from the normal, > 0
-  float focus = 0.0f;  ///< irradiance across the beam at the given point over that across the beam
-                       ///< outside, as the light sample states it for the given point; without
-                       ///< what is reflected or absorbed
+  float geometry_term = 0.0f;  ///< irradiance across the beam at the given point over that across
+                               ///< the beam outside, as the light sample states it for the given
+                               ///< point; without what is reflected or absorbed
 };
 
 /// How far from a surface that a ray leaves the next one can be at least [mm]: the rounding of rays
@@ -56,7 +57,7 @@ struct RefractedEntry {
 /// @return  nothing if it does not converge. The same arguments give the same result.
 ///
 /// Source: the derivatives are ray differentials, [Igehy1999] §3; the search is a walk on a
-/// specular manifold of one vertex, [JakobMarschner2012] §4.
+/// specular manifold of one vertex, [JakobMarschner2012] §4: manifold next-event estimation.
 [[nodiscard]] std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene,
                                                                  const Vec3f& inside,
                                                                  std::uint32_t material, float ior,

@@ -25,8 +25,8 @@ BandValues<N> straight_through(const RenderScene& scene, const ThinSheet<N>& she
 }
 
 template <int N>
-BandValues<N> clear_fraction(const RenderScene& scene, const ThinSheets<N>& sheets, const Ray& ray,
-                             float t_far, Dielectrics dielectrics) {
+BandValues<N> shadow_transmittance(const RenderScene& scene, const ThinSheets<N>& sheets,
+                                   const Ray& ray, float t_far, Dielectrics dielectrics) {
   using Bands = BandValues<N>;
   if (!scene.has_clear_surfaces)
     return Bands::filled(scene.geometry.is_blocked(ray, 0.0f, t_far) ? 0.0f : 1.0f);
@@ -55,11 +55,11 @@ BandValues<N> clear_fraction(const RenderScene& scene, const ThinSheets<N>& shee
   return {};
 }
 
-#define LAMINA_INSTANTIATE(N)                                                                 \
-  template BandValues<N> straight_through(const RenderScene&, const ThinSheet<N>&,            \
-                                          const SurfacePoint&, const Vec3f&);                 \
-  template BandValues<N> clear_fraction(const RenderScene&, const ThinSheets<N>&, const Ray&, \
-                                        float, Dielectrics)
+#define LAMINA_INSTANTIATE(N)                                                           \
+  template BandValues<N> straight_through(const RenderScene&, const ThinSheet<N>&,      \
+                                          const SurfacePoint&, const Vec3f&);           \
+  template BandValues<N> shadow_transmittance(const RenderScene&, const ThinSheets<N>&, \
+                                              const Ray&, float, Dielectrics)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

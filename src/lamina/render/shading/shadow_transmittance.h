@@ -16,16 +16,17 @@ template <int N>
                                              const SurfacePoint& point, const Vec3f& direction);
 
 enum class Dielectrics {
-  block,        ///< light is followed through them by the path itself
-  let_through,  ///< what they do not reflect, unbent: for light on other surfaces their focusing
-                ///< is left out, which keeps the image clean
+  block,     ///< light is followed through them by the path itself
+  transmit,  ///< what they do not reflect, unbent: for light on other surfaces their focusing
+             ///< is left out, which keeps the image clean
 };
 
-/// Fraction of light that comes straight through between the start and a distance along a ray: 0
-/// behind an opaque surface, the holes of one that is cut out, and what crosses thin sheets without
-/// being scattered.
+/// Shadow transmittance: the fraction of light that comes straight through between the start of a
+/// ray and a distance along it. 0 behind an opaque surface, the holes of one that is cut out, and
+/// what crosses thin sheets without being scattered.
 template <int N>
-[[nodiscard]] BandValues<N> clear_fraction(const RenderScene& scene, const ThinSheets<N>& sheets,
-                                           const Ray& ray, float t_far, Dielectrics dielectrics);
+[[nodiscard]] BandValues<N> shadow_transmittance(const RenderScene& scene,
+                                                 const ThinSheets<N>& sheets, const Ray& ray,
+                                                 float t_far, Dielectrics dielectrics);
 
 }  // namespace lamina

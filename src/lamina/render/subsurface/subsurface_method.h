@@ -24,10 +24,12 @@ class LightGatherer {
                                                           PixelSamples& samples) const = 0;
 
   /// Fraction of light that comes straight through between the start and a distance along a ray.
-  [[nodiscard]] virtual BandValues<N> clear_fraction(const Ray& ray, float distance) const = 0;
+  [[nodiscard]] virtual BandValues<N> shadow_transmittance(const Ray& ray,
+                                                           float distance) const = 0;
 
   /// Radiance that comes along a ray from outside, from other surfaces and the sky, by one random
-  /// estimate. Of lights that the ray meets itself, what is sought (LightSeen::sought) is left out.
+  /// estimate. Of lights that the ray meets itself, what is sought (LightSeen::next_event_share) is
+  /// left out.
   [[nodiscard]] virtual BandValues<N> arriving_radiance(const Ray& ray,
                                                         PixelSamples& samples) const = 0;
 };

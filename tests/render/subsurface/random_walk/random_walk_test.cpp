@@ -15,8 +15,8 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
-#include "scattering/monte_carlo/ball_photons.h"
 #include "render/small_scenes.h"
+#include "scattering/monte_carlo/ball_photons.h"
 
 namespace lamina {
 namespace {
@@ -65,8 +65,8 @@ TEST(RandomWalk, WhiteObjectInEvenLightIsInvisible) {
 
 /// Mean of a channel of what leaves a ball of the medium in light of radiance 1.
 std::vector<double> albedo_of_ball(const Material& material, double radius, int samples) {
-  Scene scene = scene_of(make_sphere(static_cast<float>(radius), 96), material, EnvironmentLight{},
-                         samples);
+  Scene scene =
+      scene_of(make_sphere(static_cast<float>(radius), 96), material, EnvironmentLight{}, samples);
   scene.camera = camera_above(2.0 * radius);
   scene.film = {.width = 32, .height = 32};
   const Image image = render(scene).image;
@@ -77,7 +77,8 @@ std::vector<double> albedo_of_ball(const Material& material, double radius, int 
 }
 
 // Jensen's skin1 as a ball of 10 mm in even light, as it is and ten times as dense, by two others:
-// - Photons one by one in an exact sphere (scattering/monte_carlo/ball_photons.h): by six million of them it is
+// - Photons one by one in an exact sphere (scattering/monte_carlo/ball_photons.h): by six million
+// of them it is
 //   .5447(1) .2399(1) .1220(1), and .4258(1) .2061(1) .1115(1) ten times as dense.
 // - The volumetric path tracer of pbrt-v3: a smooth sphere of index 1.33, not the 1.3 of the
 //   built-in material, of radius 10 mm, with skin1's coefficients, in light of radiance 1 all
@@ -99,9 +100,9 @@ TEST(RandomWalk, BallOfSkinHasTheAlbedoOfPhotonsAndOfPbrt) {
           {.sigma_a = layer.sigma_a[c], .sigma_s = layer.sigma_s[c], .ior = 1.33}, radius, photons,
           c + 1);
       const double expected = leaving.mean(photons);
-      EXPECT_NEAR(albedo[c], expected,
-                  of_mesh * expected +
-                      3.0 * std::hypot(leaving.standard_error(photons), noise * expected))
+      EXPECT_NEAR(
+          albedo[c], expected,
+          of_mesh * expected + 3.0 * std::hypot(leaving.standard_error(photons), noise * expected))
           << density << ' ' << c;
       if (density == 1.0) {
         EXPECT_NEAR(albedo[c], pbrt[c], 0.0005 + 3.0 * noise * pbrt[c]) << c;
@@ -174,7 +175,7 @@ class NoLight final : public LightGatherer<4> {
   BandValues<4> entering_irradiance(const SurfacePoint&, PixelSamples&) const override {
     return {};
   }
-  BandValues<4> clear_fraction(const Ray&, float) const override {
+  BandValues<4> shadow_transmittance(const Ray&, float) const override {
     return BandValues<4>::filled(1.0f);
   }
   BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override { return {}; }
@@ -193,14 +194,12 @@ Image make_compact_sky() {
 // light as there is give the same mean, for isotropic and forward scattering, under a lamp and
 // under a bright place in the sky.
 TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
-  const Light lamp = RectangleLight{.center = {6, 0, 9},
-                                    .edge_u = {0, 4, 0},
-                                    .edge_v = {3.33, 0, -2.22},
-                                    .radiance = {5, 5, 5}};
+  const Light lamp = RectangleLight{
+      .center = {6, 0, 9}, .edge_u = {0, 4, 0}, .edge_v = {3.33, 0, -2.22}, .radiance = {5, 5, 5}};
   const Light sky = EnvironmentLight{.image = 0};
   for (const auto& [g, light] : {std::pair{0.0, lamp}, {0.6, lamp}, {0.6, sky}}) {
-    Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.3, 0.8}, {1, 1.2, 1.5}, g, 1.3),
-                           light, 1);
+    Scene scene =
+        scene_of(make_sphere(3.0f), homogeneous({0.1, 0.3, 0.8}, {1, 1.2, 1.5}, g, 1.3), light, 1);
     scene.images = {make_compact_sky()};
     const RenderScene prepared(scene);
     const auto conversion =

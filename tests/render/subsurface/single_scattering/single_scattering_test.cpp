@@ -41,7 +41,7 @@ class ClearAir final : public LightGatherer<4> {
                                                   PixelSamples&) const override {
     return {};
   }
-  [[nodiscard]] BandValues<4> clear_fraction(const Ray&, float) const override {
+  [[nodiscard]] BandValues<4> shadow_transmittance(const Ray&, float) const override {
     return BandValues<4>::filled(1.0f);
   }
   [[nodiscard]] BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override {
@@ -166,7 +166,7 @@ TEST(RefractedEntry, ObeysSnellsLawAndFocusesAsNeighbouringRaysDo) {
     const Vec3f du = passes(start + e * frame.x) - passes(start - e * frame.x);
     const Vec3f dv = passes(start + e * frame.y) - passes(start - e * frame.y);
     const float focus = 4.0f * e * e / std::abs(dot(cross(du, dv), entry->to_surface));
-    EXPECT_NEAR(entry->focus, focus, 0.02f * focus);  // facets of 1.6 degrees
+    EXPECT_NEAR(entry->geometry_term, focus, 0.02f * focus);  // facets of 1.6 degrees
   }
 }
 

@@ -19,7 +19,7 @@ std::pair<int, float> find_segment(const float* ends, int count, float x) {
 }
 
 /// Draws x in [0, 1] with a density proportional to a + (b - a) x.
-float draw_linear(float a, float b, float u) {
+float sample_linear(float a, float b, float u) {
   if (!(a + b > 0.0f)) return u;
   const float root = std::sqrt(a * a + u * (b * b - a * a));
   return std::clamp(u * (a + b) / std::max(a + root, 1e-30f), 0.0f, 1.0f);
@@ -122,11 +122,11 @@ float Environment::density(const Texel& texel, int row, float sin_theta) const {
          (std::max(sin_theta, 1e-6f) * static_cast<float>(total_));
 }
 
-float Environment::mean_drawn() const {
+float Environment::mean_sampled() const {
   return static_cast<float>(total_ / (4.0 * std::numbers::pi));
 }
 
-Environment::Seen Environment::look(const Vec3f& direction) const {
+Environment::Seen Environment::evaluate(const Vec3f& direction) const {
   if (texels_.size() == 1) return {texels_[0].radiance, 0.0f};
   const float dx = cos_rotation_ * direction.x - sin_rotation_ * direction.z;
   const float dz = sin_rotation_ * direction.x + cos_rotation_ * direction.z;
@@ -141,17 +141,17 @@ Environment::Seen Environment::look(const Vec3f& direction) const {
   return {texel.radiance, density(texel, row, std::sqrt(std::max(0.0f, 1.0f - dy * dy)))};
 }
 
-Environment::Drawn Environment::draw(Vec2f u) const {
+Environment::Sample Environment::sample(Vec2f u) const {
   const auto [row, v] = find_segment(row_ends_.data(), height_ + 1, u.y);
   const float* ends =
       &column_ends_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_)];
   const auto [column, h] = find_segment(ends, width_, u.x);
   const float a = corner(column, row - 1).weight, b = corner(column + 1, row - 1).weight;
   const float c = corner(column, row).weight, d = corner(column + 1, row).weight;
-  float fy = draw_linear(a + b, c + d, v);
+  float fy = sample_linear(a + b, c + d, v);
   if (row == 0) fy = 0.5f + 0.5f * fy;  // the half row below the upper pole
   if (row == height_) fy = 0.5f * fy;
-  const float fx = draw_linear(a + fy * (c - a), b + fy * (d - b), h);
+  const float fx = sample_linear(a + fy * (c - a), b + fy * (d - b), h);
   const float theta = pi * (static_cast<float>(row) + fy - 0.5f) / static_cast<float>(height_);
   const float phi =
       2.0f * pi * ((static_cast<float>(column) + fx + 0.5f) / static_cast<float>(width_) - 0.5f);

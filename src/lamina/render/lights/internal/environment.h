@@ -30,20 +30,20 @@ class Environment {
     Vec3f radiance;
     float pdf;  ///< of drawing that direction [1/sr]
   };
-  [[nodiscard]] Seen look(const Vec3f& direction) const;
+  [[nodiscard]] Seen evaluate(const Vec3f& direction) const;
 
-  struct Drawn {
+  struct Sample {
     Vec3f direction;
     Seen seen;
   };
-  /// A direction for u in the unit square. Only if can_be_drawn().
-  [[nodiscard]] Drawn draw(Vec2f u) const;
+  /// A direction for u in the unit square. Only if can_be_sampled().
+  [[nodiscard]] Sample sample(Vec2f u) const;
 
-  [[nodiscard]] bool can_be_drawn() const { return total_ > 0.0; }
+  [[nodiscard]] bool can_be_sampled() const { return total_ > 0.0; }
 
   /// Mean over the sphere of the radiance, and of the part of it that directions are drawn from.
   [[nodiscard]] Vec3f mean_radiance() const { return mean_; }
-  [[nodiscard]] float mean_drawn() const;
+  [[nodiscard]] float mean_sampled() const;
   /// In any direction, mean of the channels.
   [[nodiscard]] float greatest_brightness() const { return greatest_brightness_; }
 

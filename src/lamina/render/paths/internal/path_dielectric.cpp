@@ -8,9 +8,10 @@
 namespace lamina {
 
 template <int N>
-bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
-                     const DielectricSurface& glass, Ray& ray, Path& path,
-                     BandValues<N>& throughput, BandValues<N>& radiance, PixelSamples& samples) {
+bool scatter_at_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
+                           const DielectricSurface& glass, Ray& ray, Path& path,
+                           BandValues<N>& throughput, BandValues<N>& radiance,
+                           PixelSamples& samples) {
   const bool is_inside = dot(ray.direction, point.geometric_normal) > 0.0f;
   const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, -ray.direction);
   const Framef frame = make_frame(n);
@@ -28,11 +29,11 @@ bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
       return wi.z * side > 0.0f ? pdf_dielectric(boundary, wo, wi) : 0.0f;
     };
     // Lights behind another glass are found by paths that are refracted there.
-    const LightDrawn<N> drawn = draw_light(
+    const ResampledLight<N> drawn = resample_light(
         world, point, samples,
         [&](const LightSample& light) {
           const float density = pdf(light);
-          return density * weight_of_light_sample(world.options.direct_light, light, density);
+          return density * mis_weight_of_light_sample(world.options.direct_light, light, density);
         },
         Dielectrics::block);
     if (drawn.weight > 0.0f) {
@@ -40,7 +41,8 @@ bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
       const float index = index_towards(light.direction);
       const float value =
           evaluate_dielectric(boundary, wo, frame.to_local(light.direction), samples) *
-          weight_of_light_sample(world.options.direct_light, light, pdf(light)) / (index * index);
+          mis_weight_of_light_sample(world.options.direct_light, light, pdf(light)) /
+          (index * index);
       radiance += value * drawn.weight * throughput * drawn.clear *
                   world.conversion.from_rgb(light.radiance);
     }
@@ -59,11 +61,14 @@ bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
   return true;
 }
 
-template bool pass_dielectric(const PathWorld<4>&, const SurfacePoint&, const DielectricSurface&,
-                              Ray&, Path&, BandValues<4>&, BandValues<4>&, PixelSamples&);
-template bool pass_dielectric(const PathWorld<8>&, const SurfacePoint&, const DielectricSurface&,
-                              Ray&, Path&, BandValues<8>&, BandValues<8>&, PixelSamples&);
-template bool pass_dielectric(const PathWorld<16>&, const SurfacePoint&, const DielectricSurface&,
-                              Ray&, Path&, BandValues<16>&, BandValues<16>&, PixelSamples&);
+template bool scatter_at_dielectric(const PathWorld<4>&, const SurfacePoint&,
+                                    const DielectricSurface&, Ray&, Path&, BandValues<4>&,
+                                    BandValues<4>&, PixelSamples&);
+template bool scatter_at_dielectric(const PathWorld<8>&, const SurfacePoint&,
+                                    const DielectricSurface&, Ray&, Path&, BandValues<8>&,
+                                    BandValues<8>&, PixelSamples&);
+template bool scatter_at_dielectric(const PathWorld<16>&, const SurfacePoint&,
+                                    const DielectricSurface&, Ray&, Path&, BandValues<16>&,
+                                    BandValues<16>&, PixelSamples&);
 
 }  // namespace lamina

@@ -22,12 +22,13 @@ template <int N>
 Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surface, bool with_base,
                           float specular_chance, float base_chance, PixelSamples& samples) {
   // Where there is a mirror alone, lights are chosen by what it makes of them.
-  std::optional<MirroredParts> parts;
-  if (!with_base && world.scene.lights.part_count() > 0)
-    parts.emplace(world.scene.lights,
-                  MirrorView{surface.boundary, surface.frame.z, surface.frame.to_world(surface.wo)},
-                  surface.point.position);
-  const float candidates = with_base ? light_candidates : candidates_for_mirrors(world);
+  std::optional<LightClusterSampler> parts;
+  if (!with_base && world.scene.lights.cluster_count() > 0)
+    parts.emplace(
+        world.scene.lights,
+        BoundaryView{surface.boundary, surface.frame.z, surface.frame.to_world(surface.wo)},
+        surface.point.position);
+  const float candidates = with_base ? light_candidates : specular_light_candidates(world);
   const auto reflected = [&](const LightSample& light) {
     const Vec3f wi = surface.frame.to_local(light.direction);
     Lobes lobes;
@@ -38,8 +39,8 @@ Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surfa
     float pdf = base_chance * pdf_base(surface, wi);
     if (lobes.specular > 0.0f && !light.is_delta)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    lobes.scale =
-        std::abs(wi.z) * weight_of_light_sample(world.options.direct_light, light, pdf, candidates);
+    lobes.scale = std::abs(wi.z) *
+                  mis_weight_of_light_sample(world.options.direct_light, light, pdf, candidates);
     return lobes;
   };
   const float brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
@@ -50,8 +51,8 @@ Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surfa
     return lobes.scale *
            (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
   };
-  const LightDrawn<N> drawn = draw_light(world, surface.point, samples, value,
-                                         Dielectrics::let_through, {}, parts ? &*parts : nullptr);
+  const ResampledLight<N> drawn = resample_light(
+      world, surface.point, samples, value, Dielectrics::transmit, {}, parts ? &*parts : nullptr);
   if (!(drawn.weight > 0.0f)) return {};
   Lobes lobes = reflected(drawn.light);
   const Vec3f wi = surface.frame.to_local(drawn.light.direction);
@@ -60,7 +61,8 @@ Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surfa
     float pdf = base_chance * (1.0f - surface.mirrored_chance) * layers.pdf;
     if (lobes.specular > 0.0f)
       pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    const float scale = wi.z * weight_of_light_sample(world.options.direct_light, drawn.light, pdf);
+    const float scale =
+        wi.z * mis_weight_of_light_sample(world.options.direct_light, drawn.light, pdf);
     const BandValues<N> arriving =
         drawn.weight * scale * drawn.clear * world.conversion.from_rgb(drawn.light.radiance);
     return {.specular = lobes.specular * arriving, .base = layers.bsdf * arriving};
@@ -105,7 +107,7 @@ bool scatter(const PathSurface<N>& surface, float chance, Ray& ray, Path& path,
       layered = drawn.value;
     }
   } else {
-    wi = draw_cosine(u2);
+    wi = sample_cosine_hemisphere(u2);
     if (u - chance < (1.0f - chance) * surface.beyond_chance()) wi.z = -wi.z;
     path.pdf = 1.0f;
     path.spread = 0.3f;

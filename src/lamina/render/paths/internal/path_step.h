@@ -22,8 +22,8 @@ template <int N>
 
 /// What lights that are chosen by a mirror are worth, in candidates of others.
 template <int N>
-[[nodiscard]] float candidates_for_mirrors(const PathWorld<N>& world) {
-  return world.scene.lights.part_count() > 0 ? mirrored_candidates : light_candidates;
+[[nodiscard]] float specular_light_candidates(const PathWorld<N>& world) {
+  return world.scene.lights.cluster_count() > 0 ? product_sampling_candidates : light_candidates;
 }
 
 /// Turns a path at a diffuse or coated surface, by the boundary with the given chance; false if it
@@ -35,9 +35,9 @@ template <int N>
 /// Adds the light that a dielectric scatters towards the eye, and turns the path there; false if it
 /// ends.
 template <int N>
-[[nodiscard]] bool pass_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
-                                   const DielectricSurface& glass, Ray& ray, Path& path,
-                                   BandValues<N>& throughput, BandValues<N>& radiance,
-                                   PixelSamples& samples);
+[[nodiscard]] bool scatter_at_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
+                                         const DielectricSurface& glass, Ray& ray, Path& path,
+                                         BandValues<N>& throughput, BandValues<N>& radiance,
+                                         PixelSamples& samples);
 
 }  // namespace lamina

@@ -11,7 +11,7 @@ constexpr float pi = std::numbers::pi_v<float>;
 
 }  // namespace
 
-Vec3f draw_cosine(Vec2f u) {
+Vec3f sample_cosine_hemisphere(Vec2f u) {
   // Concentric map of the square to the disc: it keeps the strata of the samples compact.
   const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
   float r = 0.0f, phi = 0.0f;

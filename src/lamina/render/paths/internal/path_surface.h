@@ -64,6 +64,6 @@ template <int N>
                                       const Vec3f& local);
 
 /// A direction around +z with density cos / pi.
-[[nodiscard]] Vec3f draw_cosine(Vec2f u);
+[[nodiscard]] Vec3f sample_cosine_hemisphere(Vec2f u);
 
 }  // namespace lamina

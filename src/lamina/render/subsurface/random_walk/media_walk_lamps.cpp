@@ -94,13 +94,13 @@ BandValues<N> MediaWalk<N>::search_beyond(const WalkBoundary& boundary, const Su
   const float u_light = samples.next_1d();
   const LightSample lamp =
       media_->scene().lights.sample_light(point.position, u_light, samples.next_2d());
-  if (!(lamp.pdf > 0.0f && lamp.sought > 0.0f)) return {};
+  if (!(lamp.pdf > 0.0f && lamp.next_event_share > 0.0f)) return {};
   const BoundaryLight through = light_through(boundary, lamp.direction, samples);
   if (!(through.value > 0.0f)) return {};
   const float weight = lamp.is_delta ? 1.0f : power_heuristic(lamp.pdf, through.pdf);
-  return (weight * lamp.sought * through.value / lamp.pdf) *
-         light.clear_fraction({leave_surface(point, lamp.direction), lamp.direction},
-                              0.9999f * lamp.distance) *
+  return (weight * lamp.next_event_share * through.value / lamp.pdf) *
+         light.shadow_transmittance({leave_surface(point, lamp.direction), lamp.direction},
+                                    0.9999f * lamp.distance) *
          media_->conversion().from_rgb(lamp.radiance);
 }
 
@@ -112,10 +112,10 @@ BandValues<N> MediaWalk<N>::light_beyond(const BoundaryTurn& turn, const Surface
   Bands radiance = light.arriving_radiance(ray, samples);
   media_->scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
-        if (!(seen.sought > 0.0f)) return;
-        radiance += power_heuristic(turn.pdf, seen.pdf) * seen.sought *
+        if (!(seen.next_event_share > 0.0f)) return;
+        radiance += power_heuristic(turn.pdf, seen.pdf) * seen.next_event_share *
                     media_->conversion().from_rgb(seen.radiance) *
-                    light.clear_fraction(ray, 0.9999f * seen.distance);
+                    light.shadow_transmittance(ray, 0.9999f * seen.distance);
       });
   return radiance;
 }

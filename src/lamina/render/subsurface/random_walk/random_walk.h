@@ -24,8 +24,8 @@ namespace lamina {
 /// Lamps are sought from scattering events through the smooth boundary, on the way that Snell's law
 /// takes. A path that leaves by itself and meets a lamp counts only if that search would not have
 /// found the same way; so light that takes a second way, which the search misses on a wavy surface,
-/// is not lost. What is bright in the sky (LightSeen::sought) is a lamp; the rest of it and other
-/// objects are found by paths that leave.
+/// is not lost. What is bright in the sky (LightSeen::next_event_share) is a lamp; the rest of it
+/// and other objects are found by paths that leave.
 ///
 /// About the light inside, straight from lamps and scattered more than once, something is known
 /// beforehand (WalkLamps, WalkLight). At each event a path adds what is known there, and at random

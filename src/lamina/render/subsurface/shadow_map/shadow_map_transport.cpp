@@ -189,7 +189,7 @@ void ShadowMapTransport<N>::look(Buffer& buffer, std::size_t k,
   if (is_alone_) return;
   const float distance =
       buffer.view.is_far ? std::numeric_limits<float>::infinity() : 0.9999f * hit.distance;
-  texel.entering *= light.clear_fraction({leave_surface(point, towards), towards}, distance);
+  texel.entering *= light.shadow_transmittance({leave_surface(point, towards), towards}, distance);
   if (has_opaque_) texel.blocker = nearest_blocker(ray, hit);
 }
 

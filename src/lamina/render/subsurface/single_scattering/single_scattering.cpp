@@ -120,7 +120,7 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
                                                     const LightGatherer<N>& light, float u_light,
                                                     Vec2f u) const {
   const LightSample lamp = scene_.lights.sample_light(event.inside, u_light, u);
-  if (!(lamp.pdf > 0.0f && lamp.sought > 0.0f)) return {};
+  if (!(lamp.pdf > 0.0f && lamp.next_event_share > 0.0f)) return {};
   const auto entry =
       is_refracted_
           ? find_refracted_entry(scene_, event.inside, material_, ior_, lamp, lamp.direction)
@@ -133,10 +133,10 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
       first_order::layer_phase(layers_, layers_.layers[event.layer],
                                Bands::filled(one_minus_cos(-entry->to_surface, event.to_exit)));
   const Bands clear =
-      light.clear_fraction({leave_surface(entry->point, entry->to_light), entry->to_light},
-                           0.9999f * entry->light_distance);
-  return (lamp.sought * entering * entry->focus / (ior_ * ior_ * lamp.pdf)) * phase * way_in *
-         clear * conversion_.from_rgb(lamp.radiance);
+      light.shadow_transmittance({leave_surface(entry->point, entry->to_light), entry->to_light},
+                                 0.9999f * entry->light_distance);
+  return (lamp.next_event_share * entering * entry->geometry_term / (ior_ * ior_ * lamp.pdf)) *
+         phase * way_in * clear * conversion_.from_rgb(lamp.radiance);
 }
 
 template <int N>

@@ -17,11 +17,11 @@ namespace lamina {
 /// Adds light that was scattered exactly once to a method that leaves it out, as diffusion does.
 ///
 /// A ray is refracted into the object; on it a point is drawn, by the layers' extinction; from it
-/// lamps and what is bright in the sky (LightSeen::sought) are sought through the surface, and the
-/// rest of it and other objects along a direction that the phase function draws. Layers follow the
-/// depth below the point where the ray enters, then below the point where the light does.
-/// Boundaries are taken as smooth for the path, with what the surface really lets through, and
-/// those between layers as matched.
+/// lamps and what is bright in the sky (LightSeen::next_event_share) are sought through the
+/// surface, and the rest of it and other objects along a direction that the phase function draws.
+/// Layers follow the depth below the point where the ray enters, then below the point where the
+/// light does. Boundaries are taken as smooth for the path, with what the surface really lets
+/// through, and those between layers as matched.
 ///
 /// Source: [Hery2003] §2; [Jensen2001] §2.1. The print's estimator divides by the
 /// extinction along the way in and so counts the falloff twice, lacks the 1/4 pi of the phase

@@ -32,7 +32,7 @@ WalkLamps<N>::WalkLamps(const WalkSpace<N>& space, const Bands& sigma_t,
     : space_(space),
       sigma_t_(sigma_t),
       reduced_sigma_t_(reduced_sigma_t),
-      are_there_(space.scene().lights.has_sought()),
+      are_there_(space.scene().lights.has_next_event_light()),
       lattice_(space.lattice(free_path, most_nodes)),
       nodes_(lattice_.count()) {
   is_reduced_ = largest(abs(sigma_t - reduced_sigma_t)) > 1e-6f * largest(sigma_t);
@@ -128,7 +128,7 @@ std::optional<typename WalkLamps<N>::SameWay> WalkLamps<N>::find_same_way(
   for_ways_in(path.ray.origin, sample, find_boundary, [&](const RefractedEntry& entry) {
     if (length(entry.point.position - exit.position) <
         same_way * entry.length + least_distance(space_.scene()))
-      found = {entry, sample.pdf * space_.ior() * space_.ior() / entry.focus};
+      found = {entry, sample.pdf * space_.ior() * space_.ior() / entry.geometry_term};
   });
   return found;
 }

@@ -34,8 +34,8 @@ struct FoundLamp {
   float pdf = 0.0f;          ///< over directions inside [1/sr]; infinite if from one only
 };
 
-/// Lamps, and what is bright in the sky (LightSeen::sought), as seen from inside, through the
-/// refracting boundary.
+/// Lamps, and what is bright in the sky (LightSeen::next_event_share), as seen from inside, through
+/// the refracting boundary.
 ///
 /// A lamp is sought on the way that Snell's law takes. What searches from around the nodes of a
 /// lattice found, each node when it is first asked for, is known from then on. Safe to use from any
@@ -130,19 +130,19 @@ void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
                           const LightGatherer<N>& light, const OnLight& on_light,
                           const FindBoundary* find_boundary) const {
   const LightSample lamp = space_.scene().lights.sample_light(inside, u_light, u);
-  if (!(lamp.pdf > 0.0f && lamp.sought > 0.0f)) return;
+  if (!(lamp.pdf > 0.0f && lamp.next_event_share > 0.0f)) return;
   for_ways_in(inside, lamp, find_boundary, [&](const RefractedEntry& entry) {
     const float ior = space_.ior();
     const float entering =
         1.0f - static_cast<float>(fresnel(std::min(entry.cos_outside, 1.0f), ior));
     const Bands clear =
-        light.clear_fraction({leave_surface(entry.point, entry.to_light), entry.to_light},
-                             0.9999f * entry.light_distance);
+        light.shadow_transmittance({leave_surface(entry.point, entry.to_light), entry.to_light},
+                                   0.9999f * entry.light_distance);
     if (!(largest(clear) > 0.0f)) return;
-    const float widening = entry.focus / (ior * ior);  // of solid angles
+    const float widening = entry.geometry_term / (ior * ior);  // of solid angles
     on_light(FoundLamp<N>{
         .entry = entry,
-        .unweakened = (lamp.sought * entering * widening / lamp.pdf) * clear *
+        .unweakened = (lamp.next_event_share * entering * widening / lamp.pdf) * clear *
                       space_.conversion().from_rgb(lamp.radiance),
         .pdf = lamp.is_delta ? std::numeric_limits<float>::infinity() : lamp.pdf / widening});
   });
@@ -158,12 +158,12 @@ BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const Wa
   Bands radiance = light.arriving_radiance(ray, samples);
   space_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
-        if (!(seen.sought > 0.0f)) return;
+        if (!(seen.next_event_share > 0.0f)) return;
         const auto found = find_same_way(path, leaving.point, ray, seen, find_boundary);
         const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)
-          radiance += weight * seen.sought * space_.conversion().from_rgb(seen.radiance) *
-                      light.clear_fraction(ray, 0.9999f * seen.distance);
+          radiance += weight * seen.next_event_share * space_.conversion().from_rgb(seen.radiance) *
+                      light.shadow_transmittance(ray, 0.9999f * seen.distance);
       });
   return radiance;
 }
