@@ -11,7 +11,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include "lamina/plot/plot.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
-#include "lamina/scattering/transport_profile/exact_profile_cache.h"
+#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
 #include "profile_frequency.h"

@@ -5,7 +5,7 @@
 
 #include "console.h"
 #include "lamina/materials/material.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::cli {
 

@@ -7,7 +7,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 int main() {
   const lamina::Material skin = lamina::find_material("donner_jensen_skin");

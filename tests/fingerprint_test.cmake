@@ -38,15 +38,17 @@ if(NOT after STREQUAL before)
 endif()
 
 # Of the solver itself: what lies in private headers.
-file(GLOB_RECURSE sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp)
+file(GLOB sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp)
 execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
   -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${WORK}/f.d files)
-foreach(file IN ITEMS scattering/profile/hankel.cpp scattering/profile/bessel.cpp
-    scattering/adding_doubling/adding_doubling.cpp optics/fresnel.h optics/phase_function.cpp
-    core/quadrature.cpp)
+foreach(file IN ITEMS scattering/transport_profile/internal/straight_ray.h
+    scattering/transport_profile/internal/transfer_profile_band.h
+    scattering/profile/bessel.cpp scattering/profile/hankel.cpp
+    scattering/adding_doubling/adding_doubling_matrix.cpp optics/fresnel.h
+    optics/phase_function.cpp core/quadrature.cpp)
   string(FIND "${files}" "/lamina/${file}" at)
   if(at EQUAL -1)
-    message(FATAL_ERROR "the fingerprint of profiles by radiative transfer lacks ${file}")
+    message(FATAL_ERROR "the fingerprint of transfer profiles lacks ${file}")
   endif()
 endforeach()

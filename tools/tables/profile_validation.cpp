@@ -26,7 +26,7 @@
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 #include "lamina/scattering/profile/layer_response.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 namespace {

@@ -12,8 +12,8 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/bessel.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_oblique_single.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include "lamina/reflectance/exact_totals.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
-#include "lamina/scattering/transport_profile/exact_profile_cache.h"
+#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "lamina/scene/skin_totals.h"
 
 namespace lamina {

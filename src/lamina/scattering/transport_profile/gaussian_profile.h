@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/scattering/profile/gaussian_fit.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 

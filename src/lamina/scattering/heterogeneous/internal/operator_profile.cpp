@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::detail {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <complex>
 
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 
 namespace lamina::detail {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
 
 // Thin slabs of forward scattering, whose spectra no law continues: profiles ring, and estimates

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {
 

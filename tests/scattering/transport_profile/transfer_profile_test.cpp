@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +13,10 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_spectrum.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
 #include "literal/stack_table.h"
 
 namespace lamina {

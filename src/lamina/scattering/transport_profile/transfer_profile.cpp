@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_band.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 
 namespace lamina {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/exact_profile_cache.h"
+#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/exact_profile_diffuse.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_diffuse_near.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_unscattered.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 #include "literal/stack_table.h"
 
 namespace lamina {

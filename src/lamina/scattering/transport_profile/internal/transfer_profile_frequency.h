@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_azimuth.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_azimuth.h"
 
 namespace lamina::detail {
 

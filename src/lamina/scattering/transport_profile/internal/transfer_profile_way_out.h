@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/exact_profile_band.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
 
 #include <algorithm>
 #include <array>
@@ -12,11 +12,11 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_diffuse.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_spectrum.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_unscattered.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 
 namespace lamina::detail {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/exact_profile_cache.h"
+#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 
 #include <cstring>
 #include <string>
@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "exact_profile_fingerprint.h"
+#include "transfer_profile_fingerprint.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is
 // written here, too.
@@ -105,7 +105,7 @@ void put(Writer& writer, const LayerStack& stack) {
 std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
                    const ExactProfileOptions& options) {
   Writer writer;
-  writer.put_text("exact profile, format 2, solver " LAMINA_EXACT_PROFILE_FINGERPRINT);
+  writer.put_text("exact profile, format 2, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "lamina/io/disk_cache.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "lamina/scattering/profile/hankel.h"
-#include "lamina/scattering/transport_profile/exact_profile.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_diffuse_curves.h"
-#include "lamina/scattering/transport_profile/internal/exact_profile_frequency.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_curves.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 
 namespace lamina::detail {
 
