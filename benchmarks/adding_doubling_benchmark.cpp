@@ -45,8 +45,8 @@ BENCHMARK(totals)->Arg(3)->Arg(5)->Arg(8)->Unit(benchmark::kMillisecond);
 /// Argument: bands. Half a percent over 0.01 to 6 mm, error estimate included.
 void profile_of_bands(benchmark::State& state) {
   const std::vector<LayerStack> bands(static_cast<std::size_t>(state.range(0)), skin());
-  ExactProfile result;
-  for (auto _ : state) benchmark::DoNotOptimize(result = exact_profile(bands));
+  TransferProfile result;
+  for (auto _ : state) benchmark::DoNotOptimize(result = transfer_profile(bands));
   state.counters["estimated"] = result.estimated_error[0];
   state.counters["threads"] = thread_count();
 }

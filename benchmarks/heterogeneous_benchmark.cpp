@@ -33,7 +33,8 @@ std::vector<Plane> maps(int size) {
 void tables(benchmark::State& state) {
   for (auto _ : state)
     benchmark::DoNotOptimize(make_stack_tables(
-        skin(), state.range(0) == 0 ? OperatorTotals::diffusion : OperatorTotals::exact,
+        skin(),
+        state.range(0) == 0 ? OperatorTotals::diffusion : OperatorTotals::radiative_transfer,
         std::vector<double>{0.6, 0.3}));
 }
 BENCHMARK(tables)
@@ -48,15 +49,16 @@ void transport_band(benchmark::State& state) {
   const auto layers =
       make_heterogeneous_layers(made, maps(size), {make_plane(size, size, 0.0175f)}, 20.0 / size);
   const Plane light = make_plane(size, size, 1.0f);
-  const int terms = static_cast<int>(state.range(1));
-  for (auto _ : state) benchmark::DoNotOptimize(transport(layers, light, {.terms = terms}));
+  const int bounces = static_cast<int>(state.range(1));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(transport(layers, light, {.interlayer_bounces = bounces}));
   const double texels = static_cast<double>(size) * size;
   state.counters["s_per_megatexel"] = benchmark::Counter(
       texels / 1e6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["powers"] = static_cast<double>(layers.layers[0].operators[1].powers);
 }
 BENCHMARK(transport_band)
-    ->Name("transport of a band: side, terms")
+    ->Name("transport of a band: side, bounces")
     ->ArgsProduct({{512, 1024}, {2, 4}})
     ->Unit(benchmark::kMillisecond);
 

@@ -48,16 +48,16 @@ double largest_error(const Profile& profile, const Profile& truth) {
 }
 
 /// @param state  its argument is the accuracy asked, in units of 1e-4.
-void exact_profile_of_skin(benchmark::State& state) {
+void transfer_profile_of_skin(benchmark::State& state) {
   static const std::vector<LayerStack> stacks = skin_of_8_bands();
-  static const ExactProfile truth = exact_profile(stacks, {}, {.accuracy = 5e-4});
+  static const TransferProfile truth = transfer_profile(stacks, {}, {.accuracy = 5e-4});
   const double accuracy = 1e-4 * static_cast<double>(state.range(0));
-  ExactProfile result;
-  for (auto _ : state) result = exact_profile(stacks, {}, {.accuracy = accuracy});
+  TransferProfile result;
+  for (auto _ : state) result = transfer_profile(stacks, {}, {.accuracy = accuracy});
   state.counters["error"] = largest_error(result.profile, truth.profile);
   state.counters["estimate"] = *std::ranges::max_element(result.estimated_error);
 }
-BENCHMARK(exact_profile_of_skin)
+BENCHMARK(transfer_profile_of_skin)
     ->Arg(200)
     ->Arg(50)
     ->Arg(25)

@@ -15,15 +15,17 @@ void add_bsdf_command(CLI::App& app) {
   command.add_option("--model", options->model, "in place of a material: rough_transmission")
       .one_of({"rough_transmission"});
   command.add_option("--method", options->method,
-                     "of a material: adding_doubling (default), first_order (closed form), "
-                     "layered_bsdf (first order, the rest without shape) or monte_carlo; of "
+                     "of a material: radiative_transfer (default, by adding-doubling), first_order "
+                     "(closed form), layered_bsdf (first order, the rest without shape) or "
+                     "monte_carlo; of "
                      "rough_transmission: analytic (default), monte_carlo or height_field");
   command.add_option("--theta-i", options->theta_i_deg, "angle of incidence, in [0, 90) degrees")
       .show_default();
   command.add_output_file("--plot", options->plot,
                           "draw the lobes in the plane of incidence as SVG", ".svg");
   const std::string layered = "Layered materials";
-  command.add_option("--accuracy", options->accuracy, "of adding_doubling: relative, of each value")
+  command
+      .add_option("--accuracy", options->accuracy, "of radiative_transfer: relative, of each value")
       .group(layered)
       .range(1e-8, 0.1)
       .show_default();
@@ -103,9 +105,9 @@ void add_bsdf_command(CLI::App& app) {
     }
     if (options->compare && !options->method.empty())
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
-    refuse_unused(command, options->method.empty() ? "adding_doubling" : options->method,
-                  {{"--accuracy", {"adding_doubling"}},
-                   {"--step", {"adding_doubling", "first_order", "layered_bsdf"}},
+    refuse_unused(command, options->method.empty() ? "radiative_transfer" : options->method,
+                  {{"--accuracy", {"radiative_transfer"}},
+                   {"--step", {"radiative_transfer", "first_order", "layered_bsdf"}},
                    {"--cosines", {"monte_carlo"}},
                    {"--azimuths", {"monte_carlo"}},
                    {"--orders", {"monte_carlo"}},

@@ -12,6 +12,7 @@
 #include "bsdf_options.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/io/nearest_name.h"
 #include "lamina/materials/material.h"
 #include "lamina/plot/plot.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
@@ -89,7 +90,7 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
       by_band(bands, [](const StackBsdf& b) { return b.unscattered_reflectance; });
   json["unscattered_transmittance"] =
       by_band(bands, [](const StackBsdf& b) { return b.unscattered_transmittance; });
-  if (result.method == "adding_doubling")
+  if (result.method == "radiative_transfer")
     json["estimated_error"] = by_band(bands, [](const StackBsdf& b) { return b.estimated_error; });
   return json;
 }
@@ -132,7 +133,7 @@ Named solve(const BsdfOptions& options, const Material& material, const Angles& 
   Named result{method, std::vector<StackBsdf>(material.bands.size())};
   const double theta_i = options.theta_i_deg * degree;
   const std::vector<double> theta_o = in_radians(angles.theta), phi_o = in_radians(angles.phi);
-  if (method == "adding_doubling") {
+  if (method == "radiative_transfer") {
     std::vector<LayerStack> stacks;
     for (std::size_t band = 0; band < material.bands.size(); ++band)
       stacks.push_back(layer_stack(material, band));
@@ -193,10 +194,10 @@ void write_plot(const BsdfOptions& options, const Material& material, const Angl
   save_svg(plot, options.plot);
 }
 
-/// All methods beside adding-doubling, with the share of the light that each sends elsewhere.
+/// All methods beside radiative transfer, with the share of the light that each sends elsewhere.
 void compare_methods(const BsdfOptions& options, const Material& material, const Angles& angles) {
   std::vector<Named> results;
-  for (const char* method : {"adding_doubling", "layered_bsdf", "first_order"})
+  for (const char* method : {"radiative_transfer", "layered_bsdf", "first_order"})
     results.push_back(solve(options, material, angles, method));
   const std::vector<StackBsdf>& truth = results.front().bands;
   ordered_json json = make_result("bsdf");
@@ -204,7 +205,7 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
   json["method"] = "compare";
   json["theta_i_deg"] = options.theta_i_deg;
   std::string text =
-      fmt::format("{}, light from {:.4g}°: light sent elsewhere than by {}\n\n{:<16}",
+      fmt::format("{}, light from {:.4g}°: light sent elsewhere than by {}\n\n{:<20}",
                   material.name, options.theta_i_deg, results.front().method, "");
   for (const char* side : {"reflected", "transmitted"})
     for (std::size_t band = 0; band < truth.size(); ++band)
@@ -213,7 +214,7 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
   for (const Named& result : results) {
     ordered_json& entry = json["methods"].emplace_back(to_json(options, material, angles, result));
     if (&result == &results.front()) continue;
-    text += fmt::format("{:<16}", result.method);
+    text += fmt::format("{:<20}", result.method);
     for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf}) {
       ordered_json row = ordered_json::array();
       for (std::size_t band = 0; band < truth.size(); ++band) {
@@ -233,12 +234,14 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
 }  // namespace
 
 void run_material_bsdf(const BsdfOptions& options) {
-  const std::string method = options.method.empty() ? "adding_doubling" : options.method;
-  if (method != "adding_doubling" && method != "first_order" && method != "layered_bsdf")
+  const std::string method = options.method.empty() ? "radiative_transfer" : options.method;
+  constexpr std::array<std::string_view, 4> methods = {"radiative_transfer", "first_order",
+                                                       "layered_bsdf", "monte_carlo"};
+  if (std::ranges::find(methods, method) == methods.end())
     throw InvalidInput(
-        "--method of a material must be adding_doubling, first_order, layered_bsdf or monte_carlo, "
-        "but is " +
-        options.method);
+        "--method of a material must be radiative_transfer, first_order, layered_bsdf or "
+        "monte_carlo, but is " +
+        options.method + did_you_mean(options.method, methods));
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
         fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));

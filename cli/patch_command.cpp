@@ -100,22 +100,23 @@ void run_patch(const PatchOptions& options) {
 
   const double texel_bands =
       static_cast<double>(patch.width) * patch.height * static_cast<double>(patch.bands.size());
-  std::string text = fmt::format("{}{}{}\n{:>8}  {:>16}  {:>9}  {:>5}  {:>9}\n", files.exr,
+  std::string text = fmt::format("{}{}{}\n{:>8}  {:>16}  {:>9}  {:>7}  {:>11}\n", files.exr,
                                  files.exr.empty() || files.png.empty() ? "" : ", ", files.png,
-                                 "band", "mean reflectance", "fit error", "terms", "last term");
+                                 "band", "mean reflectance", "fit error", "bounces", "last bounce");
   nlohmann::ordered_json json = make_result("patch");
   json["name"] = patch.name;
   json["width"] = patch.width;
   json["height"] = patch.height;
   for (std::size_t b = 0; b < result.bands.size(); ++b) {
     const SkinPatchBand& band = result.bands[b];
-    text += fmt::format("{:>5} nm  {:16.5f}  {:9.1e}  {:5}  {:7.2f} %\n", band_name(patch.bands, b),
-                        band.mean_reflectance, band.fit_error, band.terms, 100.0 * band.last_term);
+    text += fmt::format("{:>5} nm  {:16.5f}  {:9.1e}  {:7}  {:9.2f} %\n", band_name(patch.bands, b),
+                        band.mean_reflectance, band.fit_error, band.interlayer_bounces,
+                        100.0 * band.last_bounce);
     json["bands"].push_back(patch.bands.wavelengths()[b]);
     json["mean_reflectance"].push_back(band.mean_reflectance);
     json["fit_error"].push_back(band.fit_error);
-    json["terms"].push_back(band.terms);
-    json["last_term"].push_back(band.last_term);
+    json["interlayer_bounces"].push_back(band.interlayer_bounces);
+    json["last_bounce"].push_back(band.last_bounce);
   }
   text += fmt::format(
       "{:.2f} s; tables {:.2f} s, transport {:.2f} s ({:.0f} ns per texel and band), "

@@ -58,7 +58,7 @@ struct ProfileMethod {
   std::function<ProfileResult(const std::vector<LayerStack>&, const ProfileOptions&)> solve;
 };
 
-ExactProfileOptions exact_options(const ProfileOptions& options) {
+TransferProfileOptions transfer_options(const ProfileOptions& options) {
   return {.accuracy = options.accuracy,
           .illumination =
               options.incidence == "diffuse" ? Illumination::diffuse : Illumination::normal_beam,
@@ -66,9 +66,11 @@ ExactProfileOptions exact_options(const ProfileOptions& options) {
           .progress = make_progress("radiative transfer", Keeps::nothing)};
 }
 
-ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
-  auto [result, was_cached] = cached_exact_profile(options.no_cache ? std::nullopt : user_cache(),
-                                                   stacks, options.grid, exact_options(options));
+ProfileResult by_radiative_transfer(const std::vector<LayerStack>& stacks,
+                                    const ProfileOptions& options) {
+  auto [result, was_cached] =
+      cached_transfer_profile(options.no_cache ? std::nullopt : user_cache(), stacks, options.grid,
+                              transfer_options(options));
   refuse_doubtful(result.estimated_error,
                   options.from == "below"          ? "lamina photons of the layers turned over"
                   : options.incidence == "diffuse" ? "lamina photons --incidence diffuse"
@@ -86,7 +88,7 @@ ProfileResult by_exact(const std::vector<LayerStack>& stacks, const ProfileOptio
   return {std::move(result.profile), std::move(remarks), std::move(more)};
 }
 
-ProfileResult by_multipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+ProfileResult by_diffusion(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
   DiffusionProfile result = make_diffusion_profile(stacks, {}, options.grid);
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
@@ -119,8 +121,8 @@ ProfileResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Profil
 
 /// Every method of `lamina profile`; the first is the default.
 const std::vector<ProfileMethod>& profile_methods() {
-  static const std::vector<ProfileMethod> methods = {{"exact", by_exact},
-                                                     {"multipole", by_multipole},
+  static const std::vector<ProfileMethod> methods = {{"radiative_transfer", by_radiative_transfer},
+                                                     {"diffusion", by_diffusion},
                                                      {"dipole", by_dipole},
                                                      {"monte_carlo", by_monte_carlo}};
   return methods;
@@ -195,7 +197,7 @@ struct Rival {
   std::string method, title, legend;
 };
 
-/// The single-layer dipole beside the multipole, the multipole beside the exact profile.
+/// The single-layer dipole beside diffusion, diffusion beside radiative transfer.
 Rival make_rival(const std::vector<LayerStack>& stacks, const ProfileOptions& options,
                  const Profile& shown) {
   if (shown.per == ProfilePer::entered_flux)
@@ -203,7 +205,7 @@ Rival make_rival(const std::vector<LayerStack>& stacks, const ProfileOptions& op
   std::vector<double> entry;
   for (const LayerStack& stack : stacks)
     entry.push_back(1.0 - fresnel(1.0, stack.layers()[0].medium.ior / stack.ior_above()));
-  return {per_arriving_flux(by_multipole(stacks, options).profile, entry), "multipole", "multipole",
+  return {per_arriving_flux(by_diffusion(stacks, options).profile, entry), "diffusion", "diffusion",
           ", diffusion"};
 }
 
@@ -312,15 +314,15 @@ double parse_degrees(const std::string& text) {
 }
 
 /// The other methods know the normal beam from above only, and so nothing to compare with.
-void require_exact_for_illumination(const ProfileOptions& options) {
+void require_radiative_transfer_for_illumination(const ProfileOptions& options) {
   const bool is_usual = options.incidence == "normal" && options.from == "above" &&
                         options.domain == "radius" && options.gaussians == 0;
   if (is_usual) return;
   if (options.incidence != "normal" && options.incidence != "diffuse")
     (void)parse_degrees(options.incidence);
-  if (options.method != "exact")
+  if (options.method != "radiative_transfer")
     throw InvalidInput(
-        "--incidence, --from, --domain, --gaussians: --method must be exact, but is " +
+        "--incidence, --from, --domain, --gaussians: --method must be radiative_transfer, but is " +
         options.method);
   if (options.compare || !options.plot.empty())
     throw InvalidInput("--compare, --plot: --incidence must be normal and --from above, but are " +
@@ -330,7 +332,7 @@ void require_exact_for_illumination(const ProfileOptions& options) {
 void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
-  require_exact_for_illumination(options);
+  require_radiative_transfer_for_illumination(options);
   const ordered_json head = {{"material", material.name},
                              {"bands", bands_json(material.bands)},
                              {"incidence", options.incidence},
@@ -347,10 +349,10 @@ void run_profile(const ProfileOptions& options) {
                                head, options.common);
   }
   if (options.domain == "frequency")
-    return run_profile_frequency(material, options.grid, exact_options(options), head,
+    return run_profile_frequency(material, options.grid, transfer_options(options), head,
                                  options.common);
   if (options.gaussians > 0)
-    return run_profile_gaussians(material, options.gaussians, exact_options(options), head,
+    return run_profile_gaussians(material, options.gaussians, transfer_options(options), head,
                                  options.common);
   for (const ProfileMethod& method : profile_methods()) {
     if (method.name != options.method) continue;
@@ -400,29 +402,31 @@ void add_profile_command(CLI::App& app) {
   options->method = names[0];
   command
       .add_option("--method", options->method,
-                  "exact: radiative transfer; multipole: layers by diffusion; dipole: one "
-                  "half-space like them")
+                  "radiative_transfer; diffusion: layered multipoles; dipole: diffusion in one "
+                  "half-space like the layers; monte_carlo: photons")
       .one_of(names)
       .show_default();
   command.add_flag("--compare", options->compare,
-                   "show an approximation beside it: the multipole beside exact, the single-layer "
-                   "dipole beside the others");
+                   "show an approximation beside it: diffusion beside radiative_transfer, the "
+                   "single-layer dipole beside the others");
   command
       .add_option("--incidence", options->incidence,
-                  "of exact: normal, a pencil beam; diffuse, equal radiance from the hemisphere; "
+                  "of radiative_transfer: normal, a pencil beam; diffuse, equal radiance from the "
+                  "hemisphere; "
                   "or the angle of a pencil beam in degrees")
       .type_name("WHAT")
       .show_default();
   command
       .add_option("--from", options->from,
-                  "of exact: the side that is lit, and that R(r) then leaves on")
+                  "of radiative_transfer: the side that is lit, and that R(r) then leaves on")
       .one_of({"above", "below"})
       .show_default();
-  command.add_option("--accuracy", options->accuracy, "of exact: relative")
+  command.add_option("--accuracy", options->accuracy, "of radiative_transfer: relative")
       .range(1e-4, 0.1)
       .show_default();
-  command.add_flag("--no-cache", options->no_cache,
-                   "of exact: neither look for the result in the cache nor keep it there");
+  command.add_flag(
+      "--no-cache", options->no_cache,
+      "of radiative_transfer: neither look for the result in the cache nor keep it there");
   command
       .add_option("--domain", options->domain,
                   "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
@@ -435,9 +439,10 @@ void add_profile_command(CLI::App& app) {
       .range(1, 32)
       .show_default();
   command
-      .add_option("--gaussians", options->gaussians,
-                  "of exact, instead of the profile: N Gaussians that make it, fitted over "
-                  "spatial frequency, the same for all bands but for their weights")
+      .add_option(
+          "--gaussians", options->gaussians,
+          "of radiative_transfer, instead of the profile: N Gaussians that make it, fitted over "
+          "spatial frequency, the same for all bands but for their weights")
       .type_name("N")
       .range(1, 40);
   command.add_output_file("--plot", options->plot,
@@ -455,15 +460,16 @@ void add_profile_command(CLI::App& app) {
       "layers\n"
       "it takes the total reflectance and the frequency of half reflectance. Its T(r) is R(r + "
       "d).\n"
-      "Exact profiles are kept in $XDG_CACHE_HOME/lamina or ~/.cache/lamina, at most 256 MiB; "
+      "Profiles of radiative transfer are kept in $XDG_CACHE_HOME/lamina or ~/.cache/lamina, at "
+      "most 256 MiB; "
       "the\n"
       "environment variable LAMINA_CACHE moves them to a folder, or is \"off\".\n\n"
       "Example: how far light spreads in skin, and what diffusion makes of it\n"
       "  lamina profile donner_jensen_skin --compare --plot skin.svg --json skin.json");
   command.callback([options, command] {
     refuse_unused(command, options->method,
-                  {{"--accuracy", {"exact"}},
-                   {"--no-cache", {"exact"}},
+                  {{"--accuracy", {"radiative_transfer"}},
+                   {"--no-cache", {"radiative_transfer"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
                    {"--time", {"monte_carlo"}},

@@ -16,7 +16,7 @@ namespace {
 
 nlohmann::ordered_json result_with(const nlohmann::ordered_json& head) {
   nlohmann::ordered_json json = make_result("profile");
-  json["method"] = "exact";
+  json["method"] = "radiative_transfer";
   json.update(head);
   json["per"] = "arriving_flux";
   return json;
@@ -25,8 +25,8 @@ nlohmann::ordered_json result_with(const nlohmann::ordered_json& head) {
 }  // namespace
 
 void run_profile_frequency(const Material& material, const RadialGrid& grid,
-                           const ExactProfileOptions& options, const nlohmann::ordered_json& head,
-                           const CommonOptions& common) {
+                           const TransferProfileOptions& options,
+                           const nlohmann::ordered_json& head, const CommonOptions& common) {
   const std::vector<LayerStack> stacks = layer_stacks(material);
   std::vector<double> k{0.0};
   for (const double r : radii(grid)) k.push_back(1.0 / r);
@@ -60,7 +60,8 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   print(common, text + "\n");
 }
 
-void run_profile_gaussians(const Material& material, int count, const ExactProfileOptions& options,
+void run_profile_gaussians(const Material& material, int count,
+                           const TransferProfileOptions& options,
                            const nlohmann::ordered_json& head, const CommonOptions& common) {
   const std::vector<LayerStack> stacks = layer_stacks(material);
   const GaussianProfile fit = fit_gaussian_profile(stacks, count, options);

@@ -13,11 +13,12 @@ namespace lamina::cli {
 /// frequencies from 1 / the last radius to 1 / the first.
 /// @param head  what the JSON starts with after the method
 void run_profile_frequency(const Material& material, const RadialGrid& grid,
-                           const ExactProfileOptions& options, const nlohmann::ordered_json& head,
-                           const CommonOptions& common);
+                           const TransferProfileOptions& options,
+                           const nlohmann::ordered_json& head, const CommonOptions& common);
 
 /// `lamina profile --gaussians N`.
-void run_profile_gaussians(const Material& material, int count, const ExactProfileOptions& options,
+void run_profile_gaussians(const Material& material, int count,
+                           const TransferProfileOptions& options,
                            const nlohmann::ordered_json& head, const CommonOptions& common);
 
 }  // namespace lamina::cli

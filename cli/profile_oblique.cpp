@@ -31,7 +31,7 @@ void refuse_doubtful(const std::vector<double>& errors, const std::string& way_o
   for (std::size_t band = 0; band < errors.size(); ++band)
     if (!(errors[band] <= 1.0))
       throw InvalidInput(fmt::format(
-          "band {}: the exact profile is wrong by {} of its value somewhere from .01 to 6 mm, by "
+          "band {}: the profile is wrong by {} of its value somewhere from .01 to 6 mm, by "
           "its own estimate, and must be by less than 100 %; {} takes such layers",
           band, errors[band] < 100.0 ? fmt::format("{:.0f} %", 100.0 * errors[band]) : "many times",
           way_out));
@@ -65,7 +65,7 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
       text += fmt::format("  {:10.4f}", moment(0, b) > 0.0 ? moment(1, b) / moment(0, b) : 0.0);
   }
   ordered_json json = make_result("profile");
-  json["method"] = "exact";
+  json["method"] = "radiative_transfer";
   json.update(head);
   json["incidence_deg"] = degrees;
   json["per"] = "arriving_flux";

@@ -48,8 +48,8 @@ struct SlabMethod {
       solve;
 };
 
-SlabResult by_adding_doubling(const std::vector<LayerStack>& stacks, const Incidence& incidence,
-                              const SlabOptions& options) {
+SlabResult by_radiative_transfer(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                                 const SlabOptions& options) {
   SlabResult result;
   double error = 0.0;  // the largest that is not as small as asked
   AddingDoublingOptions effort = options.adding_doubling;
@@ -88,7 +88,7 @@ SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence
 
 /// Every method of `lamina slab`; the first is the default.
 const std::vector<SlabMethod>& slab_methods() {
-  static const std::vector<SlabMethod> methods = {{"adding_doubling", by_adding_doubling},
+  static const std::vector<SlabMethod> methods = {{"radiative_transfer", by_radiative_transfer},
                                                   {"diffusion", by_diffusion},
                                                   {"monte_carlo", by_monte_carlo}};
   return methods;
@@ -198,15 +198,21 @@ void add_slab_command(CLI::App& app) {
   std::vector<std::string> names;
   for (const SlabMethod& method : slab_methods()) names.push_back(method.name);
   options->method = names[0];
-  command.add_option("--method", options->method, "how to solve").one_of(names).show_default();
   command
-      .add_flag("--compare{1000000}", options->compared_photons,
-                "adding_doubling, Monte Carlo (--compare=PHOTONS per band) and diffusion side by "
-                "side")
+      .add_option("--method", options->method,
+                  "radiative_transfer: by adding-doubling; diffusion: layered multipoles; "
+                  "monte_carlo: photons")
+      .one_of(names)
+      .show_default();
+  command
+      .add_flag(
+          "--compare{1000000}", options->compared_photons,
+          "radiative_transfer, monte_carlo (--compare=PHOTONS per band) and diffusion side by "
+          "side")
       .range(std::int64_t{1}, std::int64_t{1'000'000'000'000});
   command
       .add_option("--accuracy", options->adding_doubling.accuracy,
-                  "of adding_doubling: absolute, of each total")
+                  "of radiative_transfer: absolute, of each total")
       .range(1e-10, 0.1)
       .show_default();
   command
@@ -226,7 +232,7 @@ void add_slab_command(CLI::App& app) {
     if (is_comparison && command.is_given("--method"))
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
     refuse_unused(command, is_comparison ? "compare" : options->method,
-                  {{"--accuracy", {"adding_doubling"}},
+                  {{"--accuracy", {"radiative_transfer"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
                    {"--time", {"monte_carlo"}},

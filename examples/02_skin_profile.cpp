@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 //
-// How wrong is diffusion for skin? Prints R(r) of radiative transfer beside the layered multipole.
+// How wrong is diffusion for skin? Prints R(r) of radiative transfer beside that of layered
+// diffusion.
 #include <cstdio>
 #include <vector>
 
@@ -15,13 +16,13 @@ int main() {
   for (std::size_t band = 0; band < skin.bands.size(); ++band)
     bands.push_back(lamina::layer_stack(skin, band));
   const lamina::RadialGrid grid{.first = 0.01, .last = 3.0, .size = 6};
-  const lamina::Profile exact = lamina::exact_profile(bands, grid).profile;
+  const lamina::Profile transfer = lamina::transfer_profile(bands, grid).profile;
   // Diffusion counts light that entered, transfer light that arrived: 1 - F at normal incidence.
   const std::vector<double> entry(bands.size(), lamina::entry_transmittance(bands[0], {}));
   const lamina::Profile diffusion =
       lamina::per_arriving_flux(lamina::make_diffusion_profile(bands, {}, grid).profile, entry);
-  std::puts("r [mm]   R(r) of red light [1/mm2]   diffusion / exact");
-  for (std::size_t i = 0; i < exact.r.size(); ++i)
-    std::printf("%6.3f   %25.3e   %17.2f\n", exact.r[i], exact.reflectance_at(i, 0),
-                diffusion.reflectance_at(i, 0) / exact.reflectance_at(i, 0));
+  std::puts("r [mm]   R(r) of red light [1/mm2]   diffusion / transfer");
+  for (std::size_t i = 0; i < transfer.r.size(); ++i)
+    std::printf("%6.3f   %25.3e   %17.2f\n", transfer.r[i], transfer.reflectance_at(i, 0),
+                diffusion.reflectance_at(i, 0) / transfer.reflectance_at(i, 0));
 }

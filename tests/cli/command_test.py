@@ -66,11 +66,17 @@ class WrongUse(unittest.TestCase):
         self.check(["render", "no_such_scene.json"], "no_such_scene.json")
         self.check(["materials", "jad"], "jade")
 
+    def test_names_the_new_name_of_a_method(self):
+        for command, before, now in (("slab", "adding_doubling", "radiative_transfer"), ("slab", "exact", "radiative_transfer"),
+                                     ("profile", "exact", "radiative_transfer"), ("profile", "multipole", "diffusion"),
+                                     ("bsdf", "adding_doubling", "radiative_transfer")):
+            self.check([command, "jade", "--method", before], before, f'did you mean "{now}"?')
+
     def test_refuses_options_that_nothing_would_read(self):
-        self.check(["slab", "jade", "--method", "diffusion", "--accuracy", "1e-3"], "--accuracy", "adding_doubling")
+        self.check(["slab", "jade", "--method", "diffusion", "--accuracy", "1e-3"], "--accuracy", "radiative_transfer")
         self.check(["slab", "jade", "--photons", "100"], "--photons", "monte_carlo")
         self.check(["slab", "jade", "--compare", "--method", "diffusion"], "--method")
-        self.check(["profile", "jade", "--method", "dipole", "--no-cache"], "--no-cache", "exact")
+        self.check(["profile", "jade", "--method", "dipole", "--no-cache"], "--no-cache", "radiative_transfer")
         self.check(["bsdf", "jade", "--method", "monte_carlo", "--step", "5"], "--step")
         self.check(["bsdf", "jade", "--eta", "1.3"], "--eta", "rough_transmission")
         self.check(["bsdf", "--model", "rough_transmission", "--orders"], "--orders", "MATERIAL")
@@ -413,7 +419,7 @@ class Json(unittest.TestCase):
                 self.assertLess(abs(photons[side][row][column][1] - expected), 4 * error + 0.02 * expected)
 
     def test_profile_has_the_shape_that_it_states(self):
-        result = json_of("profile", "donner_jensen_skin", "--method", "multipole", "--radii", "40")
+        result = json_of("profile", "donner_jensen_skin", "--method", "diffusion", "--radii", "40")
         self.assertEqual(result["per"], "entered_flux")
         self.assertEqual(len(result["r_mm"]), 40)
         self.assertEqual({len(row) for row in result["reflectance_profile"]}, {3})

@@ -48,7 +48,7 @@ expect 0 'resampled to 48 x 48' patch freckles/small.json -o one --threads 1 --j
 expect 0 'ns per texel' patch freckles/small.json -o two --threads 2
 cmp -s one.exr two.exr || fail "the picture depends on the threads"
 [ -s one.png ] || fail "no PNG"
-for key in mean_reflectance fit_error terms last_term mean_rgb warnings; do
+for key in mean_reflectance fit_error interlayer_bounces last_bounce mean_rgb warnings; do
   grep -q "\"$key\"" one.json || fail "no $key in the JSON"
 done
 

@@ -22,13 +22,13 @@ for b, expected in enumerate((.40861, .39882, .33281)):
     assert abs(total + sum(layer[b] for layer in slab["absorptance"]) - 1) < 1e-12
 PY
 
-"$lamina" profile leaf --method multipole --compare --radii 40 --plot "$folder/leaf.svg" --json "$folder/leaf.json" > /dev/null 2>&1 ||
+"$lamina" profile leaf --method diffusion --compare --radii 40 --plot "$folder/leaf.svg" --json "$folder/leaf.json" > /dev/null 2>&1 ||
   fail "profile with comparison and plot"
 grep -q "Transmittance" "$folder/leaf.svg" || fail "the plot has T(r)"
 python3 - "$folder/leaf.json" <<'PY'
 import json, sys
 profile = json.load(open(sys.argv[1]))
-assert profile["per"] == "entered_flux" and profile["method"] == "multipole"
+assert profile["per"] == "entered_flux" and profile["method"] == "diffusion"
 assert len(profile["r_mm"]) == len(profile["reflectance_profile"]) == len(profile["transmittance_profile"]) == 40
 assert len(profile["reflectance_profile"][0]) == len(profile["total_transmittance"]) == 3
 dipole = profile["comparison"]
@@ -40,20 +40,20 @@ for r, d in zip(profile["reflectance_profile"], zip(dipole["reflectance_profile"
 PY
 
 "$lamina" slab donner_jensen_skin --json "$folder/slab.json" > /dev/null || fail "slab by adding-doubling"
-"$lamina" profile donner_jensen_skin --compare --radii 60 --json "$folder/skin.json" > /dev/null || fail "exact profile"
+"$lamina" profile donner_jensen_skin --compare --radii 60 --json "$folder/skin.json" > /dev/null || fail "profile by radiative transfer"
 python3 - "$folder/slab.json" "$folder/skin.json" <<'PY'
 import json, sys
 slab, skin = (json.load(open(file)) for file in sys.argv[1:])
-assert slab["method"] == "adding_doubling"
+assert slab["method"] == "radiative_transfer"
 for b, expected in enumerate((.398083, .392509, .309059)):
     assert abs(slab["diffuse_reflectance"][b] - expected) < 1e-5
     assert abs(skin["total_reflectance"][b] - expected) < 1e-5
-assert skin["method"] == "exact" and skin["per"] == "arriving_flux"
+assert skin["method"] == "radiative_transfer" and skin["per"] == "arriving_flux"
 assert max(skin["estimated_error"]) < .005 and len(skin["accuracy"]) == len(skin["transmittance_accuracy"]) == 60
-assert skin["comparison"]["method"] == "multipole"
+assert skin["comparison"]["method"] == "diffusion"
 PY
-"$lamina" profile donner_jensen_skin --radii 60 --json "$folder/again.json" > /dev/null || fail "exact profile from the cache"
-"$lamina" profile donner_jensen_skin --radii 60 --no-cache --json "$folder/anew.json" > /dev/null || fail "exact profile without the cache"
+"$lamina" profile donner_jensen_skin --radii 60 --json "$folder/again.json" > /dev/null || fail "profile by radiative transfer from the cache"
+"$lamina" profile donner_jensen_skin --radii 60 --no-cache --json "$folder/anew.json" > /dev/null || fail "profile by radiative transfer without the cache"
 python3 - "$folder/skin.json" "$folder/again.json" "$folder/anew.json" <<'PY'
 import json, sys
 first, again, anew = (json.load(open(file)) for file in sys.argv[1:])
@@ -62,7 +62,7 @@ del first["comparison"]
 assert first == again == anew
 PY
 "$lamina" profile paper --incidence diffuse --from below --accuracy 0.1 --radii 20 --json "$folder/below.json" > /dev/null ||
-  fail "exact profile of diffuse light from below"
+  fail "profile by radiative transfer of diffuse light from below"
 python3 - "$folder/below.json" <<'PY'
 import json, sys
 below = json.load(open(sys.argv[1]))
@@ -70,7 +70,7 @@ assert below["incidence"] == "diffuse" and below["from"] == "below"
 assert len(below["transmittance_profile"]) == 20 and min(below["total_transmittance"]) > 0
 PY
 "$lamina" profile donner_jensen_skin --incidence 45 --radii 8 --r-min .05 --r-max 2 --moments 2 --json "$folder/slanted.json" > /dev/null ||
-  fail "exact profile of an oblique beam"
+  fail "profile by radiative transfer of an oblique beam"
 "$lamina" profile leaf --gaussians 6 --accuracy .1 --json "$folder/gaussians.json" > /dev/null || fail "profile as Gaussians"
 python3 - "$folder/slanted.json" "$folder/gaussians.json" <<'PY'
 import json, sys
@@ -82,7 +82,7 @@ assert all(0 < m[1][0] < 2 * m[0][0] for m in moments[:4])  # more light ahead t
 assert len(gaussians["variances_mm2"]) == len(gaussians["reflectance_weights"]) == 7
 assert max(gaussians["reflectance_rms_error"]) < .05 and len(gaussians["transmittance_rms_error"]) == 3
 PY
-for wrong in "--incidence diffuse --method multipole" "--from below --compare" "--incidence askew" "--incidence 95" \
+for wrong in "--incidence diffuse --method diffusion" "--from below --compare" "--incidence askew" "--incidence 95" \
   "--gaussians 4 --method dipole" "--gaussians 4 --incidence 30"; do
   "$lamina" profile leaf $wrong > /dev/null 2> "$folder/wrong" && fail "profile $wrong"
   [ $? -eq 2 ] && [ "$(wc -l < "$folder/wrong")" -eq 1 ] || fail "one line and status 2 for profile $wrong"
@@ -129,11 +129,11 @@ refused profile leaf --r-min nan
 grep -q "transmitted" "$folder/bsdf.svg" || fail "the plot has both sides of a leaf"
 "$lamina" bsdf leaf --compare --theta-i 45 --step 15 --json "$folder/compared.json" | grep -q layered_bsdf || fail "bsdf compares"
 "$lamina" bsdf leaf --method guess > "$folder/out" 2>&1 && fail "an unknown method of bsdf"
-grep -q "must be adding_doubling, first_order, layered_bsdf or monte_carlo, but is guess" "$folder/out" || fail "bsdf names its methods"
+grep -q "must be radiative_transfer, first_order, layered_bsdf or monte_carlo, but is guess" "$folder/out" || fail "bsdf names its methods"
 python3 - "$folder/bsdf.json" "$folder/compared.json" <<'PY'
 import json, sys
 first, compared = (json.load(open(name)) for name in sys.argv[1:])
 assert first["method"] == "first_order" and first["brdf"][0][0][0] > 0 and first["btdf"][0][0][1] > 0
-assert [m["method"] for m in compared["methods"]] == ["adding_doubling", "layered_bsdf", "first_order"]
+assert [m["method"] for m in compared["methods"]] == ["radiative_transfer", "layered_bsdf", "first_order"]
 assert all(m < 0.15 for m in compared["methods"][1]["misplaced_reflection"])
 PY

@@ -49,7 +49,7 @@ SkinPatch uniform_patch(int size) {
   patch.width = patch.height = size;
   patch.bands = BandSet({470.0, 645.0});
   patch.skin.skin.junction_absorption = 0.0;
-  patch.totals = OperatorTotals::exact;  // tables in less time
+  patch.totals = OperatorTotals::radiative_transfer;  // tables in less time
   patch.light = make_image(size, size, {"Y"});
   std::ranges::fill(patch.light.pixels, 1.0f);
   return patch;
@@ -79,7 +79,7 @@ TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoes) {
 TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoesByDiffusion) {
   SkinPatch patch = uniform_patch(16);
   patch.totals = OperatorTotals::diffusion;
-  patch.transport.terms = 20;
+  patch.transport.interlayer_bounces = 20;
   for (const double melanin : {0.005, 0.1})
     for (const double sheet : {0.0, 0.0175}) {
       patch.skin.skin.melanin = melanin;
@@ -99,7 +99,7 @@ TEST_F(PatchFiles, ShadeBesideAnEdgeOfLightIsThatOfPhotonsUnlessToldOtherwise) {
   constexpr int size = 64;
   SkinPatch patch = load(R"("width": 64, "height": 64, "mm_per_pixel": 0.05, "bands": [540],
       "skin": {"melanin": 0.01, "hemoglobin_dermis": 0.005, "junction_absorption": 0},
-      "transport": {"terms": 4})");
+      "transport": {"interlayer_bounces": 4})");
   for (int y = 0; y < size; ++y)
     for (int x = size / 2; x < size; ++x)
       patch.light.pixels[static_cast<std::size_t>(y * size + x)] = 0.0f;
@@ -149,7 +149,7 @@ TEST(SkinPatch, FoldsOfSkinLetRedLightThrough) {
 TEST_F(PatchFiles, TakeTheirSizeFromTheFirstMapAndResampleTheOthers) {
   save_exr(make_image(20, 10, {"Y"}), folder_ / "a.exr");
   save_exr(make_image(8, 8, {"Y"}), folder_ / "b.exr");
-  const SkinPatch patch = load(R"("mm_per_pixel": 0.1, "totals": "exact",
+  const SkinPatch patch = load(R"("mm_per_pixel": 0.1, "totals": "radiative_transfer",
     "skin": {"melanin": {"map": "a.exr"}, "carotene": {"map": "b.exr", "offset": 0.001}})");
   EXPECT_EQ(patch.width, 20);
   EXPECT_EQ(patch.height, 10);
@@ -167,9 +167,10 @@ TEST_F(PatchFiles, JunctionsAbsorbByTheirSpectrum) {
   const auto reflectance = [&](double absorption, const std::string& more) {
     const auto bands =
         render_skin_patch(
-            load(R"("mm_per_pixel": 0.1, "totals": "exact", "bands": [450, 650], "skin": {
+            load(
+                R"("mm_per_pixel": 0.1, "totals": "radiative_transfer", "bands": [450, 650], "skin": {
       "junction_absorption": {"map": "ink.exr", "scale": )" +
-                 std::to_string(absorption) + "}" + more + "}"))
+                std::to_string(absorption) + "}" + more + "}"))
             .bands;
     return std::array{bands[0].mean_reflectance, bands[1].mean_reflectance};
   };
@@ -188,7 +189,7 @@ TEST_F(PatchFiles, TexturesOfAlbedoShowTheirReflectanceInEvenLight) {
     for (int x = 0; x < 32; ++x) texture.at(x, y)[0] = x < 16 ? 0.4f : 0.2f;
   save_exr(texture, folder_ / "albedo.exr");
   const std::string patch =
-      R"("totals": "exact", "mm_per_pixel": 0.1, "width": 32, "height": 32, "bands": [645],
+      R"("totals": "radiative_transfer", "mm_per_pixel": 0.1, "width": 32, "height": 32, "bands": [645],
     "skin": {}, "albedo": "albedo.exr")";
   const Image even = render_skin_patch(load(patch)).image;
   for (int x = 0; x < 32; ++x) EXPECT_NEAR(even.at(x, 5)[0], x < 16 ? 0.4 : 0.2, 2e-4);
@@ -227,8 +228,11 @@ TEST_F(PatchFiles, AreRefusedInOneLineThatSaysWhere) {
             std::string::npos);
   EXPECT_NE(message_of(size + R"("skin": {}, "light": {"theta": 90})").find("theta"),
             std::string::npos);
-  EXPECT_NE(message_of(size + R"("skin": {}, "transport": {"terms": 2, "kept": 0.9})").find("kept"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of(size +
+                 R"("skin": {}, "transport": {"interlayer_bounces": 2, "energy_threshold": 0.9})")
+          .find("energy_threshold"),
+      std::string::npos);
   EXPECT_NE(message_of(size + R"("skin": {}, "lihgt": {})").find("light"), std::string::npos);
   for (const std::string& text : {message_of(R"("skin": 3)"), message_of(size + R"("skin": [])")})
     EXPECT_EQ(text.find('\n'), std::string::npos);

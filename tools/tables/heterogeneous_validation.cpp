@@ -73,7 +73,7 @@ Model make_model(const SkinParameters& light_skin, const SkinParameters& dark_sk
           dark,
           typical,
           dermis,
-          make_stack_tables(stack, OperatorTotals::exact_profile,
+          make_stack_tables(stack, OperatorTotals::radiative_transfer_profile,
                             std::vector<double>{typical, dermis})};
 }
 
@@ -182,7 +182,7 @@ int main(int argc, char** argv) {
                     wavelength, 100.0 * rms_error(ours, seen.exitance, seen.noise),
                     100.0 * rms_error(both, seen.exitance, seen.noise),
                     is_striped ? percent(rms_error(textured, seen.exitance, seen.noise)).c_str()
-                               : "exact by construction",
+                               : "0 by construction",
                     100.0 * seen.noise);
         std::fflush(stdout);
         if (argc > 2)

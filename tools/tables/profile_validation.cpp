@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Prints docs/validation.md's tables of profiles: exact, layered multipole and dipole against rings
-// of photon Monte Carlo, per range of radii, and the CPU seconds of each.
+// Prints docs/validation.md's tables of profiles: radiative transfer, layered diffusion and dipole
+// against rings of photon Monte Carlo, per range of radii, and the CPU seconds of each.
 //
 //   profile_validation [PHOTONS [NAME]] > tables.md      NAME: only stacks whose name holds it
 //
@@ -128,14 +128,14 @@ std::vector<double> profile_rings(const Profile& profile, bool is_reflectance) {
   return flux;
 }
 
-/// The error that the exact profile estimates for each ring of R, at its middle.
-std::vector<double> estimated_errors(const ExactProfile& exact) {
+/// The error that the profile estimates for each ring of R, at its middle.
+std::vector<double> estimated_errors(const TransferProfile& transfer) {
   std::vector<double> errors;
   for (int i = 0; i < rings; ++i) {
     const double r = (i + 0.5) * ring_width;
-    const auto above = std::ranges::upper_bound(exact.profile.r, r);
+    const auto above = std::ranges::upper_bound(transfer.profile.r, r);
     errors.push_back(
-        exact.relative_error[static_cast<std::size_t>(above - exact.profile.r.begin())]);
+        transfer.relative_error[static_cast<std::size_t>(above - transfer.profile.r.begin())]);
   }
   return errors;
 }
@@ -180,8 +180,8 @@ std::string format(const char* pattern, auto... values) {
 }
 
 struct Models {
-  std::vector<double> exact, multipole, dipole;
-  std::vector<double> estimate;  ///< of exact
+  std::vector<double> transfer, multipole, dipole;
+  std::vector<double> estimate;  ///< of `transfer`
 };
 
 void print_rows(const std::string& name, const Rings& photons, const Models& models) {
@@ -196,15 +196,15 @@ void print_rows(const std::string& name, const Rings& photons, const Models& mod
       n += 1.0;
     }
     if (n == 0.0) continue;
-    const Deviation exact = compare(models.exact, photons, begin, end);
-    const double mean = std::abs(exact.mean.value);
+    const Deviation transfer = compare(models.transfer, photons, begin, end);
+    const double mean = std::abs(transfer.mean.value);
     std::printf("| %s | %g–%g | %g | %.2f %% | %s | %.2f %% | %.2f %% | %s |", name.c_str(),
                 begin * ring_width, end * ring_width, n, 100.0 * std::sqrt(square / n),
-                bold_if(exact.chi_square > 1.6, format("%.2f", exact.chi_square)).c_str(),
-                100.0 * exact.rms, 100.0 * std::sqrt(estimate / n),
-                bold_if(mean > 0.003 && mean > 2.5 * exact.mean.standard_error,
-                        format("%+.2f ± %.2f %%", 100.0 * exact.mean.value,
-                               100.0 * exact.mean.standard_error))
+                bold_if(transfer.chi_square > 1.6, format("%.2f", transfer.chi_square)).c_str(),
+                100.0 * transfer.rms, 100.0 * std::sqrt(estimate / n),
+                bold_if(mean > 0.003 && mean > 2.5 * transfer.mean.standard_error,
+                        format("%+.2f ± %.2f %%", 100.0 * transfer.mean.value,
+                               100.0 * transfer.mean.standard_error))
                     .c_str());
     for (const auto* flux : {&models.multipole, &models.dipole}) {
       const Deviation other = compare(*flux, photons, begin, end);
@@ -221,12 +221,13 @@ int main(int argc, char** argv) {
       argc > 1 ? static_cast<std::uint64_t>(std::strtod(argv[1], nullptr)) : 20'000'000;
   const std::string only = argc > 2 ? argv[2] : "";
   std::printf(
-      "%.3g photons per stack; exact profiles at %g %%. Deviations from Monte Carlo: root mean "
+      "%.3g photons per stack; radiative transfer at %g %%. Deviations from Monte Carlo: root mean "
       "square, mean.\n\n",
       static_cast<double>(photons), 100.0 * accuracy);
   std::puts(
-      "| stack | r [mm] | rings | Monte Carlo's error | exact: χ²/n | rms | estimate | mean | "
-      "multipole | dipole |\n|---|---|---|---|---|---|---|---|---|---|");
+      "| stack | r [mm] | rings | Monte Carlo's error | radiative transfer: χ²/n | rms | estimate "
+      "| mean | "
+      "diffusion | dipole |\n|---|---|---|---|---|---|---|---|---|---|");
   std::string times;
   std::uint64_t seed = 0;  // each stack has its own, so that their errors are independent
   for (const auto& [name, stack] : cases()) {
@@ -246,8 +247,8 @@ int main(int argc, char** argv) {
       return trace_photons(
           stack, {.photons = photons, .seed = seed, .tallies = {.r = {rings + 1, ring_width}}});
     });
-    const ExactProfile exact =
-        timed(1, [&] { return exact_profile(bands, grid, {.accuracy = accuracy}); });
+    const TransferProfile transfer =
+        timed(1, [&] { return transfer_profile(bands, grid, {.accuracy = accuracy}); });
     const Profile multipole = timed(2, [&] {
       return per_arriving_flux(make_diffusion_profile(bands, {}, grid).profile, entered);
     });
@@ -256,17 +257,18 @@ int main(int argc, char** argv) {
     for (const bool is_reflectance : {true, false}) {
       if (!is_reflectance && is_semi_infinite(stack)) continue;
       print_rows(name + (is_reflectance ? ", R" : ", T"), photon_rings(counted, is_reflectance),
-                 {.exact = profile_rings(exact.profile, is_reflectance),
+                 {.transfer = profile_rings(transfer.profile, is_reflectance),
                   .multipole = profile_rings(multipole, is_reflectance),
                   .dipole = profile_rings(dipole, is_reflectance),
-                  .estimate = estimated_errors(exact)});
+                  .estimate = estimated_errors(transfer)});
     }
     times += format("| %s | %.1f s |", name.c_str(), seconds[0]);
-    times += format(" %.2f s | %.2f %% |", seconds[1], 100.0 * exact.estimated_error[0]);
+    times += format(" %.2f s | %.2f %% |", seconds[1], 100.0 * transfer.estimated_error[0]);
     times += format(" %.1f ms | %.2f ms |\n", 1e3 * seconds[2], 1e3 * seconds[3]);
   }
   std::printf(
-      "\n| stack, one band, CPU time | Monte Carlo | exact | its estimated error | multipole | "
+      "\n| stack, one band, CPU time | Monte Carlo | radiative transfer | its estimated error | "
+      "diffusion | "
       "dipole |\n|---|---|---|---|---|---|\n%s",
       times.c_str());
 }

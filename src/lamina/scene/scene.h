@@ -174,8 +174,8 @@ struct Film {
 
 /// How the method `hierarchy` samples light on surfaces and sums it.
 struct HierarchySettings {
-  float spacing = 0.0f;         ///< of samples [mm]; 0: from the profile and the size of a pixel
-  int max_points = 1'000'000;   ///< of a material, whatever the spacing
+  float spacing = 0.0f;        ///< of samples [mm]; 0: from the profile and the size of a pixel
+  int max_points = 1'000'000;  ///< of a material, whatever the spacing
   int irradiance_samples = 0;  ///< random estimates of the light at each sample; 0: as many as the
                                ///< samples of a pixel are worth, at most 32
   float error = 0.06f;         ///< solid angle up to which samples are summed as one [sr]
@@ -188,7 +188,8 @@ struct TextureSpaceSettings {
   float texel = 0.0f;          ///< width of a texel [mm]; 0: from the size of a pixel
   int max_texels = 1'000'000;  ///< of a material, whatever the width
   int irradiance_samples = 4;  ///< random estimates of the light at each texel that is seen
-  int terms = 2;  ///< times that light comes back from the dermis before the series is closed
+  int interlayer_bounces =
+      2;  ///< times that light comes back from the dermis before the series is closed
   friend bool operator==(const TextureSpaceSettings&, const TextureSpaceSettings&) = default;
 };
 

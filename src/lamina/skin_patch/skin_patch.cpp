@@ -177,8 +177,8 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
         std::accumulate(out.reflected.values.begin(), out.reflected.values.end(), 0.0);
     result.bands[b] = {.mean_reflectance = all_light > 0.0 ? leaving / all_light : 0.0,
                        .fit_error = largest_fit_error(tables, planes.sigma_a),
-                       .terms = out.terms,
-                       .last_term = out.last_term};
+                       .interlayer_bounces = out.interlayer_bounces,
+                       .last_bounce = out.last_bounce};
   };
   parallel_for(bands, light_band, progress);
   add_colors(result.image, bands, patch.bands, patch.skin.skin);

@@ -27,7 +27,7 @@ struct SkinPatch {
   SkinMaps skin;       ///< maps of any size
   Image light;         ///< [y][x] irradiance that arrives, one channel, of the patch's size
   double theta = 0.0;  ///< angle of incidence [rad], in [0, pi/2)
-  OperatorTotals totals = OperatorTotals::exact_profile;
+  OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   TransportOptions transport;
   /// [y][x] by band, of the patch's size: a texture of the reflectances that skin is to have in
   /// even light. What leaves is multiplied by them over those that it has. Empty: none
@@ -44,8 +44,8 @@ struct SkinPatch {
 struct SkinPatchBand {
   double mean_reflectance = 0.0;  ///< exitance over irradiance, both summed over the patch
   double fit_error = 0.0;         ///< largest of the tables over the absorptions of the maps
-  int terms = 0;
-  double last_term = 0.0;  ///< share of the last term, as in TransportResult
+  int interlayer_bounces = 0;
+  double last_bounce = 0.0;  ///< as in TransportResult
 };
 
 struct SkinPatchResult {

@@ -111,19 +111,21 @@ void decode_albedo(const JsonInput& file, SkinPatch& patch) {
 }
 
 TransportOptions decode_transport(const JsonInput& value) {
-  const JsonObject object = value.object({"terms", "closure", "kept", "profile"});
+  const JsonObject object =
+      value.object({"interlayer_bounces", "local_closure", "energy_threshold", "profile"});
   TransportOptions options;
-  if (const auto terms = object.optional("terms"))
-    options.terms = static_cast<int>(terms->integer(1, 100));
-  if (const auto kept = object.optional("kept")) {
-    if (object.has("terms")) kept->fail("\"terms\" says already when to end the series");
-    options.kept = kept->number(closed_interval(0.0, 0.9999));
-    options.terms = 0;
+  if (const auto bounces = object.optional("interlayer_bounces"))
+    options.interlayer_bounces = static_cast<int>(bounces->integer(1, 100));
+  if (const auto threshold = object.optional("energy_threshold")) {
+    if (object.has("interlayer_bounces"))
+      threshold->fail("\"interlayer_bounces\" says already when to end the series");
+    options.energy_threshold = threshold->number(closed_interval(0.0, 0.9999));
+    options.interlayer_bounces = 0;
   }
   if (const auto profile = object.optional("profile"))
-    options.profile =
-        profile->choice<ProfileAt>({{"exit", ProfileAt::exit}, {"both", ProfileAt::both}});
-  if (const auto closure = object.optional("closure")) options.closes_locally = closure->boolean();
+    options.profile = profile->choice<ProfileAt>();
+  if (const auto closure = object.optional("local_closure"))
+    options.has_local_closure = closure->boolean();
   return options;
 }
 
@@ -153,12 +155,11 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
       bands->fail(error.what());
     }
   }
-  patch.totals = are_for_exact_totals(patch.skin.constants) ? OperatorTotals::exact_profile
-                                                            : OperatorTotals::diffusion;
+  patch.totals = are_for_exact_totals(patch.skin.constants)
+                     ? OperatorTotals::radiative_transfer_profile
+                     : OperatorTotals::diffusion;
   if (const auto totals = object.optional("totals"))
-    patch.totals = totals->choice<OperatorTotals>({{"exact", OperatorTotals::exact},
-                                                   {"exact_profile", OperatorTotals::exact_profile},
-                                                   {"diffusion", OperatorTotals::diffusion}});
+    patch.totals = totals->choice<OperatorTotals>();
   patch.light = make_image(patch.width, patch.height, {"Y"});
   std::ranges::fill(patch.light.pixels, 1.0f);
   if (const auto light = object.optional("light")) decode_light(*light, patch);

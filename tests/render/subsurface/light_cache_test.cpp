@@ -192,7 +192,8 @@ TEST(LightCache, OfTextureSpaceIsMadeAnewWhereTheLightChangesAndUsedElsewhere) {
         expect_kept(scene, kept, change, false, part, with_fresh_cache);
   for (const Change& change :
        {Change{"texel", [](Scene& s) { s.render.texture_space.texel = 0.5f; }},
-        Change{"terms", [](Scene& s) { s.render.texture_space.terms = 1; }}})
+        Change{"interlayer_bounces",
+               [](Scene& s) { s.render.texture_space.interlayer_bounces = 1; }}})
     expect_kept(scene, kept, change, false, "settings", with_fresh_cache);
   for (const Change& change : of_the_picture)
     expect_kept(scene, kept, change, true, "", with_fresh_cache);

@@ -102,7 +102,8 @@ TEST(GaussianTables, ReportErrorsBelowAThousandth) {
 TEST(GaussianTables, ExactTotalsAreThoseOfAddingDoubling) {
   const MappedStack stack = skin(5.0, 0.77);
   const std::vector<double> reference = {0.5, 0.2};
-  const StackTables tables = make_stack_tables(stack, OperatorTotals::exact, reference);
+  const StackTables tables =
+      make_stack_tables(stack, OperatorTotals::radiative_transfer, reference);
   for (const double sigma_a : {0.01, 0.3, 2.0, 10.0}) {
     const MappedLayer& layer = stack.layers[0];
     const Layer solid{.medium = {sigma_a, layer.sigma_s, layer.g, layer.ior},
@@ -125,12 +126,12 @@ TEST(GaussianTables, ExactTotalsAreThoseOfAddingDoubling) {
 }
 
 // Radiative transfer of the whole stack, solved anew, at absorptions and frequencies in between.
-TEST(GaussianTables, ExactProfilesAreThoseOfTheWholeStack) {
+TEST(GaussianTables, TransferProfilesAreThoseOfTheWholeStack) {
   const MappedStack stack = skin(4.7, 0.75);
   const double dermis = 0.1;
   GaussianTableGrid grid;
   grid.rows = 128;
-  const StackTables tables = make_stack_tables(stack, OperatorTotals::exact_profile,
+  const StackTables tables = make_stack_tables(stack, OperatorTotals::radiative_transfer_profile,
                                                std::vector<double>{0.7, dermis}, grid);
   for (const double sigma_a : {0.3, 2.2}) {
     const auto solid = [](const MappedLayer& layer, double absorption) {

@@ -85,15 +85,16 @@ TEST(HeterogeneousTransport, UniformMapsGiveTheClosedFormOfTheLayers) {
   for (const Skin* skin : {&green, &red, &ear, &slab}) {
     const StackTables tables = make_stack_tables(skin->stack, OperatorTotals::diffusion);
     const double absorbance = 0.05;
-    for (const int terms : {1, 2, 4}) {
+    for (const int bounces : {1, 2, 4}) {
       const auto layers =
           make_heterogeneous_layers(tables, planes(*skin, 40), sheets(*skin, 40, absorbance), 0.05);
-      const TransportResult result = transport(layers, make_plane(40, 40, 1.0f), {.terms = terms});
+      const TransportResult result =
+          transport(layers, make_plane(40, 40, 1.0f), {.interlayer_bounces = bounces});
       const LayerResponse wanted = closed_form(*skin, 0.0, absorbance);
       for (const float value : result.reflected.values)
-        ASSERT_NEAR(value, wanted.reflection_above, 2e-4) << terms << " terms";
+        ASSERT_NEAR(value, wanted.reflection_above, 2e-4) << bounces << " bounces";
       for (const float value : result.transmitted.values)
-        ASSERT_NEAR(value, wanted.transmission_down, 2e-4) << terms << " terms";
+        ASSERT_NEAR(value, wanted.transmission_down, 2e-4) << bounces << " bounces";
     }
   }
 }
@@ -142,7 +143,7 @@ TEST(HeterogeneousTransport, StripesComeOutWithTheContrastOfTheClosedForm) {
         for (int x = 0; x < size; ++x)
           light.values[static_cast<std::size_t>(y * size + x)] =
               static_cast<float>(std::cos(phase * (x + 0.5)));
-      const TransportResult result = transport(layers, light, {.terms = 12});
+      const TransportResult result = transport(layers, light, {.interlayer_bounces = 12});
       const double k = phase / h;
       const LayerResponse wanted = closed_form(*skin, k), whole = closed_form(*skin, 0.0);
       double along = 0.0, across = 0.0;
@@ -166,7 +167,7 @@ TEST(HeterogeneousTransport, ClosesTheSeriesLocally) {
         make_stack_tables(skin->stack, OperatorTotals::diffusion, {}, small_grid());
     const auto layers =
         make_heterogeneous_layers(tables, varied_maps(*skin, size), sheets(*skin, size, 0.02), 0.1);
-    const TransportResult far = transport(layers, light, {.terms = 12});
+    const TransportResult far = transport(layers, light, {.interlayer_bounces = 12});
     const auto difference = [](const Plane& near, const Plane& wanted) {
       double sum = 0.0, all = 0.0;
       for (std::size_t i = 0; i < wanted.values.size(); ++i) {
@@ -175,20 +176,23 @@ TEST(HeterogeneousTransport, ClosesTheSeriesLocally) {
       }
       return all > 0.0 ? std::sqrt(sum / all) : 0.0;
     };
-    const auto check = [&](int terms, double reflected, double transmitted) {
-      const TransportResult near = transport(layers, light, {.terms = terms});
-      EXPECT_LT(difference(near.reflected, far.reflected), reflected) << terms << " terms";
-      EXPECT_LT(difference(near.transmitted, far.transmitted), transmitted) << terms << " terms";
+    const auto check = [&](int bounces, double reflected, double transmitted) {
+      const TransportResult near = transport(layers, light, {.interlayer_bounces = bounces});
+      EXPECT_LT(difference(near.reflected, far.reflected), reflected) << bounces << " bounces";
+      EXPECT_LT(difference(near.transmitted, far.transmitted), transmitted)
+          << bounces << " bounces";
     };
     check(1, 0.01, 0.05);
     check(2, 0.005, 0.015);
     check(4, 0.0005, 0.0015);
-    const auto open = transport(layers, light, {.terms = 2, .closes_locally = false});
+    const auto open =
+        transport(layers, light, {.interlayer_bounces = 2, .has_local_closure = false});
     EXPECT_GT(difference(open.reflected, far.reflected), 0.02);
     const TransportResult kept =
-        transport(layers, light, {.terms = 0, .closes_locally = false, .kept = 0.99});
-    EXPECT_LT(kept.last_term, 0.01);
-    EXPECT_GT(kept.terms, 2);
+        transport(layers, light,
+                  {.interlayer_bounces = 0, .has_local_closure = false, .energy_threshold = 0.99});
+    EXPECT_LT(kept.last_bounce, 0.01);
+    EXPECT_GT(kept.interlayer_bounces, 2);
   }
 }
 
@@ -230,10 +234,10 @@ TEST(HeterogeneousTransport, DarkSpotDarkensItsSurroundings) {
 }
 
 // Adding-doubling of the whole stack knows nothing of operators.
-TEST(HeterogeneousTransport, ExactTotalsMakeUniformSkinExact) {
+TEST(HeterogeneousTransport, TransferTotalsMakeUniformSkinExact) {
   const std::vector<double> reference = {0.6, 0.25};
   const StackTables tables =
-      make_stack_tables(green.stack, OperatorTotals::exact, reference, small_grid());
+      make_stack_tables(green.stack, OperatorTotals::radiative_transfer, reference, small_grid());
   const auto exact = [&](double epidermis, double dermis) {
     const auto layer = [](const MappedLayer& from, double sigma_a) {
       return Layer{

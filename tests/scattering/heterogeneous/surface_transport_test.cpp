@@ -91,7 +91,7 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
     }
   const TransportResult wanted = transport(
       make_heterogeneous_layers(tables, {upper, lower}, {absorbance}, static_cast<double>(h)),
-      light, {.terms = 2});
+      light, {.interlayer_bounces = 2});
   SurfaceLayers<4> layers = make_surface_layers<4>(graph);
   layers.add_band(0, tables, {upper.values, lower.values, absorbance.values});
   layers.add_band(1, tables,
@@ -118,7 +118,7 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
   const TransportResult uniform =
       transport(make_heterogeneous_layers(tables, {make_plane(8, 8, 0.6f), make_plane(8, 8, 0.25f)},
                                           {make_plane(8, 8)}, static_cast<double>(h)),
-                make_plane(8, 8, 1.0f), {.terms = 2});
+                make_plane(8, 8, 1.0f), {.interlayer_bounces = 2});
   for (const auto& value : left) ASSERT_NEAR(value[1], uniform.reflected.values[0], 2e-4);
 }
 
@@ -181,7 +181,7 @@ TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
     const TransportResult wanted =
         transport(make_heterogeneous_layers(three, {plane(0.3), plane(sigma_a), plane(0.3)},
                                             {plane(0.05), plane(0.05)}, 0.5),
-                  plane(1.0), {.terms = 6});
+                  plane(1.0), {.interlayer_bounces = 6});
     Sheet sheet = cut_sheet(size, h);
     const auto count = static_cast<std::uint32_t>(sheet.cells.size());
     Sheet back = cut_sheet(size, h);
@@ -225,7 +225,7 @@ TEST(SurfaceTransport, ThinPartsLetThroughWhatAFoldOfSkinDoes) {
     const TransportResult wanted_spot =
         transport(make_heterogeneous_layers(three, {wide(0.3), wide(sigma_a), wide(0.3)},
                                             {wide(0.05), wide(0.05)}, static_cast<double>(h)),
-                  spot, {.terms = 6});
+                  spot, {.interlayer_bounces = 6});
     const CellField<4> left_spot = transport(layers, spot_on_sheet, 6);
     const auto variance = [&](const auto& at) {
       double sum = 0.0, moment = 0.0;

@@ -93,14 +93,14 @@ TEST(GaussianFit, NothingIsFittedByNothing) {
 }
 
 // Fitted where the solver works; over radius it must be the exact profile, as far as the fit says.
-TEST(GaussianProfile, IsTheExactProfile) {
+TEST(GaussianProfile, IsTheTransferProfile) {
   const std::vector<LayerStack> bands = {
-      LayerStack({{.medium = {.sigma_a = 0.2, .sigma_s = 10.0, .g = 0.0, .ior = 1.3},
-                   .thickness = 0.5}}),
-      LayerStack({{.medium = {.sigma_a = 2.0, .sigma_s = 10.0, .g = 0.0, .ior = 1.3},
-                   .thickness = 0.5}})};
+      LayerStack(
+          {{.medium = {.sigma_a = 0.2, .sigma_s = 10.0, .g = 0.0, .ior = 1.3}, .thickness = 0.5}}),
+      LayerStack(
+          {{.medium = {.sigma_a = 2.0, .sigma_s = 10.0, .g = 0.0, .ior = 1.3}, .thickness = 0.5}})};
   const GaussianProfile fit = fit_gaussian_profile(bands, 10);
-  const ExactProfile exact = exact_profile(bands, {.first = 0.1, .last = 1.0, .size = 5});
+  const TransferProfile exact = transfer_profile(bands, {.first = 0.1, .last = 1.0, .size = 5});
   ASSERT_EQ(fit.variances.size(), 11u);
   ASSERT_EQ(fit.transmittance.size(), 2u);
   for (std::size_t b = 0; b < 2; ++b) {
@@ -112,9 +112,9 @@ TEST(GaussianProfile, IsTheExactProfile) {
                 2.0 * fit.reflectance[b].largest_error + 0.002)
         << b;
     for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_NEAR(evaluate(fit.reflectance[b].sum, exact.profile.r[i]) /
-                      exact.profile.reflectance_at(i, b),
-                  1.0, 0.15)
+      EXPECT_NEAR(
+          evaluate(fit.reflectance[b].sum, exact.profile.r[i]) / exact.profile.reflectance_at(i, b),
+          1.0, 0.15)
           << b << ", r " << exact.profile.r[i];
   }
 }

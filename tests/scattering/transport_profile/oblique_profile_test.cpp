@@ -12,8 +12,8 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/bessel.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 namespace {
@@ -73,7 +73,7 @@ TEST(ObliqueProfile, IsTheNormalOneAtZeroDegrees) {
   const std::vector<LayerStack> stack = {LayerStack({layer(1.0, 9.0, 0.0, 1.5, infinite)})};
   const RadialGrid grid{.first = 0.02, .last = 1.0, .size = 12};
   const ObliqueProfile oblique = oblique_profile(stack, 0.0, grid, 3);
-  const ExactProfile exact = exact_profile(stack, grid, {.accuracy = 0.002});
+  const TransferProfile exact = transfer_profile(stack, grid, {.accuracy = 0.002});
   for (std::size_t i = 0; i < grid.size; ++i) {
     const double mean = oblique.reflectance_moments[3 * i];
     EXPECT_NEAR(mean / exact.profile.reflectance_at(i, 0), 1.0, 0.01) << i;

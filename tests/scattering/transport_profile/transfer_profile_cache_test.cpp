@@ -15,23 +15,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ExactProfileCacheTest : public testing::Test {
+class TransferProfileCacheTest : public testing::Test {
  protected:
-  ~ExactProfileCacheTest() override { fs::remove_all(cache.folder); }
+  ~TransferProfileCacheTest() override { fs::remove_all(cache.folder); }
   DiskCache cache{fs::temp_directory_path() / ("lamina profiles " + std::to_string(getpid()))};
   std::vector<Layer> layers = {
       {.medium = {.sigma_a = 1.0, .sigma_s = 9.0, .ior = 1.4}, .thickness = 0.3}};
   RadialGrid grid{.first = 0.01, .last = 10.0, .size = 20};
-  ExactProfileOptions options{.accuracy = 0.1};
+  TransferProfileOptions options{.accuracy = 0.1};
 };
 
-TEST_F(ExactProfileCacheTest, GivesBackEveryDigit) {
+TEST_F(TransferProfileCacheTest, GivesBackEveryDigit) {
   const std::vector<LayerStack> stacks = {LayerStack(layers)};
-  const auto solved = cached_exact_profile(cache, stacks, grid, options);
-  const auto kept = cached_exact_profile(cache, stacks, grid, options);
+  const auto solved = cached_transfer_profile(cache, stacks, grid, options);
+  const auto kept = cached_transfer_profile(cache, stacks, grid, options);
   EXPECT_FALSE(solved.was_cached);
   EXPECT_TRUE(kept.was_cached);
-  const ExactProfile &a = solved.result, &b = kept.result;
+  const TransferProfile &a = solved.result, &b = kept.result;
   EXPECT_EQ(a.profile.per, b.profile.per);
   EXPECT_EQ(a.profile.bands, b.profile.bands);
   EXPECT_EQ(a.profile.r, b.profile.r);
@@ -44,28 +44,28 @@ TEST_F(ExactProfileCacheTest, GivesBackEveryDigit) {
   EXPECT_EQ(a.nodes, b.nodes);
   EXPECT_EQ(a.modes, b.modes);
   EXPECT_EQ(a.is_accurate, b.is_accurate);
-  EXPECT_FALSE(cached_exact_profile(std::nullopt, stacks, grid, options).was_cached);
+  EXPECT_FALSE(cached_transfer_profile(std::nullopt, stacks, grid, options).was_cached);
 }
 
-TEST_F(ExactProfileCacheTest, SolvesAgainWhatIsDamaged) {
+TEST_F(TransferProfileCacheTest, SolvesAgainWhatIsDamaged) {
   const std::vector<LayerStack> stacks = {LayerStack(layers)};
-  const ExactProfile right = cached_exact_profile(cache, stacks, grid, options).result;
+  const TransferProfile right = cached_transfer_profile(cache, stacks, grid, options).result;
   const fs::path file = fs::directory_iterator(cache.folder)->path();
   const std::string whole = read_file_bytes(file);
   for (std::size_t at = 5; at < whole.size(); at += whole.size() / 6) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x04);
     write_file_bytes(file, std::as_bytes(std::span(damaged)));
-    const auto solved = cached_exact_profile(cache, stacks, grid, options);
+    const auto solved = cached_transfer_profile(cache, stacks, grid, options);
     EXPECT_FALSE(solved.was_cached) << at;
     EXPECT_EQ(solved.result.profile.reflectance_profile, right.profile.reflectance_profile) << at;
   }
 }
 
 // What is kept for one question must not answer another.
-TEST_F(ExactProfileCacheTest, TellsAllQuestionsApart) {
+TEST_F(TransferProfileCacheTest, TellsAllQuestionsApart) {
   const auto is_known = [&](const LayerStack& stack) {
-    return cached_exact_profile(cache, std::vector{stack}, grid, options).was_cached;
+    return cached_transfer_profile(cache, std::vector{stack}, grid, options).was_cached;
   };
   EXPECT_FALSE(is_known(LayerStack(layers)));
   EXPECT_FALSE(is_known(LayerStack(layers, 1.1)));

@@ -12,9 +12,9 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "literal/stack_table.h"
 
 namespace lamina {
@@ -106,7 +106,7 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
   // Light that leaves stays within 41.8 degrees of the normal, and with that within a distance.
   const double widest = stack.layers()[0].thickness * std::tan(std::asin(1.0 / 1.5));
   constexpr double nearest = 1e-4;
-  const auto over_rays = [&](double detail::SingleScatteringProfile::* side, double last) {
+  const auto over_rays = [&](double detail::SingleScatteringProfile::*side, double last) {
     double sum = 0.0;
     const Quadrature log_r = gauss_legendre(20, std::log(nearest), std::log(last));
     for (std::size_t i = 0; i < log_r.nodes.size(); ++i) {
@@ -125,8 +125,8 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
 
 TEST(DiffuseProfile, RingsAddUpToTheTotal) {
   const std::vector<LayerStack> bands = {named("skin, red"), named("Giovanelli half-space")};
-  const ExactProfile exact = exact_profile(bands, {.first = 1e-4, .last = 50.0, .size = 200},
-                                           {.illumination = Illumination::diffuse});
+  const TransferProfile exact = transfer_profile(bands, {.first = 1e-4, .last = 50.0, .size = 200},
+                                                 {.illumination = Illumination::diffuse});
   EXPECT_TRUE(exact.is_accurate);
   for (std::size_t band = 0; band < bands.size(); ++band) {
     const double total = exact.profile.total_reflectance[band];
@@ -153,12 +153,12 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
       options.tallies.r = {.count = rings, .width = ring};
       const MonteCarloResult photons =
           trace_photons(is_from_below ? flipped(stacks[band]) : stacks[band], options);
-      const ExactProfile exact =
-          exact_profile(std::span(&stacks[band], 1), {.first = 1e-3, .last = 20.0, .size = 500},
-                        {.accuracy = 0.02,
-                         .r_highest = ring * rings,
-                         .illumination = Illumination::diffuse,
-                         .is_from_below = is_from_below});
+      const TransferProfile exact =
+          transfer_profile(std::span(&stacks[band], 1), {.first = 1e-3, .last = 20.0, .size = 500},
+                           {.accuracy = 0.02,
+                            .r_highest = ring * rings,
+                            .illumination = Illumination::diffuse,
+                            .is_from_below = is_from_below});
       // Radii lie close, for what is not scattered ends at the critical angle.
       const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
       for (const bool is_reflectance : {true, false}) {
@@ -188,17 +188,18 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
     }
 }
 
-TEST(ExactProfile, DoesNotDependOnThreads) {
+TEST(TransferProfile, DoesNotDependOnThreads) {
   const std::vector<LayerStack> bands = {named("glass slab"), named("skin, red")};
   for (const Illumination illumination : {Illumination::normal_beam, Illumination::diffuse}) {
     const auto solved = [&](int threads) {
       set_thread_count(threads);
-      const ExactProfile exact = exact_profile(bands, {.first = 1e-2, .last = 10.0, .size = 30},
-                                               {.accuracy = 0.05, .illumination = illumination});
+      const TransferProfile exact =
+          transfer_profile(bands, {.first = 1e-2, .last = 10.0, .size = 30},
+                           {.accuracy = 0.05, .illumination = illumination});
       set_thread_count(0);
       return exact;
     };
-    const ExactProfile one = solved(1), three = solved(3);
+    const TransferProfile one = solved(1), three = solved(3);
     EXPECT_EQ(one.profile.reflectance_profile, three.profile.reflectance_profile);
     EXPECT_EQ(one.profile.transmittance_profile, three.profile.transmittance_profile);
     EXPECT_EQ(one.profile.total_reflectance, three.profile.total_reflectance);
@@ -206,12 +207,12 @@ TEST(ExactProfile, DoesNotDependOnThreads) {
   }
 }
 
-TEST(ExactProfile, RefusesLightFromBelowWhereThereIsNone) {
+TEST(TransferProfile, RefusesLightFromBelowWhereThereIsNone) {
   const std::vector<LayerStack> endless = {named("Giovanelli half-space")};
-  EXPECT_THROW((void)exact_profile(endless, {}, {.is_from_below = true}), InvalidInput);
+  EXPECT_THROW((void)transfer_profile(endless, {}, {.is_from_below = true}), InvalidInput);
   const std::vector<LayerStack> on_ground = {
       LayerStack({layer(1.0, 9.0, 0.0, 1.4, 1.0)}, 1.0, 1.0, {.reflectance = 0.5})};
-  EXPECT_THROW((void)exact_profile(on_ground, {}, {.is_from_below = true}), InvalidInput);
+  EXPECT_THROW((void)transfer_profile(on_ground, {}, {.is_from_below = true}), InvalidInput);
   EXPECT_THROW((void)spatial_frequency_response(endless, std::vector{1.0}, {.is_from_below = true}),
                InvalidInput);
 }

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 // Thin slabs of forward scattering, whose spectra no law continues: profiles ring, and estimates
 // of their errors must say so.
@@ -74,9 +74,9 @@ Coverage covered(const std::vector<double>& r, const std::vector<double>& value,
 
 constexpr RadialGrid fine_radii{.first = 1e-3, .last = 20.0, .size = 300};
 
-TEST(ExactProfileError, ThatOfTransmissionThroughAThinSlabIsNoLessThanItIs) {
+TEST(TransferProfileError, ThatOfTransmissionThroughAThinSlabIsNoLessThanItIs) {
   const LayerStack stack = slab(0.1, 2.0, 0.9);
-  const auto exact = exact_profile(std::vector{stack}, fine_radii, {.accuracy = 0.1});
+  const auto exact = transfer_profile(std::vector{stack}, fine_radii, {.accuracy = 0.1});
   const auto photons = photons_of(stack, {});
   const Coverage t = covered(exact.profile.r, exact.profile.transmittance_profile,
                              exact.transmittance_error, photons.radial.transmission);
@@ -89,10 +89,10 @@ TEST(ExactProfileError, ThatOfTransmissionThroughAThinSlabIsNoLessThanItIs) {
   EXPECT_FALSE(exact.is_accurate);
 }
 
-TEST(ExactProfileError, ThatOfDiffuseLightThroughAThinSlabIsNoLessThanItIs) {
+TEST(TransferProfileError, ThatOfDiffuseLightThroughAThinSlabIsNoLessThanItIs) {
   const LayerStack stack = slab(0.1, 2.0, 0.9);
-  const auto exact = exact_profile(std::vector{stack}, fine_radii,
-                                   {.accuracy = 0.1, .illumination = Illumination::diffuse});
+  const auto exact = transfer_profile(std::vector{stack}, fine_radii,
+                                      {.accuracy = 0.1, .illumination = Illumination::diffuse});
   const auto photons = photons_of(stack, {.is_diffuse = true});
   const Coverage t = covered(exact.profile.r, exact.profile.transmittance_profile,
                              exact.transmittance_error, photons.radial.transmission);
@@ -101,13 +101,13 @@ TEST(ExactProfileError, ThatOfDiffuseLightThroughAThinSlabIsNoLessThanItIs) {
   EXPECT_GT(exact.estimated_error[0], 1.0);  // so that nobody prints it
 }
 
-TEST(ExactProfileError, AThinSlabOnWhiteIsBeyondTheSolverAndSaysSo) {
+TEST(TransferProfileError, AThinSlabOnWhiteIsBeyondTheSolverAndSaysSo) {
   const auto exact =
-      exact_profile(std::vector{slab(0.1, 0.5, 0.8, 1.0)}, fine_radii, {.accuracy = 0.1});
+      transfer_profile(std::vector{slab(0.1, 0.5, 0.8, 1.0)}, fine_radii, {.accuracy = 0.1});
   EXPECT_GT(exact.estimated_error[0], 1.0);
 }
 
-TEST(ExactProfileError, ThatOfAnObliqueBeamCountsDirectionsAndTails) {
+TEST(TransferProfileError, ThatOfAnObliqueBeamCountsDirectionsAndTails) {
   const LayerStack stack = slab(0.2, 3.0, 0.7);
   const double theta = std::numbers::pi / 3.0;
   const auto exact = oblique_profile(std::vector{stack}, theta, fine_radii, 1);
@@ -122,7 +122,7 @@ TEST(ExactProfileError, ThatOfAnObliqueBeamCountsDirectionsAndTails) {
 }
 
 // Grazing light in a matched slab stays at its surface: values come out negative.
-TEST(ExactProfileError, GrazingBeamsInMatchedMediaAreBeyondTheSolver) {
+TEST(TransferProfileError, GrazingBeamsInMatchedMediaAreBeyondTheSolver) {
   const Layer layer{.medium = {.sigma_a = 0.1, .sigma_s = 10.0, .g = 0.8}, .thickness = 1.0};
   for (const double degrees : {89.9999, 89.9999995}) {
     const auto exact = oblique_profile(std::vector{LayerStack({layer})},
@@ -132,11 +132,11 @@ TEST(ExactProfileError, GrazingBeamsInMatchedMediaAreBeyondTheSolver) {
 }
 
 // What is near enough is not called doubtful.
-TEST(ExactProfileError, OfHalfSpacesStaysSmall) {
+TEST(TransferProfileError, OfHalfSpacesStaysSmall) {
   const Layer skin{.medium = {.sigma_a = 0.05, .sigma_s = 20.0, .g = 0.8, .ior = 1.4},
                    .thickness = std::numeric_limits<double>::infinity()};
   const LayerStack stack({skin}, 1.0, 1.4);
-  const auto exact = exact_profile(std::vector{stack}, fine_radii);
+  const auto exact = transfer_profile(std::vector{stack}, fine_radii);
   EXPECT_LT(exact.estimated_error[0], 0.01);
   const auto oblique = oblique_profile(std::vector{stack}, 1.0, fine_radii, 1);
   EXPECT_LT(oblique.largest_error[0], 0.03);

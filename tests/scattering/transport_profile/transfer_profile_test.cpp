@@ -190,10 +190,11 @@ TEST(SingleScatteringProfile, AddsUpToItsTotal) {
 }
 
 // All rings together hold as much light as adding-doubling finds to leave scattered.
-TEST(ExactProfile, RingsAddUpToTheTotal) {
+TEST(TransferProfile, RingsAddUpToTheTotal) {
   const std::vector<LayerStack> bands = {named("skin, red"), named("skin, blue"),
                                          named("glass slab")};
-  const ExactProfile exact = exact_profile(bands, {.first = 3e-6, .last = 200.0, .size = 540});
+  const TransferProfile exact =
+      transfer_profile(bands, {.first = 3e-6, .last = 200.0, .size = 540});
   EXPECT_TRUE(exact.is_accurate);
   for (std::size_t band = 0; band < bands.size(); ++band) {
     const auto solved = adding_doubling(bands[band], {}, {.accuracy = 1e-6});
@@ -211,7 +212,7 @@ TEST(ExactProfile, RingsAddUpToTheTotal) {
 }
 
 // Photon Monte Carlo shares nothing with the solver but Fresnel's law and the phase function.
-TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
+TEST(TransferProfile, AgreesWithMonteCarloRingByRing) {
   struct Case {
     LayerStack stack;
     double outermost;  // [mm]
@@ -231,7 +232,7 @@ TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
     MonteCarloOptions options{.photons = 400'000, .seed = 3};
     options.tallies.r = {.count = static_cast<int>(rings), .width = ring};
     const MonteCarloResult photons = trace_photons(stack, options);
-    const ExactProfile exact = exact_profile(
+    const TransferProfile exact = transfer_profile(
         std::vector{stack}, {.first = 1e-4, .last = 20.0, .size = 160}, {.r_highest = outermost});
     EXPECT_LT(exact.estimated_error[0], estimate_of_error);
     const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
@@ -259,29 +260,29 @@ TEST(ExactProfile, AgreesWithMonteCarloRingByRing) {
   }
 }
 
-TEST(ExactProfile, RefusesWhatItCannotDo) {
+TEST(TransferProfile, RefusesWhatItCannotDo) {
   const std::vector<LayerStack> clear = {LayerStack({layer(1.0, 0.0, 0.0, 1.4, 1.0)})};
-  EXPECT_THROW((void)exact_profile(clear), InvalidInput);
+  EXPECT_THROW((void)transfer_profile(clear), InvalidInput);
   for (const char* name : {"cover glass", "air gap"}) {
     try {
-      (void)exact_profile(std::vector{named(name)});
+      (void)transfer_profile(std::vector{named(name)});
       ADD_FAILURE() << name << " not refused";
     } catch (const InvalidInput& error) {
       EXPECT_NE(std::string(error.what()).find("does not scatter"), std::string::npos);
     }
   }
   const std::vector<LayerStack> slab = {LayerStack({layer(1.0, 9.0, 0.0, 1.4, 1.0)})};
-  EXPECT_THROW((void)exact_profile(slab, {}, {.accuracy = 1.0}), InvalidInput);
-  EXPECT_THROW((void)exact_profile(slab, {.first = 0.0}), InvalidInput);
+  EXPECT_THROW((void)transfer_profile(slab, {}, {.accuracy = 1.0}), InvalidInput);
+  EXPECT_THROW((void)transfer_profile(slab, {.first = 0.0}), InvalidInput);
   EXPECT_THROW((void)spatial_frequency_response(slab, std::vector{-1.0}), InvalidInput);
 }
 
 // Every further index cuts the directions once more.
-TEST(ExactProfile, RefusesStacksThatTakeTooLongWithTheEstimate) {
+TEST(TransferProfile, RefusesStacksThatTakeTooLongWithTheEstimate) {
   std::vector<Layer> layers;
   for (int i = 0; i < 120; ++i) layers.push_back(layer(0.1, 9.0, 0.0, 1.2 + 0.005 * i, 0.1));
   try {
-    (void)exact_profile(std::vector{LayerStack(layers)});
+    (void)transfer_profile(std::vector{LayerStack(layers)});
     FAIL() << "not refused";
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("GiB"), std::string::npos) << error.what();

@@ -213,11 +213,11 @@ void add(SceneHash& hash, const HierarchySettings& settings) {
 }
 
 void add(SceneHash& hash, const TextureSpaceSettings& settings) {
-  const auto& [texel, max_texels, irradiance_samples, terms] = settings;
+  const auto& [texel, max_texels, irradiance_samples, interlayer_bounces] = settings;
   hash.add(texel);
   hash.add(max_texels);
   hash.add(irradiance_samples);
-  hash.add(terms);
+  hash.add(interlayer_bounces);
 }
 
 void add(SceneHash& hash, const ShadowMapSettings& settings) {

@@ -23,19 +23,19 @@ std::vector<LayerStack> stacks_of(const Material& material) {
 
 }  // namespace
 
-Profile exact_diffuse_profile(const Material& material, const std::optional<DiskCache>& cache,
-                              const Progress& progress) {
+Profile diffuse_transfer_profile(const Material& material, const std::optional<DiskCache>& cache,
+                                 const Progress& progress) {
   std::vector<LayerStack> stacks;
   std::vector<double> entry;
   for (std::size_t band = 0; band < material.bands.size(); ++band) {
     const LayerStack& stack = stacks.emplace_back(stack_with_smooth_ends(material, band));
     entry.push_back(1.0 - fresnel_diffuse(stack.layers()[0].medium.ior / stack.ior_above()));
   }
-  const auto [exact, was_cached] = cached_exact_profile(cache, stacks, {},
-                                                        {.accuracy = 0.02,
-                                                         .r_lowest = 0.02,
-                                                         .illumination = Illumination::diffuse,
-                                                         .progress = progress});
+  const auto [exact, was_cached] = cached_transfer_profile(cache, stacks, {},
+                                                           {.accuracy = 0.02,
+                                                            .r_lowest = 0.02,
+                                                            .illumination = Illumination::diffuse,
+                                                            .progress = progress});
   return per_entered_flux(exact.profile, entry);
 }
 
@@ -46,7 +46,7 @@ Profile diffusion_profile(const Material& material) {
 ProfileMaker profile_maker(const RenderSettings& settings, const Progress& progress) {
   if (settings.profile == RenderSettings::Profile::exact)
     return [progress](const Material& material) {
-      return exact_diffuse_profile(material, user_cache(), progress);
+      return diffuse_transfer_profile(material, user_cache(), progress);
     };
   return [settings](const Material& material) {
     Profile profile = settings.profile == RenderSettings::Profile::dipole

@@ -20,9 +20,9 @@ using ProfileMaker = std::function<Profile(const Material&)>;
 /// lowest boundary count as smooth, their roughness being the renderer's business.
 /// @throws InvalidInput if a band does not scatter, or a boundary inside is rough; Interrupted if
 ///         progress asks to stop.
-[[nodiscard]] Profile exact_diffuse_profile(const Material& material,
-                                            const std::optional<DiskCache>& cache,
-                                            const Progress& progress = {});
+[[nodiscard]] Profile diffuse_transfer_profile(const Material& material,
+                                               const std::optional<DiskCache>& cache,
+                                               const Progress& progress = {});
 
 /// By layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);

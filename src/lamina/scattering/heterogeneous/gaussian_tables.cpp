@@ -140,7 +140,7 @@ void correct_profile(std::vector<LayerSpectra>& spectra, const GaussianTableGrid
       const double whole = stacked(top, below).reflection_above;
       if (j == 0) whole_at_0[row] = whole;
       double& factor = last_factor[row];  // stays as it is where frequencies are too high
-      if (k[column] <= detail::highest_exact_frequency)
+      if (k[column] <= detail::highest_transfer_frequency)
         factor = whole_at_0[row] * shapes[row][column] / whole;
       first[0](r, j) += (factor - 1.0) * whole;
     }
@@ -169,13 +169,13 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     spectra.push_back(closed_form(stack, i, grid, k));
   if (totals != OperatorTotals::diffusion) {
-    const auto exact = detail::exact_operator_totals(stack, reference_sigma_a, grid,
-                                                     totals == OperatorTotals::exact_diffuse);
-    for (std::size_t i = 0; i < spectra.size(); ++i) scale_to(exact[i], spectra[i]);
+    const auto wanted = detail::transfer_operator_totals(
+        stack, reference_sigma_a, grid, totals == OperatorTotals::radiative_transfer_diffuse);
+    for (std::size_t i = 0; i < spectra.size(); ++i) scale_to(wanted[i], spectra[i]);
   }
-  if (totals == OperatorTotals::exact_profile)
+  if (totals == OperatorTotals::radiative_transfer_profile)
     correct_profile(spectra, grid, reference_sigma_a, k,
-                    detail::exact_stack_shapes(stack, reference_sigma_a, grid, k));
+                    detail::transfer_stack_shapes(stack, reference_sigma_a, grid, k));
   for (std::size_t i = 0; i < spectra.size(); ++i) {
     const bool is_half_space = std::isinf(stack.layers[i].thickness);
     const auto table = [&](std::size_t which) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/io/disk_cache.h"
 
 namespace lamina {
@@ -27,13 +28,20 @@ struct MappedStack {
 
 /// What the totals of the operators are scaled to.
 enum class OperatorTotals {
-  diffusion,  ///< those of the closed form itself
-  exact,      ///< adding-doubling
-  /// The same, and the first layer's R+ is such that the whole stack has the exact profile, for
-  /// every absorption of the first layer and the reference absorption of those below
-  exact_profile,
-  exact_diffuse  ///< as `exact`, but of light that arrives evenly from all directions
+  diffusion,           ///< those of the closed form itself
+  radiative_transfer,  ///< by adding-doubling
+  /// The same, and the first layer's R+ is such that the whole stack has the profile of radiative
+  /// transfer, for every absorption of the first layer and the reference absorption of those below
+  radiative_transfer_profile,
+  /// As `radiative_transfer`, of light that arrives evenly from all directions; in no file
+  radiative_transfer_diffuse
 };
+
+template <>
+inline constexpr auto enum_names<OperatorTotals> = std::to_array<EnumName<OperatorTotals>>(
+    {{"diffusion", OperatorTotals::diffusion},
+     {"radiative_transfer", OperatorTotals::radiative_transfer},
+     {"radiative_transfer_profile", OperatorTotals::radiative_transfer_profile}});
 
 /// Gaussians whose variances double, and absorptions at equal ratios.
 struct GaussianTableGrid {
@@ -80,11 +88,11 @@ inline constexpr double highest_fitted_frequency = 200.0;
 /// absorptions in [.01, 30]/mm: below 4e-4 of what an epidermis transmits, below 1e-4 of what it or
 /// the dermis reflects.
 ///
-/// Exact totals are those of each layer alone between its neighbours' indices, lit normally (or
-/// evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light between layers
-/// is not even, by which the sum over layers errs by up to 5 %. So a half-space at the bottom gets
-/// the reflectance with which the whole stack is exact, for every absorption of its own and one of
-/// the layers above it.
+/// Totals by radiative transfer are those of each layer alone between its neighbours' indices, lit
+/// normally (or evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light
+/// between layers is not even, by which the sum over layers errs by up to 5 %. So a half-space at
+/// the bottom gets the reflectance with which the whole stack is exact, for every absorption of its
+/// own and one of the layers above it.
 ///
 /// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm]; not used for the
 ///                           totals of diffusion.

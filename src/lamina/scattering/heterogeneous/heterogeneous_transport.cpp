@@ -213,7 +213,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
 TransportResult transport(const HeterogeneousLayers& model, const Plane& irradiance,
                           const TransportOptions& options) {
   assert(irradiance.width == model.ladder.width && irradiance.height == model.ladder.height);
-  constexpr int most_terms = 100;
+  constexpr int most_bounces = 100;
   const Operators operators(model, options.profile);
   const std::size_t n = model.junctions.size();
   const bool has_bottom = model.layers.back().operators[transmission_down].powers > 0;
@@ -238,15 +238,16 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
         if (j > 0) add(down[j], operators.one(j, transmission_down, down[j - 1]));
         multiply(down[j], model.junctions[j]);
       }
-      ++result.terms;
+      ++result.interlayer_bounces;
       const double now = total(down[0]);
       all_down += now;
-      result.last_term = all_down > 0.0 ? now / all_down : 0.0;
-      is_last = options.terms > 0
-                    ? result.terms >= options.terms
-                    : result.last_term < 1.0 - options.kept || result.terms >= most_terms;
+      result.last_bounce = all_down > 0.0 ? now / all_down : 0.0;
+      is_last = options.interlayer_bounces > 0
+                    ? result.interlayer_bounces >= options.interlayer_bounces
+                    : result.last_bounce < 1.0 - options.energy_threshold ||
+                          result.interlayer_bounces >= most_bounces;
       if (has_bottom) add(arriving, down[n - 1]);
-      const bool closes = is_last && options.closes_locally;
+      const bool closes = is_last && options.has_local_closure;
       if (closes) close(model, down);
       // Up again; of what comes up, a part turns round once more.
       for (std::size_t j = n; j-- > 0;) {

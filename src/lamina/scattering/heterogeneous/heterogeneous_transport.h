@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
 #include "lamina/scattering/heterogeneous/gaussian_tables.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
@@ -41,18 +42,26 @@ enum class ProfileAt {
   both   ///< the mean, of square roots, of where it enters and comes out: several times slower
 };
 
+template <>
+inline constexpr auto enum_names<ProfileAt> =
+    std::to_array<EnumName<ProfileAt>>({{"exit", ProfileAt::exit}, {"both", ProfileAt::both}});
+
 struct TransportOptions {
   ProfileAt profile = ProfileAt::exit;
-  int terms = 2;  ///< times that light goes down and comes back; 0: as many as `kept` asks for
-  bool closes_locally = true;  ///< the terms left out as if the texel's surroundings were like it
-  double kept = 0.999;         ///< part of the light that goes down which no terms may miss
+  /// Times that light goes down and comes back between layers; 0: as many as `energy_threshold`
+  /// asks for
+  int interlayer_bounces = 2;
+  /// The bounces left out are added as if the texel's surroundings were like it
+  bool has_local_closure = true;
+  /// Part of the energy that goes down which the bounces must hold
+  double energy_threshold = 0.999;
 };
 
 struct TransportResult {
-  Plane reflected;         ///< flux that leaves at the lit surface
-  Plane transmitted;       ///< and at the other one; 0 under a half-space
-  int terms = 0;           ///< that were summed
-  double last_term = 0.0;  ///< the last one's share of what went down, closure left out
+  Plane reflected;             ///< flux that leaves at the lit surface
+  Plane transmitted;           ///< and at the other one; 0 under a half-space
+  int interlayer_bounces = 0;  ///< that were summed
+  double last_bounce = 0.0;    ///< the last one's part of what went down, closure left out
 };
 
 /// What becomes of light that has entered at the lit surface.
@@ -60,9 +69,9 @@ struct TransportResult {
 ///     M = R1+[Φ] + T1-[A R2+[A T1+[Φ]]] + T1-[A R2+[A R1-[A R2+[A T1+[Φ]]]]] + ...
 ///
 /// where every operator takes its profile where light comes out. All that comes back is summed
-/// before one T1-. Before the last R2+, light that goes down becomes that of all further terms, as
-/// in a uniform skin like the one at the texel: so a uniform skin under uniform light is exact from
-/// one term on.
+/// before one T1-. Before the last R2+, light that goes down becomes that of all further bounces,
+/// as in a uniform skin like the one at the texel: so a uniform skin under uniform light is right
+/// from one bounce on.
 ///
 /// Linear in the light; every step is a blur, which is its own adjoint, or a product with a map.
 ///

@@ -100,8 +100,9 @@ CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers) {
 }
 
 template <int N>
-CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance, int terms) {
-  assert(terms >= 1 && irradiance.size() == layers.junction.size());
+CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
+                       int interlayer_bounces) {
+  assert(interlayer_bounces >= 1 && irradiance.size() == layers.junction.size());
   using Layer = typename SurfaceLayers<N>::Layer;
   const auto one = [&](const Layer& layer, Which which, const CellField<N>& light) {
     const std::array<const CellOperator<N>*, 1> operators = {&layer.operators[which]};
@@ -121,9 +122,9 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
     reflected = std::move(both[0]);
     down = std::move(both[1]);
   }
-  for (int term = 1; term <= terms; ++term) {
+  for (int bounce = 1; bounce <= interlayer_bounces; ++bounce) {
     cross(down);
-    if (term == terms)
+    if (bounce == interlayer_bounces)
       for_cells(down.size(), [&](std::size_t i) {
         BandValues<N> again =
             layers.junction[i] * layers.junction[i] *
@@ -144,7 +145,7 @@ CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irrad
                 [&](std::size_t i) { up[i] = up[i] * layers.thin.reflectance[i] + through[i]; });
     }
     cross(up);
-    if (term < terms) down = one(layers.upper, reflection_below, up);
+    if (bounce < interlayer_bounces) down = one(layers.upper, reflection_below, up);
     if (all_up.empty())
       all_up = std::move(up);
     else

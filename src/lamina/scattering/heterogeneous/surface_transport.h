@@ -47,12 +47,13 @@ template <int N>
 /// with the profile of the exit.
 ///
 /// @param irradiance  [cell] flux that enters per area.
-/// @param terms       times that light comes back from below before the series is closed, >= 1.
+/// @param interlayer_bounces  times that light comes back from below before the series is closed
+///                            locally, >= 1.
 /// @return            [cell] flux that leaves per area.
 ///
 /// Holds where the surface bends little within the reach of light. Source: [Donner2008] eqs. 5-8.
 template <int N>
 [[nodiscard]] CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
-                                     int terms = 2);
+                                     int interlayer_bounces = 2);
 
 }  // namespace lamina

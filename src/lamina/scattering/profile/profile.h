@@ -10,7 +10,7 @@ namespace lamina {
 /// The flux that a profile is a fraction of.
 enum class ProfilePer {
   entered_flux,   ///< what has passed the surface: the convention of the diffusion papers
-  arriving_flux,  ///< what arrives outside: exact and Monte Carlo profiles
+  arriving_flux,  ///< what arrives outside: radiative transfer and Monte Carlo
 };
 
 /// Diffuse light around a normally incident pencil beam, all bands of a material on one radius

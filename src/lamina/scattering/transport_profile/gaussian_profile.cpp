@@ -33,7 +33,7 @@ std::vector<double> fitting_variances(std::span<const LayerStack> stacks, int co
 }  // namespace
 
 GaussianProfile fit_gaussian_profile(std::span<const LayerStack> stacks, int count,
-                                     const ExactProfileOptions& options) {
+                                     const TransferProfileOptions& options) {
   assert(count >= 1);
   GaussianProfile profile{.variances = fitting_variances(stacks, count)};
   const std::vector<double> k = fit_frequencies(profile.variances, 40);

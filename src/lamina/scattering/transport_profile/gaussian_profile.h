@@ -9,7 +9,8 @@
 
 namespace lamina {
 
-/// A material's exact profiles as sums of Gaussians that its bands share but for the weights.
+/// A material's profiles by radiative transfer as sums of Gaussians that its bands share but for
+/// the weights.
 struct GaussianProfile {
   std::vector<double> variances;           ///< [i] [mm²]; the first is 0
   std::vector<GaussianFit> reflectance;    ///< [band], per arriving flux
@@ -23,10 +24,10 @@ struct GaussianProfile {
 /// each next one by the same factor wider, up to four lateral decay lengths in the clearest band.
 ///
 /// @param count  of Gaussians besides that of variance 0, >= 1.
-/// @throws InvalidInput as `exact_profile`.
+/// @throws InvalidInput as `transfer_profile`.
 ///
 /// Errors are relative to the value at k = 0, over 40 frequencies in a geometric series.
 [[nodiscard]] GaussianProfile fit_gaussian_profile(std::span<const LayerStack> stacks, int count,
-                                                   const ExactProfileOptions& options = {});
+                                                   const TransferProfileOptions& options = {});
 
 }  // namespace lamina

@@ -26,9 +26,9 @@ using std::numbers::pi;
 constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
 constexpr int coarse_modes = 5, fine_modes = 7;
 /// Where spectra are ended for a look at what their tails are worth. All of the change counts as
-/// error, twice what it does in exact_profile_band.cpp: there are fewer frequencies.
+/// error, twice what it does in transfer_profile_band.cpp: there are fewer frequencies.
 constexpr double earlier_end = 0.7;
-constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in exact_profile.cpp
+constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in transfer_profile.cpp
 constexpr std::size_t azimuths = 32;  ///< over half a circle, at least, for light scattered once
 constexpr double group = 3.0;         ///< ratio of radii that share frequencies
 constexpr double last_kr = 80.0;      ///< at the least radius of a group, where the taper ends
@@ -176,7 +176,7 @@ void check(std::span<const LayerStack> stacks, double theta, int moments) {
     throw InvalidInput("moments: must lie in [1, 32], but are " + std::to_string(moments));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
     const std::string band = "band " + std::to_string(b);
-    detail::require_smooth(stacks[b], "the exact profile of " + band);
+    detail::require_smooth(stacks[b], "the profile by radiative transfer of " + band);
     if (std::ranges::none_of(stacks[b].layers(),
                              [](const Layer& l) { return l.medium.sigma_s > 0.0; }))
       throw InvalidInput(band + ": at least one layer must scatter, but none does");

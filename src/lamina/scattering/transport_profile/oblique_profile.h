@@ -29,12 +29,12 @@ struct ObliqueProfile {
   std::vector<double> largest_error;
 };
 
-/// By radiative transfer, as `exact_profile`, with eight azimuthal modes: light scattered once by
-/// the slanted beam is put in exactly at each point, the rest is solved over frequency.
+/// By radiative transfer, as `transfer_profile`, with eight azimuthal modes: light scattered once
+/// by the slanted beam is put in exactly at each point, the rest is solved over frequency.
 ///
 /// @param theta    [rad], in [0, pi/2), above the stack.
 /// @param moments  in [1, 32]; beyond 8 only light scattered once has them.
-/// @throws InvalidInput as `exact_profile`, or if theta is out of range; Interrupted.
+/// @throws InvalidInput as `transfer_profile`, or if theta is out of range; Interrupted.
 [[nodiscard]] ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
                                              const RadialGrid& radii = {}, int moments = 8,
                                              const Progress& progress = {});

@@ -22,13 +22,13 @@ constexpr int fewer_nodes_of_responses = 7, fewer_modes_of_responses = 4;
 constexpr double least_of_absorber = 3.0;
 constexpr int fewest_nodes = 6, fewest_modes = 4;  ///< of a profile
 
-void check(std::span<const LayerStack> stacks, const ExactProfileOptions& options) {
+void check(std::span<const LayerStack> stacks, const TransferProfileOptions& options) {
   if (!(1e-4 <= options.accuracy && options.accuracy <= 0.1))
     throw InvalidInput("accuracy: must lie in [1e-4, 0.1], but is " +
                        number_text(options.accuracy));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
     const std::string band = "band " + std::to_string(b);
-    detail::require_smooth(stacks[b], "the exact profile of " + band);
+    detail::require_smooth(stacks[b], "the profile by radiative transfer of " + band);
     const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
                                       [](const Layer& l) { return l.medium.sigma_s > 0.0; });
     if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");
@@ -61,7 +61,7 @@ void refuse_clear_plates(std::span<const LayerStack> stacks) {
         continue;
       throw InvalidInput("band " + std::to_string(b) + ", layer " + std::to_string(l) +
                          ": does not scatter, so its sigma_a times thickness must be at least 3 "
-                         "for an exact profile, but is " +
+                         "for a profile by radiative transfer, but is " +
                          number_text(optical_thickness) + "; monte_carlo takes such plates");
     }
 }
@@ -85,18 +85,18 @@ std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
   return turned;
 }
 
-ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
-                           const ExactProfileOptions& options) {
+TransferProfile transfer_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
+                                 const TransferProfileOptions& options) {
   check(stacks, options);
   refuse_clear_plates(stacks);
   if (options.is_from_below) {
-    ExactProfileOptions from_above = options;
+    TransferProfileOptions from_above = options;
     from_above.is_from_below = false;
-    return exact_profile(lit_from_below(stacks), radii, from_above);
+    return transfer_profile(lit_from_below(stacks), radii, from_above);
   }
   const HankelPlan plan = make_hankel_plan(radii);
   const std::size_t bands = stacks.size(), count = plan.r.size();
-  ExactProfile result;
+  TransferProfile result;
   Profile& profile = result.profile;
   profile.per = ProfilePer::arriving_flux;
   profile.bands = bands;
@@ -140,10 +140,10 @@ ExactProfile exact_profile(std::span<const LayerStack> stacks, const RadialGrid&
 
 SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> stacks,
                                                     std::span<const double> k,
-                                                    const ExactProfileOptions& options) {
+                                                    const TransferProfileOptions& options) {
   check(stacks, options);
   if (options.is_from_below) {
-    ExactProfileOptions from_above = options;
+    TransferProfileOptions from_above = options;
     from_above.is_from_below = false;
     return spatial_frequency_response(lit_from_below(stacks), k, from_above);
   }

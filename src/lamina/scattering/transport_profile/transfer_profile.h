@@ -17,7 +17,7 @@ enum class Illumination {
   diffuse       ///< equal radiance from the whole hemisphere
 };
 
-struct ExactProfileOptions {
+struct TransferProfileOptions {
   double accuracy =
       0.005;  ///< asked of the profile, relative, in [1e-4, 0.1], where there is light: see below
   double r_lowest = 0.01;  ///< the accuracy is asked from this radius on [mm]
@@ -28,7 +28,7 @@ struct ExactProfileOptions {
 };
 
 /// A profile by radiative transfer, with an estimate of its error.
-struct ExactProfile {
+struct TransferProfile {
   Profile profile;                          ///< per arriving flux
   std::vector<double> relative_error;       ///< [i][band], estimated, of the reflectance profile
   std::vector<double> transmittance_error;  ///< [i][band], the same of the transmittance profile
@@ -57,9 +57,9 @@ struct ExactProfile {
 /// @throws Interrupted if progress asks to stop.
 ///
 /// Source: docs/radiative_transfer_profiles.md.
-[[nodiscard]] ExactProfile exact_profile(std::span<const LayerStack> stacks,
-                                         const RadialGrid& radii = {},
-                                         const ExactProfileOptions& options = {});
+[[nodiscard]] TransferProfile transfer_profile(std::span<const LayerStack> stacks,
+                                               const RadialGrid& radii = {},
+                                               const TransferProfileOptions& options = {});
 
 /// The same stacks with above and below exchanged.
 /// @throws InvalidInput if a stack has no lower side, or a ground that reflects.
@@ -77,6 +77,6 @@ struct SpatialFrequencyResponse {
 };
 [[nodiscard]] SpatialFrequencyResponse spatial_frequency_response(
     std::span<const LayerStack> stacks, std::span<const double> k,
-    const ExactProfileOptions& options = {});
+    const TransferProfileOptions& options = {});
 
 }  // namespace lamina

@@ -103,9 +103,9 @@ void put(Writer& writer, const LayerStack& stack) {
 }
 
 std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
-                   const ExactProfileOptions& options) {
+                   const TransferProfileOptions& options) {
   Writer writer;
-  writer.put_text("exact profile, format 2, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
+  writer.put_text("transfer profile, format 2, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);
@@ -132,29 +132,30 @@ void for_each_member(Result& result, const Act& act) {
       act(is_accurate);
 }
 
-std::string packed(const ExactProfile& result) {
+std::string packed(const TransferProfile& result) {
   Writer writer;
   for_each_member(result, [&](const auto& member) { writer.put(member); });
   return std::move(writer).bytes();
 }
 
-std::optional<ExactProfile> unpacked(std::string_view bytes) {
+std::optional<TransferProfile> unpacked(std::string_view bytes) {
   Reader reader(bytes);
-  ExactProfile result;
+  TransferProfile result;
   for_each_member(result, [&](auto& member) { reader.get(member); });
   return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;
 }
 
 }  // namespace
 
-CachedExactProfile cached_exact_profile(const std::optional<DiskCache>& cache,
-                                        std::span<const LayerStack> stacks, const RadialGrid& radii,
-                                        const ExactProfileOptions& options) {
-  if (!cache) return {exact_profile(stacks, radii, options)};
+CachedTransferProfile cached_transfer_profile(const std::optional<DiskCache>& cache,
+                                              std::span<const LayerStack> stacks,
+                                              const RadialGrid& radii,
+                                              const TransferProfileOptions& options) {
+  if (!cache) return {transfer_profile(stacks, radii, options)};
   const std::string key = key_of(stacks, radii, options);
   if (const auto bytes = load_cached(*cache, key))
     if (auto result = unpacked(*bytes)) return {std::move(*result), true};
-  ExactProfile result = exact_profile(stacks, radii, options);
+  TransferProfile result = transfer_profile(stacks, radii, options);
   save_cached(*cache, key, packed(result));
   return {std::move(result)};
 }

@@ -9,20 +9,19 @@
 
 namespace lamina {
 
-/// `exact_profile`, solved only if the cache does not have it, and kept there.
+/// `transfer_profile`, solved only if the cache does not have it, and kept there.
 ///
 /// A profile is found by all that it follows from: the layers, radii and options to the last bit,
 /// and the source code of the solver. So a cache never needs to be emptied.
 ///
 /// @param cache  may be absent; `user_cache()` is the user's.
-/// @throws InvalidInput, Interrupted as `exact_profile`.
-struct CachedExactProfile {
-  ExactProfile result;
+/// @throws InvalidInput, Interrupted as `transfer_profile`.
+struct CachedTransferProfile {
+  TransferProfile result;
   bool was_cached = false;
 };
-[[nodiscard]] CachedExactProfile cached_exact_profile(const std::optional<DiskCache>& cache,
-                                                      std::span<const LayerStack> stacks,
-                                                      const RadialGrid& radii = {},
-                                                      const ExactProfileOptions& options = {});
+[[nodiscard]] CachedTransferProfile cached_transfer_profile(
+    const std::optional<DiskCache>& cache, std::span<const LayerStack> stacks,
+    const RadialGrid& radii = {}, const TransferProfileOptions& options = {});
 
 }  // namespace lamina

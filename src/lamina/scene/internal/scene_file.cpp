@@ -140,7 +140,8 @@ HierarchySettings decode_hierarchy(const JsonInput& value) {
 }
 
 TextureSpaceSettings decode_texture_space(const JsonInput& value) {
-  const JsonObject object = value.object({"texel_mm", "max_texels", "irradiance_samples", "terms"});
+  const JsonObject object =
+      value.object({"texel_mm", "max_texels", "irradiance_samples", "interlayer_bounces"});
   TextureSpaceSettings settings;
   if (const auto texel = object.optional("texel_mm"))
     settings.texel = static_cast<float>(texel->number(closed_interval(0.0, 1e6, "mm")));
@@ -148,8 +149,8 @@ TextureSpaceSettings decode_texture_space(const JsonInput& value) {
     settings.max_texels = static_cast<int>(texels->integer(1000, 20'000'000));
   if (const auto samples = object.optional("irradiance_samples"))
     settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
-  if (const auto terms = object.optional("terms"))
-    settings.terms = static_cast<int>(terms->integer(1, 100));
+  if (const auto bounces = object.optional("interlayer_bounces"))
+    settings.interlayer_bounces = static_cast<int>(bounces->integer(1, 100));
   return settings;
 }
 

@@ -31,8 +31,8 @@ Material slab() {
   return material;
 }
 
-TEST(ExactDiffuseProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
-  const Profile profile = exact_diffuse_profile(slab(), std::nullopt);
+TEST(DiffuseTransferProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
+  const Profile profile = diffuse_transfer_profile(slab(), std::nullopt);
   EXPECT_EQ(profile.per, ProfilePer::entered_flux);
   for (std::size_t b = 0; b < 3; ++b) {
     const auto totals = adding_doubling(layer_stack(slab(), b), {.is_diffuse = true}).totals;
@@ -45,23 +45,23 @@ TEST(ExactDiffuseProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
 }
 
 // Roughness is the renderer's business.
-TEST(ExactDiffuseProfile, TakesWhatTheRendererTakes) {
+TEST(DiffuseTransferProfile, TakesWhatTheRendererTakes) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / "lamina_exact_profile_render_test";
   std::filesystem::remove_all(folder);
   Material rough = slab();
   rough.layers[0].top.roughness = 0.3;
-  const Profile first = exact_diffuse_profile(slab(), DiskCache{folder});
-  EXPECT_EQ(exact_diffuse_profile(rough, DiskCache{folder}).reflectance_profile,
+  const Profile first = diffuse_transfer_profile(slab(), DiskCache{folder});
+  EXPECT_EQ(diffuse_transfer_profile(rough, DiskCache{folder}).reflectance_profile,
             first.reflectance_profile);
   std::filesystem::remove_all(folder);
   Material clear = slab();
   for (MaterialLayer& layer : clear.layers) layer.sigma_s[2] = 0.0;
-  EXPECT_THROW((void)exact_diffuse_profile(clear, std::nullopt), InvalidInput);
+  EXPECT_THROW((void)diffuse_transfer_profile(clear, std::nullopt), InvalidInput);
 }
 
 // The exact profile has the light scattered once, which diffusion lacks.
-TEST(ExactDiffuseProfile, IsRefusedBesideSingleScattering) {
+TEST(DiffuseTransferProfile, IsRefusedBesideSingleScattering) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 2, .height = 2};
@@ -82,7 +82,7 @@ TEST(ExactDiffuseProfile, IsRefusedBesideSingleScattering) {
 }
 
 // Even light from all sides: seen along the normal, what a slab sends back of diffuse light.
-TEST(SubsurfaceFurnace, ExactProfileReturnsTheSlabTotal) {
+TEST(SubsurfaceFurnace, TransferProfileReturnsTheSlabTotal) {
   setenv("LAMINA_CACHE", "off", 1);
   Scene scene;
   scene.camera = camera_above(0.5);

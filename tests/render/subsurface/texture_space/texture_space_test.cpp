@@ -224,7 +224,7 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 
-// What is kept has spread already, so it is of that many terms.
+// What is kept has spread already, so it is of that many bounces.
 TEST(TextureSpace, KeptLightOfOtherTermsIsRefused) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "terms.ply";
   std::filesystem::remove(file);
@@ -232,7 +232,7 @@ TEST(TextureSpace, KeptLightOfOtherTermsIsRefused) {
   const Image made = render(scene, {.cache = file}).image;
   scene.camera = camera_above(4.0);
   EXPECT_NE(render(scene, {.cache = file}).image.pixels, made.pixels);
-  scene.render.texture_space.terms = 3;
+  scene.render.texture_space.interlayer_bounces = 3;
   try {
     (void)render(scene, {.cache = file, .needs_cache = true});
     FAIL() << "it was taken";

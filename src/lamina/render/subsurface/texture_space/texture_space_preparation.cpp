@@ -94,7 +94,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
   const double estimates = seen * full + (1.0 - seen) * std::max(1, full / 8);
   const auto bands = static_cast<double>(surface_.material.bands.size());
   return {.preparation = texels * (seconds_per_texel + estimates * with.seen.seconds_per_estimate +
-                                   seconds_per_bounce * bands * (1 + settings.terms)),
+                                   seconds_per_bounce * bands * (1 + settings.interlayer_bounces)),
           .lookup = seconds_per_lookup};
 }
 

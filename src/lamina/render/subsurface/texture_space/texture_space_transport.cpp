@@ -86,7 +86,7 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   const TexelSkin at_texels = sample_skin(surface_.skin_maps, scene_.scene->meshes, *atlas_);
   const auto wavelengths = surface_.material.bands.wavelengths();
   const OperatorTotals totals = takes_exact_totals(surface_.material, scene_.scene->render)
-                                    ? OperatorTotals::exact_diffuse
+                                    ? OperatorTotals::radiative_transfer_diffuse
                                     : OperatorTotals::diffusion;
   std::vector<StackTables> tables(wavelengths.size());
   std::vector<CellAbsorption> absorption(wavelengths.size());
@@ -216,7 +216,7 @@ void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
       entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
   dim_specks(graph_.levels.front(), entering);
   const CellField<N> leaving =
-      transport(*layers_, entering, scene_.scene->render.texture_space.terms);
+      transport(*layers_, entering, scene_.scene->render.texture_space.interlayer_bounces);
   layers_.reset();
   graph_ = {};
   const auto kept = [&](const CellField<N>& field) {

@@ -24,12 +24,12 @@ FourRows four_rows(double place, std::size_t rows) {
            u * (u - 1) * (u - 2) / 6}};
 }
 
-std::vector<std::vector<double>> exact_stack_shapes(const MappedStack& stack,
-                                                    std::span<const double> reference_sigma_a,
-                                                    const GaussianTableGrid& grid,
-                                                    std::span<const double> k) {
+std::vector<std::vector<double>> transfer_stack_shapes(const MappedStack& stack,
+                                                       std::span<const double> reference_sigma_a,
+                                                       const GaussianTableGrid& grid,
+                                                       std::span<const double> k) {
   const double ratio =
-      std::pow(highest_exact_frequency / lowest_frequency, 1.0 / (frequencies - 1));
+      std::pow(highest_transfer_frequency / lowest_frequency, 1.0 / (frequencies - 1));
   std::vector<double> solved_k = {0.0};
   for (std::size_t j = 0; j < frequencies; ++j)
     solved_k.push_back(lowest_frequency * std::pow(ratio, static_cast<double>(j)));

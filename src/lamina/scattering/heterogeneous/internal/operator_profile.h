@@ -23,11 +23,11 @@ struct FourRows {
 ///
 /// Solved for 8 absorptions of .02 to 40/mm and 12 frequencies up to 24/mm; beyond these it stays
 /// as at the nearest. About a second of CPU time.
-[[nodiscard]] std::vector<std::vector<double>> exact_stack_shapes(
+[[nodiscard]] std::vector<std::vector<double>> transfer_stack_shapes(
     const MappedStack& stack, std::span<const double> reference_sigma_a,
     const GaussianTableGrid& grid, std::span<const double> k);
 
 /// Beyond this frequency the shapes are those at it [1/mm].
-inline constexpr double highest_exact_frequency = 24.0;
+inline constexpr double highest_transfer_frequency = 24.0;
 
 }  // namespace lamina::detail

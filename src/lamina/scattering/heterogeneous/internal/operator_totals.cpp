@@ -81,18 +81,19 @@ double interpolate(const std::vector<double>& points, const std::vector<double>&
   return above / below;
 }
 
-/// The reflectance that a half-space must have for the whole stack to reflect `exact`.
-double reflection_for(const LayerResponse& cover, double exact) {
-  const double through = std::max(0.0, exact - cover.reflection_above);
+/// The reflectance that a half-space must have for the whole stack to reflect `wanted`.
+double reflection_for(const LayerResponse& cover, double wanted) {
+  const double through = std::max(0.0, wanted - cover.reflection_above);
   return through /
          (cover.transmission_down * cover.transmission_up + through * cover.reflection_below);
 }
 
 }  // namespace
 
-std::vector<LayerTotals> exact_operator_totals(const MappedStack& stack,
-                                               std::span<const double> reference_sigma_a,
-                                               const GaussianTableGrid& grid, bool is_lit_evenly) {
+std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
+                                                  std::span<const double> reference_sigma_a,
+                                                  const GaussianTableGrid& grid,
+                                                  bool is_lit_evenly) {
   assert(reference_sigma_a.size() == stack.layers.size());
   constexpr std::size_t nodes = 28;
   const std::vector<double> points = chebyshev_points(nodes);

@@ -18,7 +18,7 @@ using LayerTotals = std::array<std::vector<double>, 4>;
 /// Chebyshev nodes of the logarithm of absorption and interpolated: to 1e-5 of incident light.
 ///
 /// @param is_lit_evenly  from outside, else normally
-[[nodiscard]] std::vector<LayerTotals> exact_operator_totals(
+[[nodiscard]] std::vector<LayerTotals> transfer_operator_totals(
     const MappedStack& stack, std::span<const double> reference_sigma_a,
     const GaussianTableGrid& grid, bool is_lit_evenly);
 

@@ -33,7 +33,7 @@ constexpr std::size_t probe_node_step = 2;
 /// What is left of the last step's change: with more modes or frequencies it falls to a fourth or
 /// less from step to step, with more nodes to a third unless the forward peak that they miss falls
 /// slower. Chosen on stacks that were not kept; that the estimates hold is what the tests
-/// ExactProfile* and tools/tables/profile_validation measure, against finer grids and photons.
+/// TransferProfile* and tools/tables/profile_validation measure, against finer grids and photons.
 constexpr double left_of_step = 0.3, left_of_node_step = 0.4;
 
 /// Changes by more nodes and by more modes are added up; what that misses is at most this times the
@@ -70,7 +70,7 @@ struct Solution {
 
 class BandSolver {
  public:
-  BandSolver(const LayerStack& stack, const HankelPlan& plan, const ExactProfileOptions& options)
+  BandSolver(const LayerStack& stack, const HankelPlan& plan, const TransferProfileOptions& options)
       : stack_(stack),
         plan_(plan),
         options_(options),
@@ -111,7 +111,7 @@ class BandSolver {
 
   const LayerStack& stack_;
   const HankelPlan& plan_;
-  const ExactProfileOptions& options_;
+  const TransferProfileOptions& options_;
   Progress progress_;
   bool is_diffuse_;
   double budget_ = 0.0;  ///< of the accuracy asked, for nodes, modes and frequencies
@@ -408,7 +408,7 @@ BandProfile BandSolver::solve(const FrequencyResponse& flux) {
 }  // namespace
 
 BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
-                       const ExactProfileOptions& options, const FrequencyResponse& flux) {
+                       const TransferProfileOptions& options, const FrequencyResponse& flux) {
   return BandSolver(stack, plan, options).solve(flux);
 }
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "lamina/scattering/profile/hankel.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_curves.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::detail {
 
@@ -25,7 +25,7 @@ struct BandProfile {
 /// @param flux  what the profile adds up to over the plane. How much light there is takes fewer
 ///              directions to know than where it goes: what they miss is put right by a factor.
 [[nodiscard]] BandProfile solve_band(const LayerStack& stack, const HankelPlan& plan,
-                                     const ExactProfileOptions& options,
+                                     const TransferProfileOptions& options,
                                      const FrequencyResponse& flux);
 
 }  // namespace lamina::detail

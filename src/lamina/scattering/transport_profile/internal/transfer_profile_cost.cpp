@@ -14,7 +14,7 @@ namespace lamina::detail {
 namespace {
 
 /// Per doubling and cube of the states; measured over three stacks of 40 to 360 states, which were
-/// not kept. benchmarks/exact_profile_benchmark shows the time of one.
+/// not kept. benchmarks/transfer_profile_benchmark shows the time of one.
 constexpr double seconds_per_unit = 2e-10;
 constexpr double other_steps = 6.0;         ///< of a layer, in doublings
 constexpr double endless_doublings = 25.0;  ///< until nothing comes through
@@ -50,7 +50,7 @@ SolutionCost solution_cost(std::span<const LayerStack> stacks, int nodes, int mo
 void require_affordable(const SolutionCost& cost) {
   if (cost.seconds <= most_seconds && cost.mebibytes <= most_mebibytes) return;
   throw InvalidInput(printf_text(
-      "exact profile: this stack takes at least some %.0f min of one core and %.2g GiB, "
+      "radiative transfer: this stack takes at least some %.0f min of one core and %.2g GiB, "
       "but must take at most %.0f min and %.0f GiB; fewer layers of different ior take "
       "less",
       cost.seconds / 60.0, cost.mebibytes / 1024.0, most_seconds / 60.0, most_mebibytes / 1024.0));

@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Prints a table of docs/heterogeneous_skin.md: how far few terms of light that goes to and fro are
-// from many, on freckled and veined skin.
+// Prints a table of docs/heterogeneous_skin.md: how far few bounces of light that goes to and fro
+// are from many, on freckled and veined skin.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -32,7 +32,7 @@ int main() {
   SkinMaps skin = recipe.base;
   skin.maps = make_skin_maps(recipe);
   const Plane light = make_plane(recipe.width, recipe.height, 1.0f);
-  std::printf("| nm | 1 term | 2 terms | 3 terms | 4 terms |\n|---|---|---|---|---|\n");
+  std::printf("| nm | 1 bounce | 2 bounces | 3 bounces | 4 bounces |\n|---|---|---|---|---|\n");
   const BandSet bands = default_spectral_bands();
   for (const double wavelength : bands.wavelengths()) {
     const SkinPlanes planes = skin_planes(skin, recipe.width, recipe.height, wavelength);
@@ -41,13 +41,15 @@ int main() {
       reference.push_back(typical_absorption(sigma_a.values));
     const HeterogeneousLayers layers =
         make_heterogeneous_layers(make_stack_tables(mapped_skin_stack(skin.skin, wavelength),
-                                                    OperatorTotals::exact, reference),
+                                                    OperatorTotals::radiative_transfer, reference),
                                   planes.sigma_a, planes.absorbance, recipe.mm_per_texel);
-    const Plane many = transport(layers, light, {.terms = 7}).reflected;
+    const Plane many = transport(layers, light, {.interlayer_bounces = 7}).reflected;
     std::printf("| %.0f |", wavelength);
-    for (const int terms : {1, 2, 3, 4})
-      std::printf(" %.2f %% |",
-                  100.0 * difference(transport(layers, light, {.terms = terms}).reflected, many));
+    for (const int bounces : {1, 2, 3, 4})
+      std::printf(
+          " %.2f %% |",
+          100.0 * difference(transport(layers, light, {.interlayer_bounces = bounces}).reflected,
+                             many));
     std::printf("\n");
   }
 }
