@@ -228,7 +228,7 @@ class Names(unittest.TestCase):
                         text.split()[1] in subcommands() else every
                     for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", text):
                         with self.subTest(where(page, line)):
-                            self.assertIn(option, known)
+                            self.assertTrue(option in known, f"no such option: {option}")
 
     def test_every_key_is_in_a_schema(self):
         for page in PAGES:
@@ -245,14 +245,14 @@ class Names(unittest.TestCase):
                 if re.match(r"\| key\b", header):
                     for key in re.findall(r"`([a-z_]+)`", row.split("|")[1]):
                         with self.subTest(where(page, number)):
-                            self.assertIn(key, keys_of_schemas())
+                            self.assertTrue(key in keys_of_schemas(), f"no such key: {key}")
 
     def check_keys(self, value, are_free=False):
         for entry in value if isinstance(value, list) else []:
             self.check_keys(entry)
         for key, entry in value.items() if isinstance(value, dict) else []:
             if not are_free:
-                self.assertIn(key, keys_of_schemas())
+                self.assertTrue(key in keys_of_schemas(), f"no such key: {key}")
             self.check_keys(entry, key in ("materials", "parts", "maps"))
 
     def test_every_name_is_in_the_sources(self):
@@ -321,7 +321,7 @@ class Links(unittest.TestCase):
         for page in PAGES:
             for key in re.findall(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)[,\]]", prose(page)):
                 with self.subTest(str(page)):
-                    self.assertIn(key, known)
+                    self.assertTrue(key in known, f"not in references.bib: {key}")
 
 
 def rooms():
