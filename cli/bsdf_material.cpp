@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
@@ -19,8 +18,6 @@
 
 namespace lamina::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -42,22 +39,22 @@ std::vector<double> in_radians(std::vector<double> degrees) {
 }
 
 /// [theta][phi][band] of one member of the bands' results.
-ordered_json by_angles(const std::vector<StackBsdf>& bands, const Angles& angles,
-                       const std::vector<double> StackBsdf::*values) {
-  ordered_json rows = ordered_json::array();
+JsonOutput by_angles(const std::vector<StackBsdf>& bands, const Angles& angles,
+                     const std::vector<double> StackBsdf::*values) {
+  JsonOutput rows = JsonOutput::array();
   for (std::size_t i = 0; i < angles.theta.size(); ++i) {
-    ordered_json& row = rows.emplace_back(ordered_json::array());
+    JsonOutput& row = rows.emplace_back(JsonOutput::array());
     for (std::size_t j = 0; j < angles.phi.size(); ++j) {
-      ordered_json& cell = row.emplace_back(ordered_json::array());
+      JsonOutput& cell = row.emplace_back(JsonOutput::array());
       for (const StackBsdf& band : bands) cell.push_back((band.*values)[i * angles.phi.size() + j]);
     }
   }
   return rows;
 }
 
-ordered_json by_band(const std::vector<StackBsdf>& bands,
-                     const std::function<double(const StackBsdf&)>& value) {
-  ordered_json list = ordered_json::array();
+JsonOutput by_band(const std::vector<StackBsdf>& bands,
+                   const std::function<double(const StackBsdf&)>& value) {
+  JsonOutput list = JsonOutput::array();
   for (const StackBsdf& band : bands) list.push_back(value(band));
   return list;
 }
@@ -68,13 +65,13 @@ struct Named {
   std::vector<StackBsdf> bands;
 };
 
-ordered_json to_json(const BsdfOptions& options, const Material& material, const Angles& angles,
-                     const Named& result) {
+JsonOutput to_json(const BsdfOptions& options, const Material& material, const Angles& angles,
+                   const Named& result) {
   const std::vector<StackBsdf>& bands = result.bands;
-  ordered_json json = make_result("bsdf");
+  JsonOutput json = make_result("bsdf");
   json["material"] = material.name;
   json["method"] = result.method;
-  ordered_json& names = json["bands"] = ordered_json::array();
+  JsonOutput& names = json["bands"] = JsonOutput::array();
   for (std::size_t band = 0; band < bands.size(); ++band) {
     if (material.bands.is_rgb())
       names.push_back(band_name(material.bands, band));
@@ -200,7 +197,7 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
   for (const char* method : {"radiative_transfer", "layered_bsdf", "first_order"})
     results.push_back(solve(options, material, angles, method));
   const std::vector<StackBsdf>& truth = results.front().bands;
-  ordered_json json = make_result("bsdf");
+  JsonOutput json = make_result("bsdf");
   json["material"] = material.name;
   json["method"] = "compare";
   json["theta_i_deg"] = options.theta_i_deg;
@@ -212,15 +209,16 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
       text += fmt::format("{:>19}", fmt::format("{} {}", side, band_name(material.bands, band)));
   text += "\n";
   for (const Named& result : results) {
-    ordered_json& entry = json["methods"].emplace_back(to_json(options, material, angles, result));
+    JsonOutput& entry = json["methods"].emplace_back(to_json(options, material, angles, result));
     if (&result == &results.front()) continue;
     text += fmt::format("{:<20}", result.method);
     for (const auto values : {&StackBsdf::brdf, &StackBsdf::btdf}) {
-      ordered_json row = ordered_json::array();
+      JsonOutput row = JsonOutput::array();
       for (std::size_t band = 0; band < truth.size(); ++band) {
-        row.push_back(misplaced_light(result.bands[band].*values, truth[band].*values,
-                                      in_radians(angles.theta), in_radians(angles.phi)));
-        text += fmt::format("{:>19.4f}", row.back().get<double>());
+        const double misplaced = misplaced_light(result.bands[band].*values, truth[band].*values,
+                                                 in_radians(angles.theta), in_radians(angles.phi));
+        row.push_back(misplaced);
+        text += fmt::format("{:>19.4f}", misplaced);
       }
       entry[values == &StackBsdf::brdf ? "misplaced_reflection" : "misplaced_transmission"] = row;
     }

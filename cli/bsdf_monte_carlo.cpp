@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
@@ -17,7 +16,6 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
 using Estimates = std::vector<Estimate>;
 
 constexpr double degree = std::numbers::pi / 180.0;
@@ -71,26 +69,26 @@ BandResult trace(const LayerStack& stack, const MonteCarloOptions& options, cons
 }
 
 /// [plane][theta][phi][band]; without planes [theta][phi][band].
-ordered_json by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::*member,
-                      SideOf side, double Estimate::*part, std::size_t planes, const Cells& cells) {
-  ordered_json all = ordered_json::array();
+JsonOutput by_cells(const std::vector<BandResult>& bands, TwoSided BandResult::*member, SideOf side,
+                    double Estimate::*part, std::size_t planes, const Cells& cells) {
+  JsonOutput all = JsonOutput::array();
   for (std::size_t plane = 0; plane < planes; ++plane) {
-    ordered_json rows = ordered_json::array();
+    JsonOutput rows = JsonOutput::array();
     for (std::size_t i = 0; i < cells.rows; ++i) {
-      ordered_json& row = rows.emplace_back(ordered_json::array());
+      JsonOutput& row = rows.emplace_back(JsonOutput::array());
       for (std::size_t j = 0; j < cells.columns; ++j) {
-        ordered_json& cell = row.emplace_back(ordered_json::array());
+        JsonOutput& cell = row.emplace_back(JsonOutput::array());
         for (const BandResult& band : bands)
           cell.push_back((band.*member.*side)[(plane * cells.rows + i) * cells.columns + j].*part);
       }
     }
     all.push_back(std::move(rows));
   }
-  return member == &BandResult::bsdf ? all[0] : all;
+  return member == &BandResult::bsdf ? all.front() : all;
 }
 
-ordered_json totals_json(const std::vector<BandResult>& bands, double Estimate::*part) {
-  ordered_json json;
+JsonOutput totals_json(const std::vector<BandResult>& bands, double Estimate::*part) {
+  JsonOutput json;
   const auto add = [&](const char* name, Estimate MonteCarloResult::*member) {
     for (const BandResult& band : bands) json[name].push_back(band.totals.*member.*part);
   };
@@ -103,9 +101,9 @@ ordered_json totals_json(const std::vector<BandResult>& bands, double Estimate::
   return json;
 }
 
-ordered_json to_json(const BsdfOptions& options, const Material& material, const Cells& cells,
-                     const std::vector<BandResult>& bands) {
-  ordered_json json = make_result("bsdf");
+JsonOutput to_json(const BsdfOptions& options, const Material& material, const Cells& cells,
+                   const std::vector<BandResult>& bands) {
+  JsonOutput json = make_result("bsdf");
   json["material"] = material.name;
   json["method"] = "monte_carlo";
   json["bands"] = bands_json(material.bands);
@@ -113,7 +111,7 @@ ordered_json to_json(const BsdfOptions& options, const Material& material, const
   for (std::size_t i = 0; i < cells.rows; ++i) json["theta_o_deg"].push_back(cells.theta_deg(i));
   for (std::size_t j = 0; j < cells.columns; ++j) json["phi_o_deg"].push_back(cells.phi_deg(j));
   for (const BandResult& band : bands) json["photons"].push_back(band.totals.photons);
-  const auto add = [&](ordered_json& to, double Estimate::*part) {
+  const auto add = [&](JsonOutput& to, double Estimate::*part) {
     to.update(totals_json(bands, part));
     for (const SideOf side : {brdf, btdf}) {
       const std::string name = side == brdf ? "brdf" : "btdf";

@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -14,8 +13,6 @@
 
 namespace lamina::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -56,29 +53,29 @@ RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& me
 }
 
 /// values[theta * phis + phi] as array[theta][phi][band], of one band.
-ordered_json by_angles(const std::vector<double>& values, int phis) {
-  ordered_json rows = ordered_json::array();
+JsonOutput by_angles(const std::vector<double>& values, int phis) {
+  JsonOutput rows = JsonOutput::array();
   for (std::size_t k = 0; k < values.size(); ++k) {
-    if (k % static_cast<std::size_t>(phis) == 0) rows.push_back(ordered_json::array());
-    rows.back().push_back(ordered_json::array({values[k]}));
+    if (k % static_cast<std::size_t>(phis) == 0) rows.push_back(JsonOutput::array());
+    rows.back().push_back(JsonOutput::array({values[k]}));
   }
   return rows;
 }
 
-ordered_json centers_deg(int cells, double range_deg) {
-  ordered_json centers = ordered_json::array();
+JsonOutput centers_deg(int cells, double range_deg) {
+  JsonOutput centers = JsonOutput::array();
   for (int i = 0; i < cells; ++i) centers.push_back((i + 0.5) * range_deg / cells);
   return centers;
 }
 
-ordered_json to_json(const BsdfOptions& options, const std::string& method,
-                     const RoughSurfaceScattering& result) {
+JsonOutput to_json(const BsdfOptions& options, const std::string& method,
+                   const RoughSurfaceScattering& result) {
   const auto& [thetas, phis] = result.cells;
-  const auto one_band = [](double value) { return ordered_json::array({value}); };
-  ordered_json json = make_result("bsdf");
+  const auto one_band = [](double value) { return JsonOutput::array({value}); };
+  JsonOutput json = make_result("bsdf");
   json["model"] = "rough_transmission";
   json["method"] = method;
-  json["bands"] = ordered_json::array({"all"});
+  json["bands"] = JsonOutput::array({"all"});
   json["eta"] = options.eta;
   json["smoothness"] = options.smoothness;
   json["theta_i_deg"] = options.theta_i_deg;
@@ -215,10 +212,10 @@ void compare_methods(const BsdfOptions& options) {
       {"monte_carlo, smith", scatter(options, "monte_carlo", "smith")},
       {"height_field", scatter(options, "height_field", "")}};
   const RoughSurfaceScattering& truth = all.back().result;
-  ordered_json json = make_result("bsdf");
+  JsonOutput json = make_result("bsdf");
   json["model"] = "rough_transmission";
   json["method"] = "compare";
-  json["bands"] = ordered_json::array({"all"});
+  json["bands"] = JsonOutput::array({"all"});
   std::string text = fmt::format(
       "rough surface, eta {:.4g}, smoothness {:.4g} (roughness {:.3g}), light from {:.4g}°\n\n"
       "{:<20} {:>10} {:>13} {:>12} {:>13} {:>10}\n",
@@ -227,7 +224,7 @@ void compare_methods(const BsdfOptions& options) {
   for (const auto& [name, result] : all) {
     const double misplaced = misplaced_transmission(result, truth);
     json["methods"].push_back(to_json(options, name, result));
-    json["methods"].back()["misplaced_transmission"] = ordered_json::array({misplaced});
+    json["methods"].back()["misplaced_transmission"] = JsonOutput::array({misplaced});
     text += fmt::format("{:<20} {:>10.4f} {:>13.4f} {:>12.4f} {:>13.4f} {:>10}\n", name,
                         result.single_transmittance.value, result.transmittance.value,
                         result.single_reflectance.value, result.reflectance.value,

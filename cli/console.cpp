@@ -6,12 +6,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "lamina/core/error.h"
@@ -21,21 +19,6 @@
 namespace lamina::cli {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-/// @param place  of the value in the result, such as ".rows[2].diffusion"
-/// @throws WriteError where a number is to be, but is none: JSON would have null there.
-void require_numbers(const nlohmann::ordered_json& value, const std::string& place) {
-  if (value.is_number_float() && !std::isfinite(value.get<double>()))
-    throw WriteError(fmt::format("the result has no number, but {}, at {}", value.get<double>(),
-                                 place.empty() ? place : place.substr(1)));
-  if (!value.is_structured()) return;
-  for (const auto& [key, inner] : value.items())
-    require_numbers(inner, place + (value.is_array() ? "[" + key + "]" : "." + key));
-}
-
-}  // namespace
 
 void write_output(std::string_view text) {
   const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
@@ -107,14 +90,14 @@ void refuse_unused(const Command& command, const std::string& method,
   }
 }
 
-nlohmann::ordered_json make_result(std::string_view command) {
+JsonOutput make_result(std::string_view command) {
   return {{"lamina", LAMINA_VERSION}, {"command", command}};
 }
 
-void write_json(const nlohmann::ordered_json& result, const CommonOptions& options) {
-  require_numbers(result, "");
+void write_json(const JsonOutput& result, const CommonOptions& options) {
+  result.require_numbers();
   if (options.json.empty()) return;
-  const std::string text = result.dump(1) + "\n";
+  const std::string text = result.text(1) + "\n";
   if (options.json == "-")
     write_output(text);
   else

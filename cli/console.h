@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "command.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
+#include "lamina/io/json_output.h"
 
 namespace lamina::cli {
 
@@ -56,12 +56,12 @@ void refuse_unused(const Command& command, const std::string& method,
                    const std::vector<MethodOption>& options);
 
 /// A result object that starts with "lamina": VERSION and "command": name.
-[[nodiscard]] nlohmann::ordered_json make_result(std::string_view command);
+[[nodiscard]] JsonOutput make_result(std::string_view command);
 
 /// Writes the result where --json says; does nothing if it was not given. Comes before print(), so
 /// that a file has the result even where standard output cannot be written.
 /// @throws WriteError, also if the result holds a number that is not finite
-void write_json(const nlohmann::ordered_json& result, const CommonOptions& options);
+void write_json(const JsonOutput& result, const CommonOptions& options);
 
 /// Prints text for people, unless standard output is taken by --json -. @throws WriteError
 void print(const CommonOptions& options, std::string_view text);
@@ -81,9 +81,9 @@ enum class Keeps {
   nothing,        ///< before its end: it is ended at once
 };
 
-/// A bar with the time left on standard error, as long as the result or a copy of it lives; shown if
-/// that is a terminal and the work lasts over a second. Until the work reports, it is the time that
-/// has passed. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
+/// A bar with the time left on standard error, as long as the result or a copy of it lives; shown
+/// if that is a terminal and the work lasts over a second. Until the work reports, it is the time
+/// that has passed. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
 [[nodiscard]] Progress make_progress(std::string label, Keeps keeps = Keeps::what_there_is);
 
 /// Whether work was asked to stop; main then exits with 130. Without work that keeps something, the

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
 
@@ -37,8 +36,8 @@ Image picture_of(Image map) {
 }
 
 /// The recipe "skin" that uses the maps.
-nlohmann::ordered_json skin_json(const SkinMaps& base, const std::vector<SkinMap>& maps) {
-  nlohmann::ordered_json skin;
+JsonOutput skin_json(const SkinMaps& base, const std::vector<SkinMap>& maps) {
+  JsonOutput skin;
   skin["constants"] = name_of(base.constants);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const std::string name(range.name);
@@ -53,7 +52,7 @@ nlohmann::ordered_json skin_json(const SkinMaps& base, const std::vector<SkinMap
 }
 
 /// A patch file that uses the maps.
-nlohmann::ordered_json patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
+JsonOutput patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
   return {{"lamina", "patch"},
           {"version", 1},
           {"mm_per_pixel", recipe.mm_per_texel},
@@ -63,8 +62,7 @@ nlohmann::ordered_json patch_json(const SkinMapRecipe& recipe, const std::vector
 }
 
 /// A material file that uses the maps of a surface.
-nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
-                                     const std::vector<SkinMap>& maps) {
+JsonOutput material_json(const SurfaceMapRecipe& recipe, const std::vector<SkinMap>& maps) {
   return {{"lamina", "material"},
           {"version", 1},
           {"length_unit", "mm"},
@@ -73,8 +71,7 @@ nlohmann::ordered_json material_json(const SurfaceMapRecipe& recipe,
 
 /// Says what is to be known of the patches that a recipe spreads.
 template <class Features, class KindOf>
-void warn_of_patches(const Features& features, const KindOf& kind_of,
-                     nlohmann::ordered_json& json) {
+void warn_of_patches(const Features& features, const KindOf& kind_of, JsonOutput& json) {
   for (const auto& feature : features)
     if (const auto* synthesis = std::get_if<Synthesis>(&kind_of(feature)))
       for (const std::string& warning : synthesis->warnings) {
@@ -90,11 +87,11 @@ void run_maps(const MapsOptions& options) {
   const bool has_seed = options.seed.is_given();
   const Progress progress = make_progress("making maps", Keeps::nothing);
   std::vector<SkinMap> maps;
-  nlohmann::ordered_json json = make_result("maps");
-  json["warnings"] = nlohmann::ordered_json::array();
+  JsonOutput json = make_result("maps");
+  json["warnings"] = JsonOutput::array();
   std::string text;
   std::string user;  // of the maps: a file to render
-  nlohmann::ordered_json user_json;
+  JsonOutput user_json;
   if (auto on_mesh = load_surface_map_recipe(options.recipe, options.common.memory)) {
     if (has_seed) on_mesh->seed = options.common.seed;
     const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
@@ -125,7 +122,7 @@ void run_maps(const MapsOptions& options) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
-  json["maps"] = nlohmann::ordered_json::array();
+  json["maps"] = JsonOutput::array();
   for (const SkinMap& map : maps) {
     const fs::path file = folder / (std::string(map.name) + ".exr");
     save_exr(map.values, file, ExrPrecision::single_float);
@@ -137,7 +134,7 @@ void run_maps(const MapsOptions& options) {
         {{"file", file.string()}, {"parameter", map.name}, {"lowest", low}, {"highest", high}});
   }
   const fs::path user_file = folder / (user + ".json");
-  write_file(user_file.string(), user_json.dump(1) + "\n");
+  write_file(user_file.string(), user_json.text(1) + "\n");
   text += user_file.string() + "\n";
   json[user] = user_file.string();
   write_json(json, options.common);

@@ -1,8 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "material_bands.h"
 
-#include <nlohmann/json.hpp>
-
 namespace lamina::cli {
 
 std::vector<LayerStack> layer_stacks(const Material& material) {
@@ -12,8 +10,8 @@ std::vector<LayerStack> layer_stacks(const Material& material) {
   return stacks;
 }
 
-nlohmann::ordered_json bands_json(const BandSet& bands) {
-  auto list = nlohmann::ordered_json::array();
+JsonOutput bands_json(const BandSet& bands) {
+  auto list = JsonOutput::array();
   for (std::size_t band = 0; band < bands.size(); ++band) {
     if (bands.is_rgb())
       list.push_back(band_name(bands, band));
@@ -23,8 +21,8 @@ nlohmann::ordered_json bands_json(const BandSet& bands) {
   return list;
 }
 
-nlohmann::ordered_json table_json(std::span<const double> table, std::size_t columns) {
-  auto rows = nlohmann::ordered_json::array();
+JsonOutput table_json(std::span<const double> table, std::size_t columns) {
+  auto rows = JsonOutput::array();
   for (std::size_t i = 0; i < table.size(); i += columns)
     rows.push_back(std::vector<double>(table.begin() + static_cast<std::ptrdiff_t>(i),
                                        table.begin() + static_cast<std::ptrdiff_t>(i + columns)));

@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <vector>
 
+#include "lamina/io/json_output.h"
 #include "lamina/materials/material.h"
 
 namespace lamina::cli {
@@ -13,10 +13,10 @@ namespace lamina::cli {
 [[nodiscard]] std::vector<LayerStack> layer_stacks(const Material& material);
 
 /// The "bands" of a JSON result: "R", "G", "B", or wavelengths in nm.
-[[nodiscard]] nlohmann::ordered_json bands_json(const BandSet& bands);
+[[nodiscard]] JsonOutput bands_json(const BandSet& bands);
 
 /// A table as an array of rows.
 /// @param table  [row][column]
-[[nodiscard]] nlohmann::ordered_json table_json(std::span<const double> table, std::size_t columns);
+[[nodiscard]] JsonOutput table_json(std::span<const double> table, std::size_t columns);
 
 }  // namespace lamina::cli

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "commands.h"
@@ -14,8 +13,6 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct MaterialsOptions {
   CommonOptions common;
   std::string name;
@@ -25,8 +22,8 @@ std::string bands_text(const BandSet& bands) {
   return bands.is_rgb() ? "rgb" : fmt::format("{} nm", bands.size());
 }
 
-ordered_json summary(const Material& material) {
-  ordered_json layers = ordered_json::array();
+JsonOutput summary(const Material& material) {
+  JsonOutput layers = JsonOutput::array();
   for (const MaterialLayer& layer : material.layers) layers.push_back(layer.name);
   return {{"name", material.name},
           {"layers", layers},
@@ -39,13 +36,13 @@ void list_materials(const CommonOptions& options) {
   for (const Material& material : builtin_materials())
     width = std::max(width, material.name.size());
   std::string text = fmt::format("{:<{}}  layers  bands  source\n", "name", width);
-  ordered_json list = ordered_json::array();
+  JsonOutput list = JsonOutput::array();
   for (const Material& material : builtin_materials()) {
     text += fmt::format("{:<{}}  {:>6}  {:<5}  {}\n", material.name, width, material.layers.size(),
                         bands_text(material.bands), material.source);
     list.push_back(summary(material));
   }
-  ordered_json result = make_result("materials");
+  JsonOutput result = make_result("materials");
   result["materials"] = std::move(list);
   write_json(result, options);
   print(options, text);
@@ -56,8 +53,8 @@ void show_material(const std::string& name, const CommonOptions& options) {
   const bool is_builtin =
       std::ranges::find(builtin_materials(), name, &Material::name) != builtin_materials().end();
   const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);
-  ordered_json result = make_result("materials");
-  result["material"] = ordered_json::parse(text, nullptr, true, true);
+  JsonOutput result = make_result("materials");
+  result["material"] = JsonOutput(parse_json(text, name).root());
   write_json(result, options);
   print(options, text);
 }

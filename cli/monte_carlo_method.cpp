@@ -68,7 +68,7 @@ MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands, const Inc
     options.seconds /= static_cast<double>(bands.size());
     options.progress = make_progress("photons");
     const MonteCarloResult band = trace_photons(bands[i], options);
-    const auto read = [&](double Estimate::* part) {
+    const auto read = [&](double Estimate::*part) {
       SlabTotals totals{.specular_reflectance = band.specular_reflectance.*part,
                         .diffuse_reflectance = band.diffuse_reflectance.*part,
                         .transmittance = band.transmittance.*part};
@@ -107,7 +107,7 @@ MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double 
     options.progress = make_progress("photons");
     const MonteCarloResult traced = trace_photons(bands[band], options);
     result.unfinished.push_back(traced.unfinished.value);
-    const auto fill = [&](Profile& profile, double Estimate::* part) {
+    const auto fill = [&](Profile& profile, double Estimate::*part) {
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t at = i * bands.size() + band;
         profile.reflectance_profile[at] = traced.log_radial.reflection[i].*part;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "commands.h"
@@ -103,7 +102,7 @@ void run_patch(const PatchOptions& options) {
   std::string text = fmt::format("{}{}{}\n{:>8}  {:>16}  {:>9}  {:>7}  {:>11}\n", files.exr,
                                  files.exr.empty() || files.png.empty() ? "" : ", ", files.png,
                                  "band", "mean reflectance", "fit error", "bounces", "last bounce");
-  nlohmann::ordered_json json = make_result("patch");
+  JsonOutput json = make_result("patch");
   json["name"] = patch.name;
   json["width"] = patch.width;
   json["height"] = patch.height;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <nlohmann/json.hpp>
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
@@ -16,8 +15,6 @@
 
 namespace lamina::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr std::size_t digits = 32;  // of a 128-bit sum
 
@@ -46,25 +43,25 @@ std::vector<WideSum> sums(const JsonInput& input, std::size_t expected) {
   return values;
 }
 
-ordered_json tallies_json(const PhotonTallies& t) {
-  ordered_json directions = ordered_json::array();
+JsonOutput tallies_json(const PhotonTallies& t) {
+  JsonOutput directions = JsonOutput::array();
   for (const ExitDirection& d : t.directions)
     directions.push_back({{"theta", d.theta}, {"phi", d.phi}, {"is_below", d.is_below}});
-  return {{"r", {t.r.count, t.r.width}},
+  return {{"r", JsonOutput::array({t.r.count, t.r.width})},
           {"angles", t.angles},
-          {"log_r", {t.log_r.count, t.log_r.low, t.log_r.high}},
-          {"depth", {t.depth.count, t.depth.width}},
+          {"log_r", JsonOutput::array({t.log_r.count, t.log_r.low, t.log_r.high})},
+          {"depth", JsonOutput::array({t.depth.count, t.depth.width})},
           {"fluence", t.fluence},
-          {"bsdf", {t.bsdf_cosines, t.bsdf_azimuths}},
+          {"bsdf", JsonOutput::array({t.bsdf_cosines, t.bsdf_azimuths})},
           {"orders", t.orders},
-          {"path_length", {t.path_length.count, t.path_length.width}},
+          {"path_length", JsonOutput::array({t.path_length.count, t.path_length.width})},
           {"mean_path_length", t.mean_path_length},
           {"detectors", t.detectors},
           {"detector_width", t.detector_width},
           {"directions", directions}};
 }
 
-ordered_json counts_json(const PhotonCounts& counts) {
+JsonOutput counts_json(const PhotonCounts& counts) {
   return {{"run", counts.run},
           {"tallies", tallies_json(counts.tallies)},
           {"layers", counts.layers},
@@ -82,8 +79,8 @@ ordered_json counts_json(const PhotonCounts& counts) {
 }
 
 /// A run without its checksum.
-ordered_json run_json(const PhotonRun& run) {
-  ordered_json counts = ordered_json::array();
+JsonOutput run_json(const PhotonRun& run) {
+  JsonOutput counts = JsonOutput::array();
   for (const PhotonCounts& band : run.counts) counts.push_back(counts_json(band));
   return {{"name", run.name},
           {"bands", run.bands},
@@ -93,9 +90,9 @@ ordered_json run_json(const PhotonRun& run) {
 }
 
 /// Of the text of a run, which is the same for the same run.
-std::uint64_t checksum(const ordered_json& run) {
+std::uint64_t checksum(const JsonOutput& run) {
   Hash hash;
-  hash.add_text(run.dump());
+  hash.add_text(run.text());
   return hash.value();
 }
 
@@ -227,19 +224,19 @@ PhotonRun read_run(const JsonInput& input) {
 
 }  // namespace
 
-ordered_json counts_json(const std::vector<PhotonRun>& runs) {
-  ordered_json list = ordered_json::array();
+JsonOutput counts_json(const std::vector<PhotonRun>& runs) {
+  JsonOutput list = JsonOutput::array();
   for (const PhotonRun& run : runs) {
-    ordered_json& json = list.emplace_back(run_json(run));
+    JsonOutput& json = list.emplace_back(run_json(run));
     json["checksum"] = fmt::format("{:016x}", checksum(json));
   }
   return list;
 }
 
 void save_photon_runs(const std::vector<PhotonRun>& runs, const std::string& file) {
-  ordered_json result = make_result("photons");
+  JsonOutput result = make_result("photons");
   result["counts"] = counts_json(runs);
-  write_file(file, result.dump(1) + "\n");
+  write_file(file, result.text(1) + "\n");
 }
 
 std::vector<PhotonRun> load_photon_runs(const std::filesystem::path& file, MemoryBudget memory) {

@@ -4,7 +4,6 @@
 
 #include <ctime>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
@@ -47,11 +46,8 @@ std::vector<std::string> output_files(const PhotonsOptions& options,
       throw InvalidInput(
           fmt::format("{}the output file must be inside the folder of --output, {}, but is {}",
                       place_of(options, run), folder.string(), run.output_file));
-    try {
-      static_cast<void>(nlohmann::json(run.output_file).dump());
-    } catch (const nlohmann::json::exception&) {
+    if (!is_utf8(run.output_file))
       throw InvalidInput(place_of(options, run) + "the name of the output file must be UTF-8");
-    }
     named.push_back({fmt::format("the output of line {}", run.line), file.string()});
     try {
       require_different(named);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "lamina/core/number_text.h"
@@ -14,14 +13,13 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
 using Results = std::vector<MonteCarloResult>;
 using Pick = std::function<const Estimate&(const MonteCarloResult&, std::size_t)>;
 
 /// Estimates as nested arrays of these sizes, the band last.
-ordered_json nested(const Results& results, const Pick& pick, std::span<const std::size_t> sizes,
-                    bool is_error, std::size_t first = 0) {
-  ordered_json array = ordered_json::array();
+JsonOutput nested(const Results& results, const Pick& pick, std::span<const std::size_t> sizes,
+                  bool is_error, std::size_t first = 0) {
+  JsonOutput array = JsonOutput::array();
   if (sizes.empty()) {
     for (const MonteCarloResult& result : results) {
       const Estimate& estimate = pick(result, first);
@@ -37,20 +35,20 @@ ordered_json nested(const Results& results, const Pick& pick, std::span<const st
 }
 
 /// Adds a tally and its standard error.
-void add(ordered_json& to, const std::string& name, const Results& results, const Pick& pick,
+void add(JsonOutput& to, const std::string& name, const Results& results, const Pick& pick,
          const std::vector<std::size_t>& sizes = {}) {
   to[name] = nested(results, pick, sizes, false);
   to["standard_error"][name] = nested(results, pick, sizes, true);
 }
 
 template <class Member>
-void add_total(ordered_json& to, const std::string& name, const Results& results, Member member) {
+void add_total(JsonOutput& to, const std::string& name, const Results& results, Member member) {
   add(to, name, results,
       [member](const MonteCarloResult& r, std::size_t) -> const Estimate& { return r.*member; });
 }
 
 template <class Member>
-void add_grid(ordered_json& to, const std::string& name, const Results& results, Member member,
+void add_grid(JsonOutput& to, const std::string& name, const Results& results, Member member,
               const std::vector<std::size_t>& sizes) {
   add(
       to, name, results,
@@ -61,7 +59,7 @@ void add_grid(ordered_json& to, const std::string& name, const Results& results,
 }
 
 /// Reflected and transmitted light as two tallies.
-void add_sides(ordered_json& to, const std::string& name, const Results& results,
+void add_sides(JsonOutput& to, const std::string& name, const Results& results,
                TwoSided MonteCarloResult::* member, const std::vector<std::size_t>& sizes) {
   add(
       to, name + "_reflected", results,
@@ -84,7 +82,7 @@ std::vector<double> middles(int count, double width) {
 }
 
 /// The names and units of the grids are those of docs/photons.md.
-void add_tallies(ordered_json& to, const PhotonTallies& t, const Results& results) {
+void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results) {
   const auto size = [](int count) { return static_cast<std::size_t>(std::max(count, 1)); };
   constexpr double degrees = 180.0 / std::numbers::pi;
   if (t.r.count > 0) to["r_mm"] = middles(t.r.count, t.r.width);
@@ -141,7 +139,7 @@ void add_tallies(ordered_json& to, const PhotonTallies& t, const Results& result
     add_grid(to, "detectors", results, &MonteCarloResult::detectors, {t.detectors.size()});
   }
   if (!t.directions.empty()) {
-    ordered_json list = ordered_json::array();
+    JsonOutput list = JsonOutput::array();
     for (const ExitDirection& d : t.directions)
       list.push_back({{"theta_deg", d.theta * degrees},
                       {"phi_deg", d.phi * degrees},
@@ -151,8 +149,8 @@ void add_tallies(ordered_json& to, const PhotonTallies& t, const Results& result
   }
 }
 
-ordered_json band_list(const std::vector<std::string>& bands) {
-  ordered_json list = ordered_json::array();
+JsonOutput band_list(const std::vector<std::string>& bands) {
+  JsonOutput list = JsonOutput::array();
   for (const std::string& band : bands) {
     const bool is_wavelength = band.size() > 1;
     if (is_wavelength)
@@ -177,14 +175,14 @@ std::string title_of(const PhotonRun& run) {
                   : fmt::format("{} ({} of {} shards)", run.name, run.shards.size(), run.of);
 }
 
-ordered_json photon_json(const PhotonRun& run) {
+JsonOutput photon_json(const PhotonRun& run) {
   const Results results = summaries(run);
-  ordered_json to;
+  JsonOutput to;
   to["method"] = "monte_carlo";
   to["material"] = title_of(run);
   to["bands"] = band_list(run.bands);
-  ordered_json photons = ordered_json::array(), stopped = ordered_json::array(),
-               events = ordered_json::array();
+  JsonOutput photons = JsonOutput::array(), stopped = JsonOutput::array(),
+             events = JsonOutput::array();
   for (const MonteCarloResult& result : results) {
     photons.push_back(result.photons);
     events.push_back(result.events);
@@ -193,7 +191,7 @@ ordered_json photon_json(const PhotonRun& run) {
   to["photons"] = photons;
   to["events"] = events;
   to["was_stopped"] = stopped;
-  to["standard_error"] = ordered_json::object();
+  to["standard_error"] = JsonOutput::object();
   add_total(to, "specular_reflectance", results, &MonteCarloResult::specular_reflectance);
   add_total(to, "diffuse_reflectance", results, &MonteCarloResult::diffuse_reflectance);
   add_total(to, "transmittance", results, &MonteCarloResult::transmittance);
@@ -203,7 +201,7 @@ ordered_json photon_json(const PhotonRun& run) {
   add_total(to, "unfinished", results, &MonteCarloResult::unfinished);
   add_tallies(to, run.counts[0].tallies, results);
   // Errors last: people read the values first.
-  ordered_json errors = to["standard_error"];
+  JsonOutput errors = to["standard_error"];
   to.erase("standard_error");
   to["standard_error"] = errors;
   return to;
@@ -251,12 +249,12 @@ void print_photon_runs(const std::vector<PhotonRun>& runs, const std::string& co
   std::string text;
   for (const PhotonRun& run : runs) text += (text.empty() ? "" : "\n") + photon_text(run);
   if (!options.json.empty()) {
-    ordered_json result = make_result(command);
-    ordered_json list = ordered_json::array();
+    JsonOutput result = make_result(command);
+    JsonOutput list = JsonOutput::array();
     for (const PhotonRun& run : runs) list.push_back(photon_json(run));
     // One material: its fields stand at the top, as in the other commands. Runs of MCML: a list.
     if (list.size() == 1)
-      result.update(list[0]);
+      result.update(list.front());
     else
       result["runs"] = list;
     if (with_counts) result["counts"] = counts_json(runs);

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "console.h"
 #include "lamina/core/memory_budget.h"
+#include "lamina/io/json_output.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 
 namespace lamina::cli {
@@ -27,7 +27,7 @@ struct PhotonRun {
 [[nodiscard]] std::string title_of(const PhotonRun& run);
 
 /// Totals and tallies as JSON; the last index of every array is the band.
-[[nodiscard]] nlohmann::ordered_json photon_json(const PhotonRun& run);
+[[nodiscard]] JsonOutput photon_json(const PhotonRun& run);
 
 /// Totals as a table for people.
 [[nodiscard]] std::string photon_text(const PhotonRun& run);
@@ -42,7 +42,7 @@ void print_photon_runs(const std::vector<PhotonRun>& runs, const std::string& co
 void plot_photons(const PhotonRun& run, const std::string& file);
 
 /// The raw sums of runs as JSON, with a checksum of each run.
-[[nodiscard]] nlohmann::ordered_json counts_json(const std::vector<PhotonRun>& runs);
+[[nodiscard]] JsonOutput counts_json(const std::vector<PhotonRun>& runs);
 
 /// A file of raw sums alone. @throws WriteError
 void save_photon_runs(const std::vector<PhotonRun>& runs, const std::string& file);

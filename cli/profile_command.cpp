@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +27,6 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct ProfileOptions {
   CommonOptions common;
   std::string material, method, plot;
@@ -48,7 +45,7 @@ struct ProfileOptions {
 struct ProfileResult {
   Profile profile;
   std::vector<std::string> remarks = {};
-  ordered_json more = ordered_json::object();  ///< what only this method says
+  JsonOutput more = JsonOutput::object();      ///< what only this method says
   std::optional<Profile> standard_error = {};  ///< of random methods
 };
 
@@ -80,7 +77,7 @@ ProfileResult by_radiative_transfer(const std::vector<LayerStack>& stacks,
     if (result.estimated_error[band] > options.accuracy)
       remarks.push_back(fmt::format("band {}: accurate to {:.1f} % only", band,
                                     100.0 * result.estimated_error[band]));
-  ordered_json more = {
+  JsonOutput more = {
       {"accuracy", table_json(result.relative_error, stacks.size())},
       {"transmittance_accuracy", table_json(result.transmittance_error, stacks.size())},
       {"estimated_error", result.estimated_error},
@@ -102,7 +99,7 @@ ProfileResult by_diffusion(const std::vector<LayerStack>& stacks, const ProfileO
           "band {}: the model is negative at some radii, by {:.1e} of the flux; set to 0", band,
           clamped));
   }
-  return {std::move(result.profile), std::move(remarks), ordered_json::object()};
+  return {std::move(result.profile), std::move(remarks), JsonOutput::object()};
 }
 
 ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
@@ -128,7 +125,7 @@ const std::vector<ProfileMethod>& profile_methods() {
   return methods;
 }
 
-ordered_json profile_json(const Profile& profile) {
+JsonOutput profile_json(const Profile& profile) {
   const bool entered = profile.per == ProfilePer::entered_flux;
   return {{"per", entered ? "entered_flux" : "arriving_flux"},
           {"r_mm", profile.r},
@@ -233,18 +230,18 @@ std::string comparison_text(const Material& material, const Profile& layered, co
   return text;
 }
 
-ordered_json comparison_json(const Profile& layered, const Rival& rival) {
+JsonOutput comparison_json(const Profile& layered, const Rival& rival) {
   const Profile& dipole = rival.profile;
-  auto differences = ordered_json::array();
+  auto differences = JsonOutput::array();
   for (std::size_t i = 0; i < layered.r.size(); ++i) {
-    auto row = ordered_json::array();
+    auto row = JsonOutput::array();
     for (std::size_t band = 0; band < layered.bands; ++band) {
       const double value = difference(layered, dipole, i, band);
-      row.push_back(std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr));
+      row.push_back(std::isfinite(value) ? JsonOutput(value) : JsonOutput(nullptr));
     }
     differences.push_back(std::move(row));
   }
-  ordered_json json = {{"method", rival.method}};
+  JsonOutput json = {{"method", rival.method}};
   json.update(profile_json(dipole));
   json["relative_difference"] = std::move(differences);
   return json;
@@ -333,10 +330,10 @@ void run_profile(const ProfileOptions& options) {
   const Material material = find_material(options.material, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   require_radiative_transfer_for_illumination(options);
-  const ordered_json head = {{"material", material.name},
-                             {"bands", bands_json(material.bands)},
-                             {"incidence", options.incidence},
-                             {"from", options.from}};
+  const JsonOutput head = {{"material", material.name},
+                           {"bands", bands_json(material.bands)},
+                           {"incidence", options.incidence},
+                           {"from", options.from}};
   const bool is_oblique = options.incidence != "normal" && options.incidence != "diffuse";
   if (is_oblique && (options.domain == "frequency" || options.gaussians > 0))
     throw InvalidInput(
@@ -359,7 +356,7 @@ void run_profile(const ProfileOptions& options) {
     const ProfileResult result = method.solve(stacks, options);
     for (const std::string& remark : result.remarks) say(fmt::format("note: {}", remark));
     std::string text = profile_text(material, result.profile);
-    ordered_json json = make_result("profile");
+    JsonOutput json = make_result("profile");
     json["method"] = method.name;
     json["material"] = material.name;
     json["bands"] = bands_json(material.bands);
@@ -367,7 +364,7 @@ void run_profile(const ProfileOptions& options) {
     json["from"] = options.from;
     json.update(profile_json(result.profile));
     if (result.standard_error) {
-      ordered_json error = profile_json(*result.standard_error);
+      JsonOutput error = profile_json(*result.standard_error);
       error.erase("r_mm");
       error.erase("per");
       json["standard_error"] = error;

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,8 @@
 namespace lamina::cli {
 namespace {
 
-nlohmann::ordered_json result_with(const nlohmann::ordered_json& head) {
-  nlohmann::ordered_json json = make_result("profile");
+JsonOutput result_with(const JsonOutput& head) {
+  JsonOutput json = make_result("profile");
   json["method"] = "radiative_transfer";
   json.update(head);
   json["per"] = "arriving_flux";
@@ -25,8 +24,8 @@ nlohmann::ordered_json result_with(const nlohmann::ordered_json& head) {
 }  // namespace
 
 void run_profile_frequency(const Material& material, const RadialGrid& grid,
-                           const TransferProfileOptions& options,
-                           const nlohmann::ordered_json& head, const CommonOptions& common) {
+                           const TransferProfileOptions& options, const JsonOutput& head,
+                           const CommonOptions& common) {
   const std::vector<LayerStack> stacks = layer_stacks(material);
   std::vector<double> k{0.0};
   for (const double r : radii(grid)) k.push_back(1.0 / r);
@@ -50,7 +49,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
         error = std::max(error, (*errors)[i * stacks.size() + band]);
     text += fmt::format("  {:9.1e}", error);
   }
-  nlohmann::ordered_json json = result_with(head);
+  JsonOutput json = result_with(head);
   json["k_per_mm"] = k;
   json["reflectance"] = table_json(response.reflectance, stacks.size());
   json["transmittance"] = table_json(response.transmittance, stacks.size());
@@ -61,13 +60,13 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
 }
 
 void run_profile_gaussians(const Material& material, int count,
-                           const TransferProfileOptions& options,
-                           const nlohmann::ordered_json& head, const CommonOptions& common) {
+                           const TransferProfileOptions& options, const JsonOutput& head,
+                           const CommonOptions& common) {
   const std::vector<LayerStack> stacks = layer_stacks(material);
   const GaussianProfile fit = fit_gaussian_profile(stacks, count, options);
   const std::size_t bands = stacks.size();
   std::string text;
-  nlohmann::ordered_json json = result_with(head);
+  JsonOutput json = result_with(head);
   json["variances_mm2"] = fit.variances;
   const auto add = [&](const std::string& name, const std::vector<GaussianFit>& of_band) {
     text += fmt::format("{} by Gaussians: weight of each\n{:>14}", name, "variance [mm²]");

@@ -1,9 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "console.h"
+#include "lamina/io/json_output.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
@@ -13,12 +12,12 @@ namespace lamina::cli {
 /// frequencies from 1 / the last radius to 1 / the first.
 /// @param head  what the JSON starts with after the method
 void run_profile_frequency(const Material& material, const RadialGrid& grid,
-                           const TransferProfileOptions& options,
-                           const nlohmann::ordered_json& head, const CommonOptions& common);
+                           const TransferProfileOptions& options, const JsonOutput& head,
+                           const CommonOptions& common);
 
 /// `lamina profile --gaussians N`.
 void run_profile_gaussians(const Material& material, int count,
-                           const TransferProfileOptions& options,
-                           const nlohmann::ordered_json& head, const CommonOptions& common);
+                           const TransferProfileOptions& options, const JsonOutput& head,
+                           const CommonOptions& common);
 
 }  // namespace lamina::cli

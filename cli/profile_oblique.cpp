@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 
@@ -15,11 +14,9 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 /// [i][m][band] as nested arrays.
-ordered_json moments_json(std::span<const double> table, std::size_t moments, std::size_t bands) {
-  auto radii = ordered_json::array();
+JsonOutput moments_json(std::span<const double> table, std::size_t moments, std::size_t bands) {
+  auto radii = JsonOutput::array();
   for (std::size_t at = 0; at < table.size(); at += moments * bands)
     radii.push_back(table_json(table.subspan(at, moments * bands), bands));
   return radii;
@@ -39,7 +36,7 @@ void refuse_doubtful(const std::vector<double>& errors, const std::string& way_o
 
 void run_profile_oblique(const Material& material, const std::vector<LayerStack>& stacks,
                          double degrees, const RadialGrid& grid, int moments,
-                         const ordered_json& head, const CommonOptions& common) {
+                         const JsonOutput& head, const CommonOptions& common) {
   const ObliqueProfile profile =
       oblique_profile(stacks, degrees * std::numbers::pi / 180.0, grid, moments,
                       make_progress("radiative transfer", Keeps::nothing));
@@ -64,7 +61,7 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
     for (std::size_t b = 0; b < bands; ++b)
       text += fmt::format("  {:10.4f}", moment(0, b) > 0.0 ? moment(1, b) / moment(0, b) : 0.0);
   }
-  ordered_json json = make_result("profile");
+  JsonOutput json = make_result("profile");
   json["method"] = "radiative_transfer";
   json.update(head);
   json["incidence_deg"] = degrees;

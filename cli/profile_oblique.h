@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "console.h"
+#include "lamina/io/json_output.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/hankel.h"
 
@@ -23,6 +23,6 @@ void refuse_doubtful(const std::vector<double>& errors, const std::string& way_o
 /// @param head    what the JSON starts with after the method
 void run_profile_oblique(const Material& material, const std::vector<LayerStack>& stacks,
                          double degrees, const RadialGrid& grid, int moments,
-                         const nlohmann::ordered_json& head, const CommonOptions& common);
+                         const JsonOutput& head, const CommonOptions& common);
 
 }  // namespace lamina::cli

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -192,7 +191,7 @@ void run_render(const RenderCommandOptions& options) {
     skins += describe_skin_totals(totals, scene) + "\n";
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
-  nlohmann::ordered_json json = make_result("render");
+  JsonOutput json = make_result("render");
   json["method"] = name_of(s.method);
   if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
   json["expected_cpu_seconds"] = s.expected_cpu_seconds;
@@ -218,8 +217,8 @@ void run_render(const RenderCommandOptions& options) {
   for (const BandChange& change : scene.band_changes) {
     auto& entry = json["band_changes"].emplace_back();
     entry["material"] = scene.materials[change.material].name;
-    entry["from"] = change.from.is_rgb() ? nlohmann::ordered_json("rgb")
-                                         : nlohmann::ordered_json(change.from.wavelengths());
+    entry["from"] =
+        change.from.is_rgb() ? JsonOutput("rgb") : JsonOutput(change.from.wavelengths());
     entry["color_error"] = change.color_error;
   }
   json["warnings"] = scene.warnings;

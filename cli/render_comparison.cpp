@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "lamina/core/error.h"
@@ -118,9 +117,9 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
   std::string table =
       fmt::format("{}\n{:<14}{:>9}{:>9}{:>10}{:>9}   {:<14}{}\n", beside(".svg"), "method", "CPU s",
                   "samples", "noise %", "error %", "noise alone", "bias R G B %");
-  nlohmann::ordered_json json = make_result("render");
+  JsonOutput json = make_result("render");
   json["reference"] = slowest.method;
-  json["methods"] = nlohmann::ordered_json::array();
+  json["methods"] = JsonOutput::array();
   for (const MethodResult& result : results) {
     const RenderStatistics& s = result.render.statistics;
     const bool is_slowest = &result == &slowest;
@@ -129,10 +128,10 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
         s.relative_noise ? fmt::format("{:.2f}", 100.0 * *s.relative_noise) : "-";
     table += fmt::format("{:<14}{:>9.1f}{:>9.4g}{:>10}", result.method, s.cpu_seconds,
                          s.samples_per_pixel, noise);
-    nlohmann::ordered_json row = {{"method", result.method},
-                                  {"wall_seconds", s.wall_seconds},
-                                  {"cpu_seconds", s.cpu_seconds},
-                                  {"samples_per_pixel", s.samples_per_pixel}};
+    JsonOutput row = {{"method", result.method},
+                      {"wall_seconds", s.wall_seconds},
+                      {"cpu_seconds", s.cpu_seconds},
+                      {"samples_per_pixel", s.samples_per_pixel}};
     if (s.relative_noise) row["relative_noise"] = *s.relative_noise;
     if (is_slowest) {
       table += "        -   the reference\n";

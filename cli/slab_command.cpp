@@ -5,7 +5,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -23,8 +22,6 @@
 namespace lamina::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct SlabOptions {
   CommonOptions common;
   std::string material, method, incidence = "normal";
@@ -36,7 +33,7 @@ struct SlabOptions {
 /// What a method gives: the totals, [band], and remarks on how far to trust them.
 struct SlabResult {
   std::vector<SlabTotals> totals;
-  ordered_json more = ordered_json::object();  ///< what only this method says
+  JsonOutput more = JsonOutput::object();  ///< what only this method says
   std::vector<std::string> remarks = {};
   std::vector<SlabTotals> standard_error = {};  ///< [band], of random methods; else empty
 };
@@ -111,15 +108,15 @@ Incidence parse_incidence(const std::string& text) {
   return {.theta = degrees * std::numbers::pi / 180.0};
 }
 
-ordered_json totals_json(const std::vector<SlabTotals>& bands) {
-  ordered_json specular, reflected, transmitted, absorbed = ordered_json::array();
+JsonOutput totals_json(const std::vector<SlabTotals>& bands) {
+  JsonOutput specular, reflected, transmitted, absorbed = JsonOutput::array();
   for (const SlabTotals& band : bands) {
     specular.push_back(band.specular_reflectance);
     reflected.push_back(band.diffuse_reflectance);
     transmitted.push_back(band.transmittance);
   }
   for (std::size_t layer = 0; layer < bands[0].absorptance.size(); ++layer) {
-    ordered_json row;
+    JsonOutput row;
     for (const SlabTotals& band : bands) row.push_back(band.absorptance[layer]);
     absorbed.push_back(row);
   }
@@ -129,8 +126,8 @@ ordered_json totals_json(const std::vector<SlabTotals>& bands) {
           {"absorptance", absorbed}};
 }
 
-ordered_json slab_json(const SlabResult& result) {
-  ordered_json json = totals_json(result.totals);
+JsonOutput slab_json(const SlabResult& result) {
+  JsonOutput json = totals_json(result.totals);
   if (!result.standard_error.empty()) json["standard_error"] = totals_json(result.standard_error);
   return json;
 }
@@ -174,7 +171,7 @@ void run_slab(const SlabOptions& options) {
     if (method.name != options.method) continue;
     const SlabResult result = method.solve(stacks, incidence, options);
     for (const std::string& remark : result.remarks) say(fmt::format("note: {}", remark));
-    ordered_json json = make_result("slab");
+    JsonOutput json = make_result("slab");
     json["method"] = method.name;
     json["material"] = material.name;
     json["bands"] = bands_json(material.bands);

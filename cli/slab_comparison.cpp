@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -17,8 +16,6 @@
 
 namespace lamina::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr double transfer_accuracy = 1e-6;
 
@@ -99,13 +96,13 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
   }
   const std::string remark = unfinished_remark(std::ranges::max(unfinished));
   if (!remark.empty()) say("note: " + remark);
-  ordered_json json = make_result("slab");
+  JsonOutput json = make_result("slab");
   json["method"] = "compare";
   json["material"] = material.name;
   json["bands"] = bands_json(material.bands);
   json["photons"] = photons;
   json["unfinished"] = unfinished;
-  json["rows"] = ordered_json::array();
+  json["rows"] = JsonOutput::array();
   for (const Row& row : rows)
     json["rows"].push_back(
         {{"name", row.name},
@@ -114,7 +111,7 @@ void run_slab_comparison(const Material& material, const std::vector<LayerStack>
          {"monte_carlo", row.photons.value},
          {"standard_error", row.photons.standard_error},
          {"difference_in_standard_errors", row.in_standard_errors()},
-         {"diffusion", std::isnan(row.diffusion) ? ordered_json() : ordered_json(row.diffusion)}});
+         {"diffusion", std::isnan(row.diffusion) ? JsonOutput() : JsonOutput(row.diffusion)}});
   write_json(json, options);
   print(options, to_text(material, rows));
 }

@@ -167,7 +167,7 @@ TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
       {"png.h", {"image"}},
       {"tiff", {"image"}},
       {"tbb/", {"core"}},
-      {"nlohmann/", {"io", "materials"}},
+      {"nlohmann/", {"io"}},
   };
   for (const Source& source : sources())
     for (const std::string& other : source.others)

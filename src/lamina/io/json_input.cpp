@@ -70,6 +70,7 @@ std::string read_json_text(const std::filesystem::path& file, std::size_t most) 
 bool JsonInput::is_null() const { return tree_->nodes[node_].kind == Kind::null; }
 bool JsonInput::is_boolean() const { return tree_->nodes[node_].kind == Kind::boolean; }
 bool JsonInput::is_number() const { return tree_->nodes[node_].kind == Kind::number; }
+bool JsonInput::is_whole_number() const { return is_number() && tree_->nodes[node_].is_whole; }
 bool JsonInput::is_string() const { return tree_->nodes[node_].kind == Kind::string; }
 bool JsonInput::is_array() const { return tree_->nodes[node_].kind == Kind::array; }
 bool JsonInput::is_object() const { return tree_->nodes[node_].kind == Kind::object; }

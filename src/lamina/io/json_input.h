@@ -71,6 +71,7 @@ class JsonInput {
   [[nodiscard]] bool is_null() const;
   [[nodiscard]] bool is_boolean() const;
   [[nodiscard]] bool is_number() const;
+  [[nodiscard]] bool is_whole_number() const;  ///< written without point and exponent
   [[nodiscard]] bool is_string() const;
   [[nodiscard]] bool is_array() const;
   [[nodiscard]] bool is_object() const;

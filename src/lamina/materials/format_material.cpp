@@ -2,17 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lamina/core/number_text.h"
+#include "lamina/io/json_output.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {
 namespace {
-
-std::string in_quotes(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
 
 /// One number if all bands have the same.
 std::string per_band(const std::vector<double>& values) {
@@ -34,8 +30,7 @@ void add_interface(Entries& entries, const Interface& interface) {
   if (interface.roughness == 0.0) return;
   entries.push_back(entry("roughness", number_text(interface.roughness)));
   if (interface.distribution != Interface().distribution)
-    entries.push_back(
-        entry("distribution", in_quotes(std::string(name_of(interface.distribution)))));
+    entries.push_back(entry("distribution", json_quoted(name_of(interface.distribution))));
 }
 
 /// The coefficients of a MaterialLayer or a MixturePart.
@@ -43,7 +38,7 @@ void add_substance(Entries& entries, const auto& substance) {
   entries.push_back(entry("sigma_a", per_band(substance.sigma_a)));
   entries.push_back(entry("sigma_s", per_band(substance.sigma_s)));
   if (substance.phase == ParticlePhase::rayleigh)
-    entries.push_back(entry("phase", in_quotes(std::string(name_of(substance.phase)))));
+    entries.push_back(entry("phase", json_quoted(name_of(substance.phase))));
   else
     entries.push_back(entry("g", per_band(substance.g)));
 }
@@ -58,7 +53,7 @@ std::string one_line(const Entries& entries) { return "{ " + join(entries, ", ")
 
 std::string format_part(const MixturePart& part) {
   Entries entries;
-  if (!part.name.empty()) entries.push_back(entry("name", in_quotes(part.name)));
+  if (!part.name.empty()) entries.push_back(entry("name", json_quoted(part.name)));
   entries.push_back(entry("fraction", number_text(part.fraction)));
   add_substance(entries, part);
   return "        " + one_line(entries);
@@ -66,7 +61,7 @@ std::string format_part(const MixturePart& part) {
 
 std::string format_layer(const MaterialLayer& layer, bool is_top) {
   Entries entries;
-  if (!layer.name.empty()) entries.push_back(entry("name", in_quotes(layer.name)));
+  if (!layer.name.empty()) entries.push_back(entry("name", json_quoted(layer.name)));
   if (!layer.sigma_a.empty()) add_substance(entries, layer);
   if (!layer.mixture.empty()) {
     Entries parts;
@@ -74,14 +69,14 @@ std::string format_layer(const MaterialLayer& layer, bool is_top) {
     entries.push_back(entry("mixture", "[\n" + join(parts, ",\n") + "\n      ]"));
   }
   entries.push_back(entry("ior", per_band(layer.ior)));
-  entries.push_back(entry("thickness", std::isinf(layer.thickness) ? in_quotes("infinite")
+  entries.push_back(entry("thickness", std::isinf(layer.thickness) ? json_quoted("infinite")
                                                                    : number_text(layer.thickness)));
   if (!is_top) add_interface(entries, layer.top);
   return "    {\n      " + join(entries, ",\n      ") + "\n    }";
 }
 
 std::string format_bands(const BandSet& bands) {
-  if (bands.is_rgb()) return in_quotes("rgb");
+  if (bands.is_rgb()) return json_quoted("rgb");
   Entries wavelengths;
   for (const double wavelength : bands.wavelengths())
     wavelengths.push_back(number_text(wavelength));
@@ -91,10 +86,10 @@ std::string format_bands(const BandSet& bands) {
 }  // namespace
 
 std::string format_material(const Material& material) {
-  Entries file = {entry("lamina", in_quotes("material")), entry("version", "1")};
-  if (!material.name.empty()) file.push_back(entry("name", in_quotes(material.name)));
-  if (!material.source.empty()) file.push_back(entry("source", in_quotes(material.source)));
-  file.push_back(entry("length_unit", in_quotes("mm")));
+  Entries file = {entry("lamina", json_quoted("material")), entry("version", "1")};
+  if (!material.name.empty()) file.push_back(entry("name", json_quoted(material.name)));
+  if (!material.source.empty()) file.push_back(entry("source", json_quoted(material.source)));
+  file.push_back(entry("length_unit", json_quoted("mm")));
   file.push_back(entry("bands", format_bands(material.bands)));
   file.push_back(entry("ior_above", per_band(material.ior_above)));
   Entries surface, ground, layers;

@@ -62,10 +62,10 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return add({.number = value ? 1.0 : 0.0, .kind = Kind::boolean});
   }
   bool number_integer(number_integer_t value) override {
-    return add({.number = static_cast<double>(value), .kind = Kind::number});
+    return add({.number = static_cast<double>(value), .kind = Kind::number, .is_whole = true});
   }
   bool number_unsigned(number_unsigned_t value) override {
-    return add({.number = static_cast<double>(value), .kind = Kind::number});
+    return add({.number = static_cast<double>(value), .kind = Kind::number, .is_whole = true});
   }
   bool number_float(number_float_t value, const string_t&) override {
     return add({.number = value, .kind = Kind::number});

@@ -27,6 +27,7 @@ struct Node {
   std::uint32_t place = 0;            ///< among its siblings
   std::uint32_t line = 0;             ///< counted from 1
   Kind kind = Kind::null;
+  bool is_whole = false;  ///< a number without point and exponent
 };
 
 /// All values of a file. Node 0 is the outermost.
