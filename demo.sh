@@ -75,22 +75,19 @@ fetch_studio() {
 make_once "$assets/studio.exr" fetch_studio
 
 # The scenes: the head with layered skin; the same with one layer, without any scattering below the
-# surface, and its ear lit from behind. `fit` puts in the procedural studio where the map is missing.
-fit() {
-  if [ -e "$assets/studio.exr" ]; then cat; else sed 's|"assets/studio.exr"|{ "procedural": "studio" }|'; fi
-}
-fit <demo/head.json >demo/out-head.json
-fit <demo/head.json | sed 's|"skin.json"|"skin1.json"|' >demo/out-dipole.json
-fit <demo/head.json | sed -z 's|"subsurface": "skin.json",\s*"color": \({[^}]*}\), "color_use": "invert"|"diffuse": \1|' >demo/out-lambert.json
-fit <demo/ear.json >demo/out-ear.json
+# surface, and its ear lit from behind. The procedural studio stands in where the map is missing.
+studio=()
+[ -e "$assets/studio.exr" ] || studio=(--set 'lights[0].image={ "procedural": "studio" }')
 
+# render SCENE PICTURE [OPTION...]
 render() {
-  say "rendering $1"
-  "$lamina" render "demo/out-$1.json" -o "$out/$1"
+  say "rendering $2"
+  "$lamina" render "demo/$1.json" -o "$out/$2" "${@:3}"
 }
-for picture in head dipole lambert ear; do
-  make_once "$out/$picture.png" render $picture
+for picture in head dipole lambert; do
+  make_once "$out/$picture.png" render $picture $picture "${studio[@]}"
 done
+make_once "$out/ear.png" render ear ear
 
 make_profile() {
   say "plotting the light around a pencil beam"
@@ -126,8 +123,7 @@ make_maps() {
   "$lamina" maps demo/maps.json -o "$assets/maps"
 }
 make_once "$assets/maps/material.json" make_maps
-fit <demo/head_of_maps.json >demo/out-maps.json
-make_once "$out/maps.png" render maps
+make_once "$out/maps.png" render head_of_maps maps "${studio[@]}"
 
 say "done. The pictures:"
 for file in head.png comparison.png ear.png profile.png maps.png; do

@@ -98,6 +98,8 @@ Option Option::range(double low, double high) const {
   return Option(option_->check(check, interval));
 }
 
+Option Option::repeated() const { return Option(option_->allow_extra_args(false)); }
+
 Option Option::length() const { return range(1e-9, 1e9); }
 
 Option Option::one_of(const std::vector<std::string>& names) const {

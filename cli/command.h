@@ -28,6 +28,7 @@ class Option {
   Option show_default() const;
   Option delimiter(char c) const;                              ///< between the values of a list
   Option expected(int count) const;                            ///< how many values there are
+  Option repeated() const;                                     ///< a list: one value each time
   Option range(double low, double high) const;                 ///< both ends are allowed
   Option length() const;                                       ///< the range of lengths in mm
   Option one_of(const std::vector<std::string>& names) const;  ///< the values that are allowed

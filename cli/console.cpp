@@ -41,6 +41,17 @@ void add_common_options(const Command& command, CommonOptions& options) {
       .environment("LAMINA_MEMORY_BUDGET");
 }
 
+void add_settings_option(const Command& command, std::vector<std::string>& settings,
+                         const std::string& file) {
+  command
+      .add_option("--set", settings,
+                  "changes a value of the " + file +
+                      ": a path in it, such as camera.look_at or lights[0].scale, and JSON or a "
+                      "bare string; null removes, list[+] adds an element. As often as needed")
+      .type_name("KEY=VALUE")
+      .repeated();
+}
+
 bool is_device(const std::string& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);

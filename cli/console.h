@@ -25,6 +25,10 @@ struct CommonOptions {
 /// Adds --json, --threads, --seed and --memory-budget; `options` must outlive the parse.
 void add_common_options(const Command& command, CommonOptions& options);
 
+/// Adds --set KEY=VALUE, which changes values of the `file` that a command reads.
+void add_settings_option(const Command& command, std::vector<std::string>& settings,
+                         const std::string& file);
+
 /// Whether this is a device or pipe, such as /dev/null.
 [[nodiscard]] bool is_device(const std::string& file);
 

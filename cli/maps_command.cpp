@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct MapsOptions {
   CommonOptions common;
   std::string recipe, output;
+  std::vector<std::string> settings;
   bool has_pictures = false;
   Option seed;
 };
@@ -92,7 +93,7 @@ void run_maps(const MapsOptions& options) {
   std::string text;
   std::string user;  // of the maps: a file to render
   JsonOutput user_json;
-  if (auto on_mesh = load_surface_map_recipe(options.recipe, options.common.memory)) {
+  if (auto on_mesh = load_surface_map_recipe(options.recipe, options.common.memory, options.settings)) {
     if (has_seed) on_mesh->seed = options.common.seed;
     const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
     warn_of_patches(on_mesh->features, kind_of, json);
@@ -110,7 +111,7 @@ void run_maps(const MapsOptions& options) {
     user = "material";
     user_json = material_json(*on_mesh, maps);
   } else {
-    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe, options.common.memory);
+    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe, options.common.memory, options.settings);
     if (has_seed) recipe.seed = options.common.seed;
     warn_of_patches(recipe.features, std::identity{}, json);
     maps = make_skin_maps(recipe, progress);
@@ -151,6 +152,7 @@ void add_maps_command(CLI::App& app) {
       "captured "
       "patch spread over more skin; on a flat patch or over the texture coordinates of a mesh.");
   command.add_option("recipe", options->recipe, "maps file").type_name("MAPS").required();
+  add_settings_option(command, options->settings, "maps file");
   command
       .add_option(
           "-o,--output", options->output,

@@ -25,6 +25,7 @@ struct PatchOptions {
   CommonOptions common;
   std::string patch, output;
   std::string fit_plot;
+  std::vector<std::string> settings;
   double exposure = 0.0;
   bool uses_no_cache = false;
 };
@@ -76,7 +77,7 @@ std::array<double, 3> mean_color(const Image& image) {
 void run_patch(const PatchOptions& options) {
   const SkinPatch patch = [&] {
     const Progress loading = make_progress("loading the patch", Keeps::nothing);
-    return load_skin_patch(options.patch, options.common.memory);
+    return load_skin_patch(options.patch, options.common.memory, options.settings);
   }();
   for (const std::string& warning : patch.warnings) say("warning: " + warning);
   const PictureFiles files = picture_files(options.output, options.patch);
@@ -138,6 +139,7 @@ void add_patch_command(CLI::App& app) {
   const Command command(app, "patch",
                         "A flat piece of skin whose pigments are maps, under a pattern of light.");
   command.add_option("patch", options->patch, "patch file").type_name("PATCH").required();
+  add_settings_option(command, options->settings, "patch");
   command
       .add_option(
           "-o,--output", options->output,

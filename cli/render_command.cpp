@@ -32,7 +32,7 @@ struct RenderCommandOptions {
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
   bool needs_cache = false, resumes = false, denoises = false;
-  std::vector<std::string> compared;
+  std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
 
@@ -127,7 +127,7 @@ void run_render(const RenderCommandOptions& options) {
                      {"the scene", options.scene}});
   Scene scene = [&] {
     const Progress loading = make_progress("loading the scene", Keeps::nothing);
-    return load_scene(options.scene, options.common.memory);
+    return load_scene(options.scene, options.common.memory, options.settings);
   }();
   warn(scene.warnings);
   apply(options, scene);
@@ -237,6 +237,7 @@ void add_render_command(CLI::App& app) {
   auto options = std::make_shared<RenderCommandOptions>();
   const Command command(app, "render", "Renders a scene to an image.");
   command.add_option("scene", options->scene, "scene file").type_name("SCENE").required();
+  add_settings_option(command, options->settings, "scene");
   command
       .add_option("-o,--output", options->output,
                   "IMAGE.exr: all channels, linear; IMAGE.png: as it looks; without an ending, or "
@@ -312,7 +313,9 @@ void add_render_command(CLI::App& app) {
   options->seed = command.option("--seed");
   command.footer(
       "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
-      "Example: lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256");
+      "Examples:\n"
+      "  lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256\n"
+      "  lamina render scenes/sphere_skin.json -o near.png --set camera.horizontal_fov=20");
   command.callback([options] { run_render(*options); });
 }
 

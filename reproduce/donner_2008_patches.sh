@@ -12,9 +12,7 @@ source ./sheet.sh
 "$lamina" maps ../scenes/donner_2008/figure_3.json -o "$out/figure_3" >/dev/null
 # ink COLOR SPECTRUM: examples/skin/tattoo.json with ink that absorbs by a spectrum.
 ink() {
-  sed "s|\"ink.png\"|\"$PWD/../examples/skin/ink.png\"|
-       s|\"melanin\": 0.012|&, \"junction_spectrum\": [$2]|" ../examples/skin/tattoo.json >"$out/ink_$1.json"
-  "$lamina" maps "$out/ink_$1.json" -o "$out/ink_$1" >/dev/null
+  "$lamina" maps ../examples/skin/tattoo.json --set "skin.junction_spectrum=[$2]" -o "$out/ink_$1" >/dev/null
   "$lamina" patch "$out/ink_$1/patch.json" -o "$out/ink_$1" --exposure 0.5 >/dev/null
 }
 ink black "[400, 1]"
@@ -29,23 +27,20 @@ cp melanin.png junction_absorption.png hemoglobin_dermis.png skin.png "$out"
 sheet "$out/figure_1.png" 4 240 240 "$out/melanin.png" "melanin" "$out/junction_absorption.png" "absorbing junction" \
   "$out/hemoglobin_dermis.png" "blood" "$out/skin.png" "the skin"
 
-# patch NAME MORE EXPOSURE: the patch NAME.json with more keys, as NAME.exr and NAME.png.
-patch() {
-  sed -i "\$s|}|, $2 }|" "$1.json"
-  "$lamina" patch "$1.json" -o "$1" --exposure "$3" >/dev/null
-}
 cd "$out/figure_3"
-uniform='{ "lamina": "patch", "version": 1, "mm_per_pixel": 0.05, "width": 320, "height": 320,
-  "skin": { "melanin": 0.010, "hemoglobin_dermis": 0.007 }
-}'
-strips='"light": { "stripes": { "period": 5.3, "width": 1.6, "angle": 20 } }'
-for name in uniform uniform_strips texture texture_strips; do echo "$uniform" >$name.json; done
-for name in maps maps_strips; do cp patch.json $name.json; done
-for name in uniform maps texture; do
-  texture=; [ $name != texture ] || texture=', "albedo": "maps.exr"'
-  patch $name "\"light\": {}$texture" 0.5
-  patch ${name}_strips "$strips$texture" 1.2
-done
+cat >uniform.json <<'PATCH'
+{ "lamina": "patch", "version": 1, "mm_per_pixel": 0.05, "width": 320, "height": 320,
+  "skin": { "melanin": 0.010, "hemoglobin_dermis": 0.007 } }
+PATCH
+strips='light={ "stripes": { "period": 5.3, "width": 1.6, "angle": 20 } }'
+# patches PATCH NAME [OPTION...]: a patch in full light as NAME.exr and NAME.png, and in strips of light.
+patches() {
+  "$lamina" patch "$1.json" -o "$2" --exposure 0.5 "${@:3}" >/dev/null
+  "$lamina" patch "$1.json" -o "$2_strips" --exposure 1.2 --set "$strips" "${@:3}" >/dev/null
+}
+patches uniform uniform
+patches patch maps
+patches uniform texture --set albedo=maps.exr
 sheet figure_3.png 3 300 300 uniform.png "uniform skin" maps.png "maps of pigments" texture.png "uniform skin, albedo texture" \
   uniform_strips.png "in strips of light" maps_strips.png "in strips of light" texture_strips.png "in strips of light"
 mv figure_3.png "$out"

@@ -16,9 +16,7 @@ sheet "$out/plate_5.png" 3 224 384 "$out/color.png" color "$out/thickness.png" t
 
 pictures=()
 while read -r name towards caption; do
-  sed "s/\"towards\": \[[^]]*\]/\"towards\": [$towards]/" ../scenes/leaves.json >../scenes/leaves-$$.json
-  trap 'rm -f ../scenes/leaves-$$.json' EXIT
-  "$lamina" render ../scenes/leaves-$$.json -o "$out/$name.png" "$@" >/dev/null
+  "$lamina" render ../scenes/leaves.json --set "lights[0].towards=[$towards]" -o "$out/$name.png" "$@" >/dev/null
   pictures+=("$out/$name.png" "$caption")
 done <<'POSITIONS'
 back_high 0.35,0.55,-0.8 sun behind, high

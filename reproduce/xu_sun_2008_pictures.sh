@@ -10,23 +10,15 @@ shift 2
 cd "$(dirname "$0")"
 source ./sheet.sh
 
-# variant SCENE NAME SED: renders a scene with some of its values replaced.
-variant() {
-  local scene=../scenes/$1.json name=$2 edit=$3
-  shift 3
-  sed "$edit" "$scene" >"$out/$name.json"
-  "$lamina" render "$out/$name.json" -o "$out/$name.png" "$@" >/dev/null
-  rm "$out/$name.json"
-}
-
-near='s|"directional".*"irradiance": 1 |"point", "position": [0, 0, -0.8], "intensity": 0.64 |'
+near=(--set 'lights[0]={ "type": "point", "position": [0, 0, -0.8], "intensity": 0.64 }')
+far=()
 for light in far near; do
+  declare -n settings=$light
   pictures=()
   for ior in 1.4 0.7142857; do
     for s in 6 3 1; do
-      edit="s/\"ior\": 1.4/\"ior\": $ior/; s/\"smoothness\": 3/\"smoothness\": $s/"
-      [ $light = far ] || edit+="; $near"
-      variant rough_plate "$light-$ior-$s" "$edit" "$@"
+      "$lamina" render ../scenes/rough_plate.json -o "$out/$light-$ior-$s.png" "${settings[@]}" \
+        --set materials.frost.dielectric.ior=$ior --set materials.frost.dielectric.smoothness=$s "$@" >/dev/null
       n=1.4
       [ $ior != 1.4 ] || n=1/1.4
       pictures+=("$out/$light-$ior-$s.png" "n = $n, s = $s")
@@ -37,7 +29,7 @@ done
 
 pictures=()
 for s in 2 3 4 5; do
-  variant bust "bust-$s" "s/\"smoothness\": 3/\"smoothness\": $s/" "$@"
+  "$lamina" render ../scenes/bust.json -o "$out/bust-$s.png" --set materials.frost.dielectric.smoothness=$s "$@" >/dev/null
   pictures+=("$out/bust-$s.png" "s = $s")
 done
 sheet "$out/figure_12.png" 4 240 320 "${pictures[@]}"

@@ -30,6 +30,18 @@ done
 expect 0 'only.png' "$scene" "${small[@]}" -o only.png
 [ -s only.png ] && [ ! -e only.exr ] || fail "not the one file asked for"
 
+# --set is as if the file said so; a wrong key or value is named.
+sed 's/"samples_per_pixel": [0-9]*/"samples_per_pixel": 2/' "$scene" >said.json
+expect 0 'said.exr' said.json "${small[@]}" -o said.exr
+expect 0 'set.exr' "$scene" --set film.width=24 --set film.height=16 --set render.samples_per_pixel=2 -o set.exr
+cmp said.exr set.exr || fail "--set gives another picture than the file"
+expect 2 '--set film.widht: film: unknown key "widht"; did you mean "width"?' "$scene" --set film.widht=24
+expect 2 '--set film.width must be a whole number' "$scene" --set film.width=wide
+expect 2 '--set meshes[7].material: meshes has' "$scene" --set meshes[7].material=skin
+printf '{ "lamina": "scene", "base": "said.json", "film": { "width": 24, "height": 16 } }' >based.json
+expect 0 'based.exr' based.json --set render.samples_per_pixel=2 -o based.exr
+cmp said.exr based.exr || fail "a base gives another picture than the file"
+
 for name in leaves bust rough_plate; do
   expect 0 "$name.png" "$scenes/$name.json" "${small[@]}" -o "$name.png"
   ! grep -q ' 0.00 % noise' output || fail "$name: noise measured where there is nothing to measure"

@@ -5,11 +5,11 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <system_error>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/internal/json_changes.h"
 #include "lamina/io/internal/json_tree.h"
 #include "lamina/io/nearest_name.h"
 
@@ -54,12 +54,6 @@ std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-const Node* find_child(const Tree& tree, const Node& object, std::string_view key) {
-  for (auto child = object.first_child; child != none; child = tree.nodes[child].next_sibling)
-    if (tree.texts[tree.nodes[child].key] == key) return &tree.nodes[child];
-  return nullptr;
-}
-
 /// "-" is what flows in.
 std::string read_json_text(const std::filesystem::path& file, std::size_t most) {
   return read_stream_bytes(file == "-" ? "/dev/stdin" : file, most);
@@ -100,16 +94,7 @@ std::string JsonInput::string() const {
   return tree_->texts[tree_->nodes[node_].text];
 }
 
-std::filesystem::path JsonInput::file_path() const {
-  const std::string text = string();
-  if (text.empty() || text.find('\0') != std::string::npos) refuse("must be the path of a file");
-  const std::filesystem::path path = std::filesystem::path(tree_->name).parent_path() / text;
-  std::error_code ignored;  // what is missing is told by who reads it
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  if (std::filesystem::is_other(status))  // whoever opens a pipe waits for its writer
-    refuse("must be the path of a file, not of a pipe or device");
-  return path;
-}
+std::filesystem::path JsonInput::file_path() const { return json_detail::file_path(*tree_, node_); }
 
 MemoryBudget& JsonInput::memory() const { return *tree_->memory; }
 
@@ -160,11 +145,12 @@ JsonObject JsonInput::checked_object(std::span<const std::string_view> keys) con
   const auto all = entries();
   for (const auto& [key, value] : all) {
     if (std::ranges::find(keys, key) != keys.end()) continue;
-    std::vector<std::string_view> missing;  // what is there already was not meant
+    const bool is_option = tree_->sources[tree_->nodes[value.node_].source].is_option;
+    std::vector<std::string_view> missing;  // what the same file has already was not meant
     for (const std::string_view known : keys)
-      if (!peek(known)) missing.push_back(known);
+      if (is_option || !peek(known)) missing.push_back(known);
     const std::string owner = path();
-    throw InvalidInput(tree_->name + ":" + std::to_string(value.line()) + ": " +
+    throw InvalidInput(json_detail::place(*tree_, value.node_) + ": " +
                        (owner.empty() ? "" : owner + ": ") + "unknown key " + in_quotes(key) +
                        did_you_mean(key, missing));
   }
@@ -197,52 +183,17 @@ std::vector<std::pair<std::string, JsonInput>> JsonInput::entries() const {
 
 std::optional<JsonInput> JsonInput::peek(std::string_view key) const {
   if (!is_object()) refuse("must be an object");
-  const Node* child = find_child(*tree_, tree_->nodes[node_], key);
-  if (child == nullptr) return std::nullopt;
-  return JsonInput(*tree_, static_cast<std::uint32_t>(child - tree_->nodes.data()));
+  const std::uint32_t child = json_detail::find_child(*tree_, node_, key);
+  return child == none ? std::nullopt : std::optional(JsonInput(*tree_, child));
 }
 
 int JsonInput::line() const { return static_cast<int>(tree_->nodes[node_].line); }
 
-std::string JsonInput::path() const {
-  std::vector<std::uint32_t> chain;  // from the value outward
-  for (auto node = node_; node != 0; node = tree_->nodes[node].parent) chain.push_back(node);
-  std::string path;
-  for (auto step = chain.rbegin(); step != chain.rend(); ++step) {
-    const Node& node = tree_->nodes[*step];
-    if (node.key == none) {
-      path += "[" + std::to_string(node.place) + "]";
-    } else {
-      const std::string key = in_quotes(tree_->texts[node.key]);
-      path += (path.empty() ? "" : ".") + key.substr(1, key.size() - 2);
-    }
-  }
-  return path;
-}
+std::string JsonInput::path() const { return json_detail::path(*tree_, node_); }
 
-std::string JsonInput::where() const {
-  const std::string inner = path();
-  return tree_->name + ":" + std::to_string(line()) + (inner.empty() ? "" : ": " + inner);
-}
+std::string JsonInput::where() const { return json_detail::where(*tree_, node_); }
 
-std::string JsonInput::described() const {
-  const Node& node = tree_->nodes[node_];
-  switch (node.kind) {
-    case Kind::null:
-      return "null";
-    case Kind::boolean:
-      return node.number != 0.0 ? "true" : "false";
-    case Kind::number:
-      return number_text(node.number);
-    case Kind::string:
-      return in_quotes(tree_->texts[node.text]);
-    case Kind::array:
-      return "an array";
-    case Kind::object:
-      return "an object";
-  }
-  return {};
-}
+std::string JsonInput::described() const { return json_detail::described(*tree_, node_); }
 
 void JsonInput::refuse(std::string_view rule) const {
   say(std::string(rule) + ", but is " + described());
@@ -274,9 +225,12 @@ JsonDocument::~JsonDocument() = default;
 
 JsonInput JsonDocument::root() const { return {*tree_, 0}; }
 
-JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory) {
-  return {nullptr,
-          std::make_unique<const Tree>(json_detail::parse_tree(text, std::move(name), memory))};
+JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory,
+                        std::span<const std::string> settings) {
+  Tree tree = json_detail::parse_tree(text, std::move(name), memory);
+  json_detail::resolve_bases(tree);
+  for (const std::string& setting : settings) json_detail::apply_setting(tree, setting);
+  return {nullptr, std::make_unique<const Tree>(std::move(tree))};
 }
 
 JsonDocument parse_json(std::string_view text, std::string name) {
@@ -286,10 +240,11 @@ JsonDocument parse_json(std::string_view text, std::string name) {
   return document;
 }
 
-JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory) {
+JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory,
+                       std::span<const std::string> settings) {
   const std::string text = read_json_text(file, std::min(json_max_bytes, memory.left));
   take_memory(memory, text.size(), file.string());
-  JsonDocument document = parse_json(text, file.string(), memory);
+  JsonDocument document = parse_json(text, file.string(), memory, settings);
   memory.left += text.size();  // which is there while it is parsed only
   return document;
 }

@@ -144,7 +144,8 @@ class JsonInput {
   /// As in `layers[1].sigma_a`; empty for the outermost value.
   [[nodiscard]] std::string path() const;
 
-  /// `head.json:12: layers[1].sigma_a`, or for the outermost value `head.json:1`.
+  /// `head.json:12: layers[1].sigma_a`, or for the outermost value `head.json:1`; of a value that
+  /// an option gives, `--set layers[1].sigma_a`.
   [[nodiscard]] std::string where() const;
 
   /// Throws InvalidInput: `WHERE RULE, but is VALUE`; a rule reads "must be a power of two".
@@ -197,7 +198,8 @@ class JsonDocument {
 
  private:
   friend JsonDocument parse_json(std::string_view text, std::string name);
-  friend JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory);
+  friend JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory,
+                                 std::span<const std::string> settings);
   JsonDocument(std::unique_ptr<MemoryBudget> own_memory,
                std::unique_ptr<const json_detail::Tree> tree);
   std::unique_ptr<MemoryBudget> own_memory_;  ///< unless it is someone else's
@@ -209,22 +211,33 @@ inline constexpr std::size_t json_max_bytes = std::size_t{256} << 20;
 inline constexpr std::size_t json_max_depth = 64;
 inline constexpr std::size_t json_max_values = 2'000'000;
 
+/// How often a base may stand on another one.
+inline constexpr std::size_t json_max_bases = 8;
+
 /// Reads JSON with comments; a byte order mark is skipped.
+///
+/// An object that has "lamina" may have "base": a file of the same kind, over which it is laid.
+/// Objects are merged key by key, null removes a key, all else replaces what the base has. Messages
+/// and relative paths go by the file that says a value.
 ///
 /// @param text  UTF-8.
 /// @param name  the file that messages name and that paths in it are relative to.
 /// @param memory  what the document and the files that it names may take; must outlive it. Without
 ///                one, that of a new MemoryBudget.
+/// @param settings  changes on top, as `--set` of a command takes them: `camera.look_at=[0, 1, 0]`,
+///                `lights[2].scale=3`, `name=Anna`; a path and JSON or a bare string. null removes,
+///                list[+] adds an element.
 /// @throws InvalidInput with name and line if it is not JSON, has a key twice in one object, has a
 ///         number beyond the range of double, or exceeds a limit above; FileError if it takes more
 ///         memory than is left.
 [[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name);
-[[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name,
-                                      MemoryBudget& memory);
+[[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory,
+                                      std::span<const std::string> settings = {});
 
 /// Reads a JSON file (or a pipe), or standard input if it is "-".
 /// @throws FileError if it cannot be read; InvalidInput as parse_json.
 [[nodiscard]] JsonDocument load_json(const std::filesystem::path& file);
-[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory);
+[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory,
+                                     std::span<const std::string> settings = {});
 
 }  // namespace lamina

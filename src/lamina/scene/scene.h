@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -276,8 +277,10 @@ struct Scene {
 };
 
 /// Reads a scene file and all that it names; paths in it are relative to it.
-/// @param memory  what reading them may take in all.
+/// @param memory    what reading them may take in all.
+/// @param settings  changes of values, as parse_json takes them.
 /// @throws FileError, InvalidInput with file, line and field.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {});
+[[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {},
+                               std::span<const std::string> settings = {});
 
 }  // namespace lamina

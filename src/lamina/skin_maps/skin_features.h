@@ -118,9 +118,11 @@ void mix_in(double& amount, double& composition, double added, double compositio
 [[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
 [[nodiscard]] Veins decode_vein_look(const JsonObject& object);
 
-/// Reads a recipe; docs/heterogeneous_skin.md has the format. @throws FileError, InvalidInput
+/// Reads a recipe, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has the
+/// format. @throws FileError, InvalidInput
 [[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file,
-                                                 MemoryBudget memory = {});
+                                                 MemoryBudget memory = {},
+                                                 std::span<const std::string> settings = {});
 
 /// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;
 /// a feature does not depend on those after it.

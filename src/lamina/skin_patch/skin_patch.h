@@ -35,10 +35,12 @@ struct SkinPatch {
   std::vector<std::string> warnings;
 };
 
-/// Reads a patch file; docs/heterogeneous_skin.md has the format.
+/// Reads a patch file, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has
+/// the format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
 [[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file,
-                                        MemoryBudget memory = {});
+                                        MemoryBudget memory = {},
+                                        std::span<const std::string> settings = {});
 
 /// How one band was solved.
 struct SkinPatchBand {

@@ -131,8 +131,9 @@ TransportOptions decode_transport(const JsonInput& value) {
 
 }  // namespace
 
-SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory) {
-  const JsonDocument document = load_json(file, memory);
+SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory,
+                          std::span<const std::string> settings) {
+  const JsonDocument document = load_json(file, memory, settings);
   const JsonObject object =
       document.root().file_object("patch", 1,
                                   {"name", "mm_per_pixel", "width", "height", "bands", "skin",

@@ -5,13 +5,24 @@
 #include <cstddef>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/io/json_input.h"
 
 namespace lamina::json_detail {
 namespace {
+
+/// Twice as much, for the room that vectors keep to grow.
+void take_memory(const Tree& tree, std::size_t bytes) {
+  if (tree.memory->left < 2 * bytes)
+    throw FileError(tree.sources[0].name +
+                    ": its values would take more memory than is left of the budget "
+                    "(--memory-budget)");
+  tree.memory->left -= 2 * bytes;
+}
 
 /// Where the parser is in the text.
 struct Position {
@@ -102,14 +113,10 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   [[nodiscard]] std::uint32_t line() const { return position_.newlines_before_last + 1; }
 
   [[noreturn]] void refuse_in(std::uint32_t line, const std::string& message) const {
-    throw InvalidInput(tree_.name + ":" + std::to_string(line) + ": " + message);
+    throw InvalidInput(tree_.sources[0].name + ":" + std::to_string(line) + ": " + message);
   }
 
-  std::uint32_t keep(std::string text) {
-    take_memory(sizeof text + text.capacity());
-    tree_.texts.push_back(std::move(text));
-    return static_cast<std::uint32_t>(tree_.texts.size() - 1);
-  }
+  std::uint32_t keep(std::string text) { return add_text(tree_, std::move(text)); }
 
   bool add(Node node) {
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -126,18 +133,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
           index;
       open.last_child = index;
     }
-    take_memory(sizeof node);
-    tree_.nodes.push_back(node);
+    add_node(tree_, node);
     return true;
-  }
-
-  /// Twice as much, for the room that vectors keep to grow.
-  void take_memory(std::size_t bytes) {
-    if (tree_.memory->left < 2 * bytes)
-      throw FileError(tree_.name +
-                      ": its values would take more memory than is left of the budget "
-                      "(--memory-budget)");
-    tree_.memory->left -= 2 * bytes;
   }
 
   bool open(Kind kind) {
@@ -218,6 +215,88 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
 }  // namespace
 
+void add_node(Tree& tree, const Node& node) {
+  take_memory(tree, sizeof node);
+  tree.nodes.push_back(node);
+}
+
+std::uint32_t add_text(Tree& tree, std::string text) {
+  take_memory(tree, sizeof text + text.capacity());
+  tree.texts.push_back(std::move(text));
+  return static_cast<std::uint32_t>(tree.texts.size() - 1);
+}
+
+std::uint32_t find_child(const Tree& tree, std::uint32_t object, std::string_view key) {
+  for (auto child = tree.nodes[object].first_child; child != none;
+       child = tree.nodes[child].next_sibling)
+    if (tree.texts[tree.nodes[child].key] == key) return child;
+  return none;
+}
+
+std::string place(const Tree& tree, std::uint32_t node) {
+  const Source& source = tree.sources[tree.nodes[node].source];
+  return source.is_option ? source.name : source.name + ":" + std::to_string(tree.nodes[node].line);
+}
+
+std::string path(const Tree& tree, std::uint32_t node) {
+  std::vector<std::uint32_t> chain;  // from the value outward
+  for (; node != 0; node = tree.nodes[node].parent) chain.push_back(node);
+  std::string path;
+  for (auto step = chain.rbegin(); step != chain.rend(); ++step) {
+    const Node& at = tree.nodes[*step];
+    if (at.key == none) {
+      path += "[" + std::to_string(at.place) + "]";
+    } else {
+      const std::string key = in_quotes(tree.texts[at.key]);
+      path += (path.empty() ? "" : ".") + key.substr(1, key.size() - 2);
+    }
+  }
+  return path;
+}
+
+std::string where(const Tree& tree, std::uint32_t node) {
+  const std::string inner = path(tree, node), at = place(tree, node);
+  const bool says_it = tree.sources[tree.nodes[node].source].is_option && at.ends_with(" " + inner);
+  return inner.empty() || says_it ? at : at + ": " + inner;
+}
+
+std::string described(const Tree& tree, std::uint32_t index) {
+  const Node& node = tree.nodes[index];
+  switch (node.kind) {
+    case Kind::null:
+      return "null";
+    case Kind::boolean:
+      return node.number != 0.0 ? "true" : "false";
+    case Kind::number:
+      return number_text(node.number);
+    case Kind::string:
+      return in_quotes(tree.texts[node.text]);
+    case Kind::array:
+      return "an array";
+    case Kind::object:
+      return "an object";
+  }
+  return {};
+}
+
+std::filesystem::path file_path(const Tree& tree, std::uint32_t node) {
+  const auto refuse = [&](const std::string& rule) {
+    throw InvalidInput(where(tree, node) + " " + rule + ", but is " + described(tree, node));
+  };
+  if (tree.nodes[node].kind != Kind::string) refuse("must be a string");
+  const std::string& text = tree.texts[tree.nodes[node].text];
+  if (text.empty() || text.find('\0') != std::string::npos) refuse("must be the path of a file");
+  const Source& source = tree.sources[tree.nodes[node].source];
+  const std::filesystem::path folder =
+      source.is_option ? std::filesystem::path() : std::filesystem::path(source.name).parent_path();
+  const std::filesystem::path path = folder / text;
+  std::error_code ignored;  // what is missing is told by who reads it
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_other(status))  // whoever opens a pipe waits for its writer
+    refuse("must be the path of a file, not of a pipe or device");
+  return path;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   std::string shown(text.substr(0, longest));
@@ -231,10 +310,10 @@ std::string in_quotes(std::string_view text) {
 }
 
 Tree parse_tree(std::string_view text, std::string name, MemoryBudget& memory) {
-  Tree tree{.name = std::move(name), .nodes = {}, .texts = {}, .memory = &memory};
+  Tree tree{.sources = {{.name = std::move(name)}}, .nodes = {}, .texts = {}, .memory = &memory};
   if (text.size() > json_max_bytes)
-    throw InvalidInput(tree.name + ": is larger than " + std::to_string(json_max_bytes >> 20) +
-                       " MiB");
+    throw InvalidInput(tree.sources[0].name + ": is larger than " +
+                       std::to_string(json_max_bytes >> 20) + " MiB");
   Position position;
   TreeBuilder builder(tree, position);
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) builder.refuse("is empty");

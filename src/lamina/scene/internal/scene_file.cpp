@@ -286,8 +286,9 @@ Scene decode_scene(const JsonInput& root) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file, MemoryBudget memory) {
-  const JsonDocument document = load_json(file, memory);
+Scene load_scene(const std::filesystem::path& file, MemoryBudget memory,
+                 std::span<const std::string> settings) {
+  const JsonDocument document = load_json(file, memory, settings);
   return decode_scene(document.root());
 }
 

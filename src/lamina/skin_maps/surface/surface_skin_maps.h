@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -91,7 +92,8 @@ struct SurfaceMapRecipe {
 /// none, it is for a flat patch.
 /// @throws FileError, InvalidInput
 [[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
-    const std::filesystem::path& file, MemoryBudget memory = {});
+    const std::filesystem::path& file, MemoryBudget memory = {},
+    std::span<const std::string> settings = {});
 
 /// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
 /// @throws Interrupted if progress asks to stop.

@@ -168,8 +168,9 @@ SurfaceFeature decode_feature(const JsonInput& value, double mm_per_unit) {
 }  // namespace
 
 std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::path& file,
-                                                        MemoryBudget memory) {
-  const JsonDocument document = load_json(file, memory);
+                                                        MemoryBudget memory,
+                                                        std::span<const std::string> settings) {
+  const JsonDocument document = load_json(file, memory, settings);
   if (!document.root().peek("surface")) return std::nullopt;
   const JsonObject object = document.root().file_object(
       "maps", 1, {"width", "height", "surface", "seed", "skin", "features"});
