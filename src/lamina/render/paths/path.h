@@ -9,6 +9,7 @@
 #include "lamina/render/shading/thin_sheet.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 #include "lamina/render/subsurface/subsurface_method.h"
+#include "lamina/surface/ray.h"
 
 namespace lamina {
 
@@ -43,8 +44,13 @@ struct PathWorld {
   PathOptions options;
 };
 
-/// The state of a path on its way back from the eye, its ray and throughput aside.
-struct Path {
+/// A path on its way back from the eye.
+template <int N>
+struct PathState {
+  Ray ray;
+  float t_near = 0.0f;  ///< from where along the ray surfaces count [mm]
+  BandValues<N> radiance;
+  BandValues<N> throughput = BandValues<N>::filled(1.0f);
   int bounce = 0;
   float pdf = 0.0f;        ///< with which its direction was sampled [1/sr]; 0: a delta direction
   float spread = 0.0f;     ///< growth of the footprint with distance [rad]
@@ -55,6 +61,7 @@ struct Path {
   bool is_from_eye = false;             ///< from the camera, maybe through glass
   bool is_from_inside = false;  ///< straight from a point inside that has next-event estimation
   bool is_scattered = false;    ///< by a surface that is no mirror
+  bool is_specular = false;     ///< continued by the boundary of the last surface
 };
 
 }  // namespace lamina

@@ -43,21 +43,34 @@ class PathTracer final : public LightGatherer<N> {
  private:
   class Gatherer;
 
-  [[nodiscard]] Bands follow(Ray ray, Path path, PixelSamples& samples, CameraSample* first) const;
+  [[nodiscard]] Bands trace_path(PathState<N> path, PixelSamples& samples,
+                                 CameraSample* first = nullptr) const;
   [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
                                           PixelSamples& samples) const;
   [[nodiscard]] Bands arriving_radiance(const Ray& ray, int bounce, PixelSamples& samples) const {
-    return follow(
-        ray, {.bounce = bounce + 1, .spread = 0.3f, .is_from_inside = true, .is_scattered = true},
-        samples, nullptr);
+    return trace_path({.ray = ray,
+                       .bounce = bounce + 1,
+                       .spread = 0.3f,
+                       .is_from_inside = true,
+                       .is_scattered = true},
+                      samples);
   }
+  /// Adds the lights that the ray meets before `limit` [mm], by their MIS weights.
+  void add_lights_on_ray(float limit, PathState<N>& path) const;
   /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
-  [[nodiscard]] bool passes(const SurfacePoint& point, const Ray& ray, Bands& throughput,
-                            PixelSamples& samples) const;
+  [[nodiscard]] bool passes_straight(const SurfacePoint& point, PathState<N>& path,
+                                     PixelSamples& samples) const;
+  /// A dielectric on the way of indirect light: passed straight, as in shadow_transmittance, or
+  /// mirrored.
+  void pass_unbent(const Hit& hit, const SurfacePoint& point, const DielectricSurface& glass,
+                   PathState<N>& path, PixelSamples& samples) const;
+  /// Next-event estimation at a surface and the next direction of the path; false if it ends.
+  [[nodiscard]] bool take_step(const SurfacePoint& point, PathState<N>& path, PixelSamples& samples,
+                               CameraSample* first) const;
   /// Indirect clamping: light on its way to a surface by a mirror or a highlight, cut off at ten
   /// times the typical radiance of the scene. What is lost are caustics, which paths from the eye
   /// find so seldom that they are but fireflies; light scattered diffusely stays below that anyway.
-  [[nodiscard]] Bands clamp_indirect(Bands light, const Path& path) const;
+  [[nodiscard]] Bands clamp_indirect(Bands light, const PathState<N>& path) const;
 
   PathWorld<N> world_;
 };

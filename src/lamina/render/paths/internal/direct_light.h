@@ -39,8 +39,8 @@ namespace lamina {
 template <int N>
 struct ResampledLight {
   LightSample light;
-  float weight = 0.0f;  ///< on its radiance; 0: nothing to be had
-  BandValues<N> clear;  ///< shadow transmittance: fraction that arrives
+  float weight = 0.0f;          ///< on its radiance; 0: nothing to be had
+  BandValues<N> transmittance;  ///< shadow transmittance: fraction that arrives
 };
 
 /// Next-event estimation by resampled importance sampling: a light, chosen among candidates in
@@ -92,9 +92,9 @@ template <int N, class Value>
   if (!(total > 0.0f)) return chosen;
   const LightSample& light = chosen.light;
   const Ray ray{leave_surface(point, light.direction), light.direction};
-  chosen.clear =
+  chosen.transmittance =
       shadow_transmittance(world.scene, world.sheets, ray, 0.9999f * light.distance, dielectrics);
-  if (largest(chosen.clear) > 0.0f)
+  if (largest(chosen.transmittance) > 0.0f)
     chosen.weight =
         total / (chosen_brightness * chosen_pdf * static_cast<float>(stratum.candidates));
   return chosen;

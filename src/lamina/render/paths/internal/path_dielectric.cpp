@@ -9,13 +9,13 @@ namespace lamina {
 
 template <int N>
 bool scatter_at_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
-                           const DielectricSurface& glass, Ray& ray, Path& path,
-                           BandValues<N>& throughput, BandValues<N>& radiance,
+                           const DielectricSurface& glass, PathState<N>& path,
                            PixelSamples& samples) {
-  const bool is_inside = dot(ray.direction, point.geometric_normal) > 0.0f;
-  const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, -ray.direction);
+  const Vec3f to_eye = -path.ray.direction;
+  const bool is_inside = dot(to_eye, point.geometric_normal) < 0.0f;
+  const Vec3f n = make_visible(is_inside ? -point.normal : point.normal, to_eye);
   const Framef frame = make_frame(n);
-  const Vec3f wo = frame.to_local(-ray.direction);
+  const Vec3f wo = frame.to_local(to_eye);
   const DielectricScattering boundary =
       dielectric_at(world.scene.textures, glass, point, is_inside);
   const auto index_towards = [&](const Vec3f& direction) {
@@ -43,32 +43,31 @@ bool scatter_at_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
           evaluate_dielectric(boundary, wo, frame.to_local(light.direction), samples) *
           mis_weight_of_light_sample(world.options.direct_light, light, pdf(light)) /
           (index * index);
-      radiance += value * drawn.weight * throughput * drawn.clear *
-                  world.conversion.from_rgb(light.radiance);
+      path.radiance += value * drawn.weight * path.throughput * drawn.transmittance *
+                       world.conversion.from_rgb(light.radiance);
     }
   }
   const DielectricSample sample = sample_dielectric(boundary, wo, samples);
   if (!(sample.weight > 0.0f)) return false;
-  throughput *= sample.weight;
-  ray.direction = normalize(frame.to_world(sample.wi));
-  ray.origin = leave_surface(point, ray.direction);
+  path.throughput *= sample.weight;
+  path.ray.direction = normalize(frame.to_world(sample.wi));
+  path.ray.origin = leave_surface(point, path.ray.direction);
   path.pdf = sample.pdf;
-  path.index = index_towards(ray.direction);
+  path.index = index_towards(path.ray.direction);
   if (sample.pdf > 0.0f)
     path.spread = std::max(
         path.spread, 0.3f * std::min(static_cast<float>(boundary.interface.facets.alpha), 1.0f));
+  path.t_near = 0.0f;
   path.is_camera_ray = false;
   return true;
 }
 
-template bool scatter_at_dielectric(const PathWorld<4>&, const SurfacePoint&,
-                                    const DielectricSurface&, Ray&, Path&, BandValues<4>&,
-                                    BandValues<4>&, PixelSamples&);
-template bool scatter_at_dielectric(const PathWorld<8>&, const SurfacePoint&,
-                                    const DielectricSurface&, Ray&, Path&, BandValues<8>&,
-                                    BandValues<8>&, PixelSamples&);
-template bool scatter_at_dielectric(const PathWorld<16>&, const SurfacePoint&,
-                                    const DielectricSurface&, Ray&, Path&, BandValues<16>&,
-                                    BandValues<16>&, PixelSamples&);
+#define LAMINA_INSTANTIATE(N)                                                   \
+  template bool scatter_at_dielectric(const PathWorld<N>&, const SurfacePoint&, \
+                                      const DielectricSurface&, PathState<N>&, PixelSamples&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

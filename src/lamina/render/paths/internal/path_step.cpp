@@ -10,149 +10,179 @@
 namespace lamina {
 namespace {
 
-/// What a surface makes of light from one direction.
-struct Lobes {
-  float specular = 0.0f, base = 0.0f;  ///< BRDFs [1/sr], base for a reflectance of 1
-  float scale = 0.0f;                  ///< cosine, and share among the ways to draw the direction
-};
+/// How many candidates a light sample that product importance sampling gave counts as.
+template <int N>
+float specular_light_candidates(const PathWorld<N>& world) {
+  return world.scene.lights.cluster_count() > 0 ? product_sampling_candidates : light_candidates;
+}
+
+float pdf_of_boundary(const BoundaryPoint& at, float chance, const Vec3f& wi) {
+  return chance > 0.0f ? chance * pdf_specular(at.boundary, at.wo, wi) : 0.0f;
+}
+
+/// Direct light that a boundary mirrors, by product importance sampling of lights and lobe.
+template <int N>
+BandValues<N> specular_direct_light(const PathWorld<N>& world, const BoundaryPoint& at,
+                                    PixelSamples& samples) {
+  std::optional<LightClusterSampler> clusters;
+  if (world.scene.lights.cluster_count() > 0)
+    clusters.emplace(world.scene.lights,
+                     BoundaryView{at.boundary, at.frame.z, at.frame.to_world(at.wo)},
+                     at.point.position);
+  const float candidates = specular_light_candidates(world);
+  struct Lobe {
+    float brdf = 0.0f, scale = 0.0f;  ///< scale: cosine and MIS weight
+  };
+  const auto lobe = [&](const LightSample& light) -> Lobe {
+    const Vec3f wi = at.frame.to_local(light.direction);
+    if (!leaves_by_its_side(at.point, light.direction, wi)) return {};
+    const float brdf = specular_brdf(at.boundary, wi, at.wo);
+    if (!(brdf > 0.0f)) return {};
+    const float pdf = light.is_delta ? 0.0f : pdf_specular(at.boundary, at.wo, wi);
+    return {brdf, std::abs(wi.z) * mis_weight_of_light_sample(world.options.direct_light, light,
+                                                              pdf, candidates)};
+  };
+  const auto target = [&](const LightSample& light) {
+    const auto [brdf, scale] = lobe(light);
+    return scale * brdf;
+  };
+  const ResampledLight<N> chosen = resample_light(
+      world, at.point, samples, target, Dielectrics::transmit, {}, clusters ? &*clusters : nullptr);
+  if (!(chosen.weight > 0.0f)) return {};
+  const auto [brdf, scale] = lobe(chosen.light);
+  return brdf * (chosen.weight * scale * chosen.transmittance *
+                 world.conversion.from_rgb(chosen.light.radiance));
+}
+
+/// A translucent object: its inside is gathered, and the path is continued by the boundary alone.
+template <int N>
+PathStep<N> make_step(const PathWorld<N>& world, const BoundaryPoint& at,
+                      const TranslucentBase<N>& base, const PathState<N>& path,
+                      const LightGatherer<N>& gatherer, PixelSamples& samples) {
+  PathStep<N> step{.is_subsurface = true, .is_specular = true};
+  const ExitPoint exit{at.point, at.boundary, at.wo.z, -path.ray.direction};
+  step.inside = base.method->leaving_radiance(exit, gatherer, samples);
+  if (at.boundary.count == 0) return step;
+  step.specular = specular_direct_light(world, at, samples);
+  const Vec2f u = samples.next_2d();
+  const SpecularSample sample = sample_specular(at.boundary, at.wo, samples.next_1d(), u);
+  if (!(sample.weight > 0.0f)) return step;
+  step.weight = BandValues<N>::filled(sample.weight);
+  step.pdf = sample.is_mirror ? 0.0f : sample.pdf;
+  step.candidates = specular_light_candidates(world);
+  step.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
+  step.direction = at.frame.to_world(sample.wi);
+  step.continues = dot(step.direction, at.point.geometric_normal) > 0.0f;
+  return step;
+}
+
+/// Adds the direct light of a surface that scatters where light enters, by one light sample.
+template <int N, class Base>
+void add_direct_light(const PathWorld<N>& world, const BoundaryPoint& at, const Base& base,
+                      float specular_chance, PathStep<N>& step, PixelSamples& samples) {
+  const float base_chance = 1.0f - specular_chance;
+  const auto scale = [&](const LightSample& light, const Vec3f& wi, float specular,
+                         float base_pdf) {
+    float pdf = base_pdf;
+    if (specular > 0.0f && !light.is_delta)
+      pdf += specular_chance * pdf_specular(at.boundary, at.wo, wi);
+    return std::abs(wi.z) * mis_weight_of_light_sample(world.options.direct_light, light, pdf);
+  };
+  const auto target = [&](const LightSample& light) {
+    const Vec3f wi = at.frame.to_local(light.direction);
+    if (!leaves_by_its_side(at.point, light.direction, wi)) return 0.0f;
+    const float specular = specular_brdf(at.boundary, wi, at.wo), gray = base.estimate(at, wi);
+    if (!(specular + gray > 0.0f)) return 0.0f;
+    return scale(light, wi, specular, base_chance * base.pdf(wi)) * (specular + gray);
+  };
+  const ResampledLight<N> chosen = resample_light(world, at.point, samples, target);
+  if (!(chosen.weight > 0.0f)) return;
+  const Vec3f wi = at.frame.to_local(chosen.light.direction);
+  const float specular = specular_brdf(at.boundary, wi, at.wo);
+  const BaseValue<N> value = base.evaluate(at, wi, samples);
+  const float base_pdf = base_chance * base.continuous_chance() * value.pdf;
+  const BandValues<N> arriving = chosen.weight * scale(chosen.light, wi, specular, base_pdf) *
+                                 chosen.transmittance *
+                                 world.conversion.from_rgb(chosen.light.radiance);
+  step.specular = specular * arriving;
+  step.base = value.bsdf * arriving;
+}
+
+/// Continues a path by the boundary, with the given chance, or the base. Both may give the
+/// direction that one of them samples, so both count.
+template <int N, class Base>
+void sample_direction(const BoundaryPoint& at, const Base& base, float specular_chance,
+                      float spread, PathStep<N>& step, PixelSamples& samples) {
+  const float u = samples.next_1d();
+  const Vec2f u2 = samples.next_2d();
+  const float base_chance = 1.0f - specular_chance;
+  step.is_specular = u < specular_chance;
+  Vec3f wi;
+  bool is_delta = false;
+  std::optional<BaseValue<N>> value;
+  if (step.is_specular) {
+    const SpecularSample sample = sample_specular(at.boundary, at.wo, u / specular_chance, u2);
+    if (!(sample.weight > 0.0f)) return;
+    wi = sample.wi;
+    is_delta = sample.is_mirror;
+    if (is_delta) step.weight = BandValues<N>::filled(sample.weight / specular_chance);
+    step.spread = std::max(spread, is_delta ? 0.0f : 0.1f);
+  } else {
+    const auto sample = base.sample(at, u - specular_chance, base_chance, u2, samples);
+    if (!sample) return;
+    wi = sample->wi;
+    value = sample->value;
+    is_delta = sample->delta_weight.has_value();
+    if (is_delta) step.weight = *sample->delta_weight;
+    step.spread = is_delta ? spread : 0.3f;
+  }
+  step.direction = at.frame.to_world(wi);
+  if (!leaves_by_its_side(at.point, step.direction, wi)) return;
+  step.continues = true;
+  if (is_delta) return;
+  if (!value) value = base.evaluate(at, wi, samples);
+  const float of_base = base_chance * base.continuous_chance() * value->pdf;
+  const float of_boundary = pdf_of_boundary(at, specular_chance, wi);
+  step.pdf = of_base + of_boundary;
+  step.continues = step.pdf > 0.0f;
+  const auto mirrored = BandValues<N>::filled(specular_brdf(at.boundary, wi, at.wo));
+  const float cos_i = std::abs(wi.z);
+  if (!base.is_random())
+    step.weight = (cos_i / step.pdf) * (value->bsdf + mirrored);
+  else if (step.is_specular)
+    step.weight = (cos_i / of_boundary) * mirrored;
+  else
+    step.weight = (cos_i / of_base) * value->bsdf;
+}
+
+/// A surface that scatters light where it enters.
+template <int N, class Base>
+PathStep<N> make_step(const PathWorld<N>& world, const BoundaryPoint& at, const Base& base,
+                      const PathState<N>& path, const LightGatherer<N>&, PixelSamples& samples) {
+  PathStep<N> step{.is_subsurface = base.is_subsurface, .candidates = light_candidates};
+  const float specular_chance = at.specular_chance(largest(base.scattered()));
+  add_direct_light(world, at, base, specular_chance, step, samples);
+  sample_direction(at, base, specular_chance, path.spread, step, samples);
+  return step;
+}
 
 }  // namespace
 
 template <int N>
-Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surface, bool with_base,
-                          float specular_chance, float base_chance, PixelSamples& samples) {
-  // Where there is a mirror alone, lights are chosen by what it makes of them.
-  std::optional<LightClusterSampler> parts;
-  if (!with_base && world.scene.lights.cluster_count() > 0)
-    parts.emplace(
-        world.scene.lights,
-        BoundaryView{surface.boundary, surface.frame.z, surface.frame.to_world(surface.wo)},
-        surface.point.position);
-  const float candidates = with_base ? light_candidates : specular_light_candidates(world);
-  const auto reflected = [&](const LightSample& light) {
-    const Vec3f wi = surface.frame.to_local(light.direction);
-    Lobes lobes;
-    if (!leaves_by_its_side(surface.point, light.direction, wi)) return lobes;
-    lobes.specular = specular_brdf(surface.boundary, wi, surface.wo);
-    if (with_base) lobes.base = base_lobe(surface, wi);
-    if (!(lobes.specular + lobes.base > 0.0f)) return lobes;
-    float pdf = base_chance * pdf_base(surface, wi);
-    if (lobes.specular > 0.0f && !light.is_delta)
-      pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    lobes.scale = std::abs(wi.z) *
-                  mis_weight_of_light_sample(world.options.direct_light, light, pdf, candidates);
-    return lobes;
-  };
-  const float brightness = with_base ? sum(surface.reflectance) / N : 0.0f;
-  const float brightness_beyond = with_base ? sum(surface.transmittance) / N : 0.0f;
-  const auto value = [&](const LightSample& light) {
-    const Lobes lobes = reflected(light);
-    const bool is_beyond = dot(light.direction, surface.frame.z) < 0.0f;
-    return lobes.scale *
-           (lobes.specular + (is_beyond ? brightness_beyond : brightness) * lobes.base);
-  };
-  const ResampledLight<N> drawn = resample_light(
-      world, surface.point, samples, value, Dielectrics::transmit, {}, parts ? &*parts : nullptr);
-  if (!(drawn.weight > 0.0f)) return {};
-  Lobes lobes = reflected(drawn.light);
-  const Vec3f wi = surface.frame.to_local(drawn.light.direction);
-  if (surface.layered && with_base) {
-    const auto layers = surface.layered->evaluate(wi, samples);
-    float pdf = base_chance * (1.0f - surface.mirrored_chance) * layers.pdf;
-    if (lobes.specular > 0.0f)
-      pdf += specular_chance * pdf_specular(surface.boundary, surface.wo, wi);
-    const float scale =
-        wi.z * mis_weight_of_light_sample(world.options.direct_light, drawn.light, pdf);
-    const BandValues<N> arriving =
-        drawn.weight * scale * drawn.clear * world.conversion.from_rgb(drawn.light.radiance);
-    return {.specular = lobes.specular * arriving, .base = layers.bsdf * arriving};
-  }
-  const BandValues<N> arriving =
-      drawn.weight * lobes.scale * drawn.clear * world.conversion.from_rgb(drawn.light.radiance);
-  return {.specular = lobes.specular * arriving,
-          .base = lobes.base * base_color(surface, wi) * arriving};
+PathStep<N> make_path_step(const PathWorld<N>& world, const PathSurface<N>& surface,
+                           const PathState<N>& path, const LightGatherer<N>& gatherer,
+                           PixelSamples& samples) {
+  return std::visit(
+      [&](const auto& base) { return make_step(world, surface.at, base, path, gatherer, samples); },
+      surface.base);
 }
 
-template <int N>
-bool scatter(const PathSurface<N>& surface, float chance, Ray& ray, Path& path,
-             BandValues<N>& throughput, bool& is_specular, PixelSamples& samples) {
-  const float u = samples.next_1d();
-  const Vec2f u2 = samples.next_2d();
-  is_specular = u < chance;
-  Vec3f wi;
-  std::optional<typename LayeredPoint<N>::Value> layered;
-  if (is_specular) {
-    const SpecularSample sample = sample_specular(surface.boundary, surface.wo, u / chance, u2);
-    if (!(sample.weight > 0.0f)) return false;
-    wi = sample.wi;
-    if (sample.is_mirror) {
-      throughput *= sample.weight / chance;
-      path.pdf = 0.0f;
-    }
-    path.spread = std::max(path.spread, sample.is_mirror ? 0.0f : 0.1f);
-    if (!sample.is_mirror) path.pdf = sample.pdf;
-  } else if (surface.layered) {
-    const float mirrored = surface.mirrored_chance;
-    float v = (u - chance) / (1.0f - chance);
-    path.spread = v < mirrored ? path.spread : 0.3f;
-    path.pdf = v < mirrored ? 0.0f : 1.0f;
-    if (v < mirrored) {
-      wi = {-surface.wo.x, -surface.wo.y, surface.wo.z};
-      throughput *= (1.0f / (mirrored * (1.0f - chance))) * surface.mirrored;
-    } else {
-      v = (v - mirrored) / (1.0f - mirrored);
-      const auto drawn = surface.layered->sample(std::min(v, 0x1.fffffep-1f), u2, samples);
-      if (!(drawn.value.pdf > 0.0f)) return false;
-      wi = drawn.wi;
-      layered = drawn.value;
-    }
-  } else {
-    wi = sample_cosine_hemisphere(u2);
-    if (u - chance < (1.0f - chance) * surface.beyond_chance()) wi.z = -wi.z;
-    path.pdf = 1.0f;
-    path.spread = 0.3f;
-  }
-  ray.direction = surface.frame.to_world(wi);
-  if (!leaves_by_its_side(surface.point, ray.direction, wi)) return false;
-  if (path.pdf > 0.0f && surface.layered) {
-    const bool is_from_base = layered.has_value();
-    if (!layered) layered = surface.layered->evaluate(wi, samples);
-    const float of_base = (1.0f - chance) * (1.0f - surface.mirrored_chance) * layered->pdf;
-    const float of_mirror =
-        chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f;
-    path.pdf = of_base + of_mirror;
-    if (!(path.pdf > 0.0f)) return false;
-    const BandValues<N> mirrored =
-        BandValues<N>::filled(specular_brdf(surface.boundary, wi, surface.wo));
-    if (!surface.layered->is_random())
-      throughput *= (wi.z / path.pdf) * (layered->bsdf + mirrored);
-    else if (is_from_base)
-      throughput *= (wi.z / of_base) * layered->bsdf;
-    else
-      throughput *= (wi.z / of_mirror) * mirrored;
-  } else if (path.pdf > 0.0f) {
-    // All lobes may give this direction, so all count.
-    path.pdf = (1.0f - chance) * pdf_base(surface, wi) +
-               (chance > 0.0f ? chance * pdf_specular(surface.boundary, surface.wo, wi) : 0.0f);
-    throughput *= (std::abs(wi.z) / path.pdf) *
-                  (base_lobe(surface, wi) * base_color(surface, wi) +
-                   BandValues<N>::filled(specular_brdf(surface.boundary, wi, surface.wo)));
-  }
-  ray.origin = leave_surface(surface.point, ray.direction);
-  return true;
-}
-
-template Reflected<4> direct_light(const PathWorld<4>&, const PathSurface<4>&, bool, float, float,
-                                   PixelSamples&);
-template bool scatter(const PathSurface<4>&, float, Ray&, Path&, BandValues<4>&, bool&,
-                      PixelSamples&);
-template Reflected<8> direct_light(const PathWorld<8>&, const PathSurface<8>&, bool, float, float,
-                                   PixelSamples&);
-template bool scatter(const PathSurface<8>&, float, Ray&, Path&, BandValues<8>&, bool&,
-                      PixelSamples&);
-template Reflected<16> direct_light(const PathWorld<16>&, const PathSurface<16>&, bool, float,
-                                    float, PixelSamples&);
-template bool scatter(const PathSurface<16>&, float, Ray&, Path&, BandValues<16>&, bool&,
-                      PixelSamples&);
+#define LAMINA_INSTANTIATE(N)                                                     \
+  template PathStep<N> make_path_step(const PathWorld<N>&, const PathSurface<N>&, \
+                                      const PathState<N>&, const LightGatherer<N>&, PixelSamples&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

@@ -6,38 +6,37 @@
 
 namespace lamina {
 
-/// Light from one light sample, mirrored and, if asked for, scattered by the base.
+/// What a path gathers where it meets a surface, and how it is continued. Radiances are towards the
+/// path's ray, its throughput aside.
 template <int N>
-struct Reflected {
-  BandValues<N> specular, base;
+struct PathStep {
+  BandValues<N> inside;          ///< from inside a translucent object
+  BandValues<N> specular, base;  ///< direct light that the boundary mirrors, that the base scatters
+  bool is_subsurface = false;    ///< whether inside and base are light from below the surface
+
+  bool continues = false;
+  bool is_specular = false;  ///< continued by the boundary
+  Vec3f direction;
+  BandValues<N> weight;     ///< on the throughput: bsdf * cos / pdf
+  float pdf = 0.0f;         ///< [1/sr]; 0 for a delta direction
+  float spread = 0.0f;      ///< of the path from here, as PathState has it
+  float candidates = 0.0f;  ///< of next-event estimation here, for MIS weights
 };
 
-/// Without the base lights are chosen by what the boundary mirrors of them.
+/// Next-event estimation at a surface, and a sampled direction.
 ///
-/// @param specular_chance, base_chance  with which `scatter` draws by the boundary and by the base
+/// @param path      that met the surface
+/// @param gatherer  of the light that enters translucent objects
 template <int N>
-[[nodiscard]] Reflected<N> direct_light(const PathWorld<N>& world, const PathSurface<N>& surface,
-                                        bool with_base, float specular_chance, float base_chance,
-                                        PixelSamples& samples);
+[[nodiscard]] PathStep<N> make_path_step(const PathWorld<N>& world, const PathSurface<N>& surface,
+                                         const PathState<N>& path, const LightGatherer<N>& gatherer,
+                                         PixelSamples& samples);
 
-/// What lights that are chosen by a mirror are worth, in candidates of others.
-template <int N>
-[[nodiscard]] float specular_light_candidates(const PathWorld<N>& world) {
-  return world.scene.lights.cluster_count() > 0 ? product_sampling_candidates : light_candidates;
-}
-
-/// Turns a path at a diffuse or coated surface, by the boundary with the given chance; false if it
-/// ends there.
-template <int N>
-[[nodiscard]] bool scatter(const PathSurface<N>& surface, float chance, Ray& ray, Path& path,
-                           BandValues<N>& throughput, bool& is_specular, PixelSamples& samples);
-
-/// Adds the light that a dielectric scatters towards the eye, and turns the path there; false if it
-/// ends.
+/// Adds the light that a dielectric scatters towards the eye, and continues the path there by
+/// reflection or refraction; false if it ends.
 template <int N>
 [[nodiscard]] bool scatter_at_dielectric(const PathWorld<N>& world, const SurfacePoint& point,
-                                         const DielectricSurface& glass, Ray& ray, Path& path,
-                                         BandValues<N>& throughput, BandValues<N>& radiance,
+                                         const DielectricSurface& glass, PathState<N>& path,
                                          PixelSamples& samples);
 
 }  // namespace lamina

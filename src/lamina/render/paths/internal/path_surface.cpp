@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/paths/internal/path_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,16 @@ namespace lamina {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
+
+template <int N>
+float brightness(const BandValues<N>& values) {
+  return sum(values) / N;
+}
+
+/// The BRDF of a white diffuse base under a boundary.
+float diffuse_lobe(const BoundaryPoint& at, const SurfaceBoundary& entered, float cos_i) {
+  return (1.0f - reflectance(entered, cos_i)) * exit_distribution(at.boundary, at.wo.z);
+}
 
 }  // namespace
 
@@ -35,22 +46,129 @@ bool leaves_by_its_side(const SurfacePoint& point, const Vec3f& direction, const
   return local.z * dot(direction, point.geometric_normal) > 0.0f;
 }
 
+float BoundaryPoint::specular_chance(float base_reflectance) const {
+  if (boundary.count == 0) return 0.0f;
+  const float mirrored = reflectance(boundary, wo.z);
+  const float base = (1.0f - mirrored) * base_reflectance;
+  return std::clamp(mirrored / (mirrored + base + 1e-6f), 0.1f, 0.9f);
+}
+
+// Diffuse
+
+template <int N>
+BaseValue<N> DiffuseBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi,
+                                      PixelSamples&) const {
+  if (wi.z < 0.0f) return {};
+  return {diffuse_lobe(at, at.boundary, wi.z) * reflectance, pdf(wi)};
+}
+
+template <int N>
+std::optional<BaseSample<N>> DiffuseBase<N>::sample(const BoundaryPoint&, float, float, Vec2f u2,
+                                                    PixelSamples&) const {
+  return BaseSample<N>{.wi = sample_cosine_hemisphere(u2), .value = {}, .delta_weight = {}};
+}
+
+template <int N>
+float DiffuseBase<N>::pdf(const Vec3f& wi) const {
+  return std::max(wi.z, 0.0f) / pi;
+}
+
+template <int N>
+float DiffuseBase<N>::estimate(const BoundaryPoint& at, const Vec3f& wi) const {
+  return wi.z < 0.0f ? 0.0f : brightness(reflectance) * diffuse_lobe(at, at.boundary, wi.z);
+}
+
+// Layers
+
+template <int N>
+BaseValue<N> LayeredBase<N>::evaluate(const BoundaryPoint&, const Vec3f& wi,
+                                      PixelSamples& samples) const {
+  const auto value = layers->evaluate(wi, samples);
+  return {value.bsdf, value.pdf};
+}
+
+template <int N>
+std::optional<BaseSample<N>> LayeredBase<N>::sample(const BoundaryPoint& at, float u, float chance,
+                                                    Vec2f u2, PixelSamples& samples) const {
+  float v = u / chance;
+  if (v < mirrored_chance)
+    return BaseSample<N>{.wi = {-at.wo.x, -at.wo.y, at.wo.z},
+                         .value = {},
+                         .delta_weight = (1.0f / (mirrored_chance * chance)) * mirrored};
+  v = (v - mirrored_chance) / (1.0f - mirrored_chance);
+  const auto drawn = layers->sample(std::min(v, 0x1.fffffep-1f), u2, samples);
+  if (!(drawn.value.pdf > 0.0f)) return std::nullopt;
+  return BaseSample<N>{
+      .wi = drawn.wi, .value = BaseValue<N>{drawn.value.bsdf, drawn.value.pdf}, .delta_weight = {}};
+}
+
+template <int N>
+float LayeredBase<N>::pdf(const Vec3f& wi) const {
+  return std::max(wi.z, 0.0f) / pi;
+}
+
+template <int N>
+float LayeredBase<N>::estimate(const BoundaryPoint&, const Vec3f& wi) const {
+  return wi.z < 0.0f ? 0.0f : brightness(reflectance) * (1.0f / pi);
+}
+
+// Thin sheets
+
+template <int N>
+float SheetBase<N>::lobe(const BoundaryPoint& at, const Vec3f& wi) const {
+  return diffuse_lobe(at, wi.z > 0.0f ? at.boundary : beyond, std::abs(wi.z));
+}
+
+template <int N>
+float SheetBase<N>::beyond_chance() const {
+  const float t = sum(transmittance);
+  return t > 0.0f ? std::clamp(t / (t + sum(reflectance)), 0.05f, 0.95f) : 0.0f;
+}
+
+template <int N>
+BaseValue<N> SheetBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi, PixelSamples&) const {
+  const float cos_o = at.wo.z;
+  const BandValues<N> scattered = wi.z > 0.0f ? sheet->reflection(place, side, wi.z, cos_o)
+                                              : sheet->transmission(place, 1 - side, -wi.z, cos_o);
+  return {lobe(at, wi) * (color * scattered), pdf(wi)};
+}
+
+template <int N>
+std::optional<BaseSample<N>> SheetBase<N>::sample(const BoundaryPoint&, float u, float chance,
+                                                  Vec2f u2, PixelSamples&) const {
+  Vec3f wi = sample_cosine_hemisphere(u2);
+  if (u < chance * beyond_chance()) wi.z = -wi.z;
+  return BaseSample<N>{.wi = wi, .value = {}, .delta_weight = {}};
+}
+
+template <int N>
+float SheetBase<N>::pdf(const Vec3f& wi) const {
+  const float chance = beyond_chance();
+  return (wi.z > 0.0f ? 1.0f - chance : chance) * std::abs(wi.z) / pi;
+}
+
+template <int N>
+float SheetBase<N>::estimate(const BoundaryPoint& at, const Vec3f& wi) const {
+  return brightness(wi.z < 0.0f ? transmittance : reflectance) * lobe(at, wi);
+}
+
 template <int N>
 PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& point,
-                                 const Vec3f& towards_eye) {
+                                 const Vec3f& towards_eye, bool is_from_eye) {
   const ThinSheet<N>* sheet = world.sheets[point.material].get();
   const bool is_inside = dot(point.geometric_normal, towards_eye) < 0.0f;
-  PathSurface<N> surface{.point = point,
-                         .boundary = boundary_at(world.scene, point, sheet && is_inside)};
-  SurfacePoint& p = surface.point;
+  PathSurface<N> surface{
+      .at = {.point = point, .boundary = boundary_at(world.scene, point, sheet && is_inside)},
+      .base = DiffuseBase<N>{}};
+  SurfacePoint& p = surface.at.point;
   if (is_inside) {
     p.geometric_normal = -p.geometric_normal;
     p.smooth_normal = -p.smooth_normal;
     p.normal = -p.normal;
   }
   p.normal = make_visible(p.normal, towards_eye);
-  surface.frame = make_frame(p.normal);
-  surface.wo = surface.frame.to_local(towards_eye);
+  surface.at.frame = make_frame(p.normal);
+  surface.at.wo = surface.at.frame.to_local(towards_eye);
   const auto& material = world.scene.scene->materials[p.material];
   const auto color_of = [&](const ColorParameter& parameter) {
     const Vec3f c = world.scene.textures.color(parameter, p);
@@ -58,75 +176,47 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
         {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)});
   };
   if (const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) {
-    surface.reflectance = color_of(diffuse->color);
+    surface.base = DiffuseBase<N>{color_of(diffuse->color)};
   } else if (sheet) {
-    surface.sheet = sheet;
-    surface.place = sheet->place_at(world.scene.textures, p);
-    surface.side = is_inside ? 1 : 0;
-    surface.color = color_of(std::get<ThinSurface>(material.surface).color);
-    surface.beyond = boundary_at(world.scene, point, !is_inside);
-    const auto at = sheet->fractions(surface.place, surface.side, surface.wo.z);
-    surface.reflectance = surface.color * at.reflected;
-    surface.transmittance = surface.color * at.transmitted;
-  } else if (const auto* transport = world.transports[p.material].get()) {
-    surface.reflectance = transport->local_reflectance(p);
-    if (!is_inside) surface.transport = transport;  // the inner side of an open mesh is diffuse
+    const auto place = sheet->place_at(world.scene.textures, p);
+    const int side = is_inside ? 1 : 0;
+    const BandValues<N> color = color_of(std::get<ThinSurface>(material.surface).color);
+    const auto fractions = sheet->fractions(place, side, surface.at.wo.z);
+    surface.base = SheetBase<N>{.reflectance = color * fractions.reflected,
+                                .transmittance = color * fractions.transmitted,
+                                .sheet = sheet,
+                                .place = place,
+                                .side = side,
+                                .color = color,
+                                .beyond = boundary_at(world.scene, point, !is_inside)};
+  } else if (const auto* method = world.transports[p.material].get()) {
+    const BandValues<N> reflectance = method->local_reflectance(p);
+    if (is_from_eye && !is_inside)
+      surface.base = TranslucentBase<N>{reflectance, method};
+    else
+      surface.base = DiffuseBase<N>{reflectance};
   } else if (const auto* layered = world.layered[p.material].get()) {
-    surface.layered = layered->at(p, surface.boundary, surface.wo);
-    surface.reflectance = surface.layered->reflectance();
-    surface.mirrored = surface.layered->mirrored_inside();
-    const float mirrored = sum(surface.mirrored);
-    surface.mirrored_chance = mirrored / (mirrored + sum(surface.reflectance) + 1e-6f);
+    LayeredBase<N> base{.reflectance = {},
+                        .layers = layered->at(p, surface.at.boundary, surface.at.wo),
+                        .mirrored = {}};
+    base.reflectance = base.layers->reflectance();
+    base.mirrored = base.layers->mirrored_inside();
+    const float mirrored = sum(base.mirrored);
+    base.mirrored_chance = mirrored / (mirrored + sum(base.reflectance) + 1e-6f);
+    surface.base = std::move(base);
   }
   return surface;
 }
 
-template <int N>
-float base_lobe(const PathSurface<N>& surface, const Vec3f& wi) {
-  if (wi.z < 0.0f && !surface.sheet) return 0.0f;
-  if (surface.layered) return 1.0f / pi;  // to weigh lights; the bsdf itself is not for that
-  const float entering =
-      1.0f - reflectance(wi.z > 0.0f ? surface.boundary : surface.beyond, std::abs(wi.z));
-  return entering * exit_distribution(surface.boundary, surface.wo.z);
-}
-
-template <int N>
-BandValues<N> base_color(const PathSurface<N>& surface, const Vec3f& wi) {
-  if (!surface.sheet) return surface.reflectance;
-  const float cos_o = surface.wo.z;
-  return surface.color *
-         (wi.z > 0.0f ? surface.sheet->reflection(surface.place, surface.side, wi.z, cos_o)
-                      : surface.sheet->transmission(surface.place, 1 - surface.side, -wi.z, cos_o));
-}
-
-template <int N>
-float pdf_base(const PathSurface<N>& surface, const Vec3f& wi) {
-  const float beyond = surface.beyond_chance();
-  return (wi.z > 0.0f ? 1.0f - beyond : beyond) * std::abs(wi.z) / pi;
-}
-
-template <int N>
-float specular_chance(const PathSurface<N>& surface) {
-  if (surface.boundary.count == 0) return 0.0f;
-  const float mirrored = reflectance(surface.boundary, surface.wo.z);
-  const float base = (1.0f - mirrored) * largest(surface.reflectance + surface.transmittance);
-  return std::clamp(mirrored / (mirrored + base + 1e-6f), 0.1f, 0.9f);
-}
-
-template PathSurface<4> make_path_surface(const PathWorld<4>&, const SurfacePoint&, const Vec3f&);
-template float base_lobe(const PathSurface<4>&, const Vec3f&);
-template BandValues<4> base_color(const PathSurface<4>&, const Vec3f&);
-template float pdf_base(const PathSurface<4>&, const Vec3f&);
-template float specular_chance(const PathSurface<4>&);
-template PathSurface<8> make_path_surface(const PathWorld<8>&, const SurfacePoint&, const Vec3f&);
-template float base_lobe(const PathSurface<8>&, const Vec3f&);
-template BandValues<8> base_color(const PathSurface<8>&, const Vec3f&);
-template float pdf_base(const PathSurface<8>&, const Vec3f&);
-template float specular_chance(const PathSurface<8>&);
-template PathSurface<16> make_path_surface(const PathWorld<16>&, const SurfacePoint&, const Vec3f&);
-template float base_lobe(const PathSurface<16>&, const Vec3f&);
-template BandValues<16> base_color(const PathSurface<16>&, const Vec3f&);
-template float pdf_base(const PathSurface<16>&, const Vec3f&);
-template float specular_chance(const PathSurface<16>&);
+#define LAMINA_INSTANTIATE(N)                                                         \
+  template struct DiffuseBase<N>;                                                     \
+  template struct LayeredBase<N>;                                                     \
+  template struct SheetBase<N>;                                                       \
+  template PathSurface<N> make_path_surface(const PathWorld<N>&, const SurfacePoint&, \
+                                            const Vec3f&, bool)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina
