@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "lamina/core/random.h"
+
 namespace lamina {
 
 /// A number that follows from a row of values: a checksum, or a key to find things by.
@@ -46,12 +48,26 @@ class Hash {
 
  private:
   void add_word(std::uint64_t word) {
-    value_ = (value_ ^ word) + 0x9e3779b97f4a7c15u;
-    value_ = (value_ ^ (value_ >> 30)) * 0xbf58476d1ce4e5b9u;
-    value_ = (value_ ^ (value_ >> 27)) * 0x94d049bb133111ebu;
-    value_ ^= value_ >> 31;
+    std::uint64_t state = value_ ^ word;
+    value_ = Random::splitmix(state);
   }
   std::uint64_t value_ = 0;
 };
+
+/// A number for a cell of a lattice in space, to keep cells in a table of a power of two slots.
+[[nodiscard]] inline std::uint32_t hash_cell(std::int32_t x, std::int32_t y, std::int32_t z) {
+  const auto word = [](std::int32_t i) { return static_cast<std::uint32_t>(i); };
+  std::uint32_t h = word(x) * 0x8da6b343u ^ word(y) * 0xd8163841u ^ word(z) * 0xcb1ab31fu;
+  h ^= h >> 15;
+  h *= 0x2c1b3c6du;
+  return h ^ (h >> 13);
+}
+
+/// A key for a cell of a lattice in space, such as the index of a stream of random numbers.
+[[nodiscard]] inline std::uint64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
+         static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^
+         static_cast<std::uint64_t>(z) * 0x165667b19e3779f9u;
+}
 
 }  // namespace lamina

@@ -11,14 +11,13 @@
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/mesh_orientation.h"
 #include "lamina/mesh/mesh_subdivision.h"
 #include "lamina/mesh/mesh_triangulation.h"
 
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
 
 Vec3f to_unit_float(const Vec3& v) {
   const Vec3 n = normalize(v);

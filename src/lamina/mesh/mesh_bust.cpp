@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/mesh_shapes.h"
 
 namespace lamina {
@@ -90,10 +91,6 @@ double bust(const Vec3& point) {
 constexpr Vec3 low{-1.3, -1.2, -1.35}, high{1.3, 2.75, 1.15};  // a box around it
 constexpr double bottom = -1.15, top = 2.65;
 
-Vec3f to_float(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 }  // namespace
 
 PolygonMesh make_bust(double height, int tessellation) {
@@ -149,8 +146,8 @@ PolygonMesh make_bust(double height, int tessellation) {
     add_face(mesh, face, 0);
   };
 
-  // Marching tetrahedra [DoiKoide1991]: each cell is cut into six around its diagonal, which meet their
-  // neighbours face to face, so that the surface is closed.
+  // Marching tetrahedra [DoiKoide1991]: each cell is cut into six around its diagonal, which meet
+  // their neighbours face to face, so that the surface is closed.
   std::array<std::size_t, 3> order = {0, 1, 2};
   do {
     for (std::size_t z = 0; z + 1 < size[2]; ++z)

@@ -6,12 +6,11 @@
 #include <set>
 #include <utility>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/mesh_edges.h"
 
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
 
 struct Box {
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};

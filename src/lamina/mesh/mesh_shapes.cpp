@@ -8,16 +8,12 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "lamina/core/vec_precision.h"
+
 namespace lamina {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-Vec3f to_float(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-Vec2f to_float(const Vec2& v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 
 PolygonMesh named(const char* name) {
   PolygonMesh mesh;

@@ -8,16 +8,11 @@
 #include <tuple>
 #include <utility>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/internal/mesh_borders.h"
 
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
-
-Vec3f to_float(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 /// For each position the index of the first one that equals it.
 std::vector<std::uint32_t> first_equal_positions(std::span<const Vec3f> positions) {

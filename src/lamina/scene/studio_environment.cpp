@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/smooth_step.h"
 #include "lamina/core/vec.h"
 
 namespace lamina {
@@ -27,11 +28,6 @@ constexpr std::array<SoftBox, 5> boxes{{
     {{0.86, 0.05, 0.51}, 0.60, 0.65, {0.36, 0.38, 0.42}, 0.6},  // fill
     {{0.05, 1.0, -0.15}, 0.38, 0.24, {2.0, 2.0, 2.0}, 0.6},     // overhead
 }};
-
-double smooth_step(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 Vec3 light_of(const SoftBox& box, const Vec3& direction) {
   const Vec3 forward = normalize(box.direction);

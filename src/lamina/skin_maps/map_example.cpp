@@ -9,17 +9,13 @@
 #include <numeric>
 
 #include "lamina/core/random.h"
+#include "lamina/core/smooth_step.h"
 
 namespace lamina {
 namespace {
 
 constexpr double fine_transition = 0.1;  // from tile to tile, in tiles
 constexpr double coarse_detail = 0.3;    // spread of the blur that parts the bands, in tiles
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
 
 double normal_share_below(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 

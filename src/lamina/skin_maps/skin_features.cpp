@@ -6,15 +6,12 @@
 #include <numbers>
 
 #include "lamina/core/random.h"
+#include "lamina/core/smooth_step.h"
+#include "lamina/image/bilinear.h"
 #include "lamina/skin_maps/internal/skin_canvas.h"
 
 namespace lamina {
 namespace {
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
 
 /// Smooth noise of mean 0 and variance about 1 whose features are `size` apart: cubic blends of
 /// random numbers on a lattice, three octaves.
@@ -223,16 +220,8 @@ void mix_in(double& amount, double& composition, double added, double compositio
 
 double ink_at(const Image& image, double u, double v) {
   if (!(0.0 <= u && u < 1.0 && 0.0 <= v && v < 1.0)) return 0.0;
-  // bilinear, clamped at the edges
-  const double x = u * image.width - 0.5, y = v * image.height - 0.5;
-  const double left = std::floor(x), top = std::floor(y);
-  const auto at = [&](double i, double j) {
-    return static_cast<double>(*image.at(std::clamp(static_cast<int>(i), 0, image.width - 1),
-                                         std::clamp(static_cast<int>(j), 0, image.height - 1)));
-  };
-  const double s = x - left, t = y - top;
-  return (1 - t) * ((1 - s) * at(left, top) + s * at(left + 1, top)) +
-         t * ((1 - s) * at(left, top + 1) + s * at(left + 1, top + 1));
+  return bilinear_clamped(u * image.width, v * image.height, image.width, image.height)
+      .interpolate([&](int x, int y) { return static_cast<double>(*image.at(x, y)); });
 }
 
 double share_left(const PressedDisc& disc, double distance, double raggedness) {

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "lamina/core/hash.h"
+
 namespace lamina {
 namespace {
 
@@ -48,12 +50,7 @@ PointGrid::PointGrid(std::span<const Place> places, float reach)
 }
 
 std::size_t PointGrid::slot(std::int32_t x, std::int32_t y, std::int32_t z) const {
-  const auto word = [](std::int32_t i) { return static_cast<std::uint32_t>(i); };
-  std::uint32_t h = word(x) * 0x8da6b343u ^ word(y) * 0xd8163841u ^ word(z) * 0xcb1ab31fu;
-  h ^= h >> 15;
-  h *= 0x2c1b3c6du;
-  h ^= h >> 13;
-  return h & (first_.size() - 2);
+  return hash_cell(x, y, z) & (first_.size() - 2);
 }
 
 PointGrid::Near PointGrid::near(const Vec3f& position, const Vec3f& normal) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/image/bilinear.h"
 #include "lamina/spectrum/color.h"
 #include "lamina/surface/noise.h"
 
@@ -18,11 +19,6 @@ std::array<std::size_t, 3> color_channels(const Image& image) {
   };
   if (image.channel_count() < 3) return {0, 0, 0};
   return {find("R", 0), find("G", 1), find("B", 2)};
-}
-
-int wrap(int i, int size) {
-  const int rest = i % size;
-  return rest < 0 ? rest + size : rest;
 }
 
 /// Height in mm of a bump map moved by a step on the surface.
@@ -117,17 +113,9 @@ Vec3f TextureStore::texel(const Pyramid& pyramid, std::size_t level, int x, int 
 
 Vec3f TextureStore::bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv) const {
   const int w = pyramid.levels[level].width, h = pyramid.levels[level].height;
-  const float x = uv.x * static_cast<float>(w) - 0.5f;
-  const float y = (1.0f - uv.y) * static_cast<float>(h) - 0.5f;
-  const float x_low = std::floor(x), y_low = std::floor(y);
-  const float fx = x - x_low, fy = y - y_low;
-  const int x0 = wrap(static_cast<int>(x_low), w), y0 = wrap(static_cast<int>(y_low), h);
-  const int x1 = x0 + 1 == w ? 0 : x0 + 1, y1 = y0 + 1 == h ? 0 : y0 + 1;
-  const Vec3f top =
-      (1.0f - fx) * texel(pyramid, level, x0, y0) + fx * texel(pyramid, level, x1, y0);
-  const Vec3f low =
-      (1.0f - fx) * texel(pyramid, level, x0, y1) + fx * texel(pyramid, level, x1, y1);
-  return (1.0f - fy) * top + fy * low;
+  return bilinear_repeated(uv.x * static_cast<float>(w), (1.0f - uv.y) * static_cast<float>(h), w,
+                           h)
+      .interpolate([&](int x, int y) { return texel(pyramid, level, x, y); });
 }
 
 Vec3f TextureStore::color(const ImageMap& map, const SurfacePoint& point) const {

@@ -8,14 +8,13 @@
 #include <unordered_map>
 #include <vector>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/mesh_edges.h"
 
 namespace lamina {
 namespace {
 
 constexpr double tolerance = 1e-6;  // of the mesh's longest side
-
-Vec3 to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
 
 double longest_side(const PolygonMesh& mesh) {
   double longest = 0.0;

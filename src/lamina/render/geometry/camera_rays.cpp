@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/core/vec_precision.h"
 
 namespace lamina {
 namespace {
@@ -78,8 +79,7 @@ Ray CameraRays::make_ray(int x, int y, PixelSamples& samples) const {
   }
   const Vec3 from = position_ + frame_.to_world(origin);
   const Vec3 to = normalize(frame_.to_world(direction));
-  return {{static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z)},
-          {static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(to.z)}};
+  return {to_float(from), to_float(to)};
 }
 
 }  // namespace lamina

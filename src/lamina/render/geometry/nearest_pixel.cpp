@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lamina/core/vec_precision.h"
+
 namespace lamina {
 
 float nearest_pixel(const Scene& scene, const CameraRays& camera, std::uint32_t material) {
@@ -13,10 +15,7 @@ float nearest_pixel(const Scene& scene, const CameraRays& camera, std::uint32_t 
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (mesh.material[t] != material) continue;
       for (const std::uint32_t corner : mesh.triangles[t]) {
-        const Vec3f& p = mesh.positions[corner];
-        const Vec3 offset =
-            Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)} -
-            scene.camera.position;
+        const Vec3 offset = to_double(mesh.positions[corner]) - scene.camera.position;
         nearest = std::min(nearest, dot(offset, offset));
       }
     }

@@ -11,8 +11,6 @@ constexpr int environment_halvings = 7;  // 128 clusters
 constexpr int area_light_cuts = 2;       // along either side
 constexpr int samples_of_cluster = 4;  // along either side, to find out how bright it is and where
 
-float brightness(const Vec3f& c) { return (c.x + c.y + c.z) / 3.0f; }
-
 }  // namespace
 
 void Lights::make_clusters() {
@@ -32,7 +30,7 @@ void Lights::make_clusters() {
   for (std::size_t i = far_clusters_[0].size(); i < clusters_.size(); ++i) {
     const DeltaLight& delta_light = delta_lights_[clusters_[i].light];
     const float values[] = {delta_light.where.x, delta_light.where.y, delta_light.where.z,
-                            brightness(delta_light.strength), 0.0f};
+                            mean_of_channels(delta_light.strength), 0.0f};
     for (std::size_t v = 0; v < 5; ++v) far_clusters_[v].push_back(values[v]);
   }
   add_delta_lights(false);
@@ -72,7 +70,7 @@ void Lights::split_environment(std::size_t light, Vec2f low, Vec2f size, int hal
   Vec3f middle;
   float flux = 0.0f, spread2 = 0.0f;
   const auto flux_of = [&](const Environment::Sample& d) {
-    return d.seen.pdf > 0.0f ? size.x * size.y * brightness(d.seen.radiance) /
+    return d.seen.pdf > 0.0f ? size.x * size.y * mean_of_channels(d.seen.radiance) /
                                    (d.seen.pdf * static_cast<float>(drawn.size()))
                              : 0.0f;
   };
@@ -120,7 +118,7 @@ LightClusters Lights::near_clusters(const Vec3f& position, NearLightClusters& st
     storage.x[count] = direction.x;
     storage.y[count] = direction.y;
     storage.z[count] = direction.z;
-    storage.flux[count] = facing * brightness(strength) / distance2;
+    storage.flux[count] = facing * mean_of_channels(strength) / distance2;
     storage.spread2[count] = area / (6.0f * distance2);  // of a square
     ++count;
   }

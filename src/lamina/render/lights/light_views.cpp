@@ -7,16 +7,13 @@
 #include <numbers>
 #include <variant>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/render/lights/internal/environment.h"
 
 namespace lamina {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-
-Vec3f to_float(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 /// Points spread evenly over the unit square: [Roberts2018]'s R2 sequence.
 Vec2f spread_point(int i) {

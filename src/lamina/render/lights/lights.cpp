@@ -5,16 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/vec_precision.h"
+
 namespace lamina {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-
-float brightness(const Vec3f& c) { return (c.x + c.y + c.z) / 3.0f; }
-
-Vec3f to_float(const Vec3& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
 
 /// A rectangle as seen from a point: its solid angle, and what sampling it evenly needs.
 /// Source: [Urena2013] §4.
@@ -67,10 +63,11 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
       const Vec3f where = to_float(point->position);
       const float d2 = std::max(dot(where - middle, where - middle), 0.25f * radius * radius);
-      delta_lights_.push_back({where, point->intensity, false, brightness(point->intensity) / d2});
+      delta_lights_.push_back(
+          {where, point->intensity, false, mean_of_channels(point->intensity) / d2});
     } else if (const auto* far_light = std::get_if<DirectionalLight>(&light)) {
       delta_lights_.push_back({normalize(to_float(far_light->direction)), far_light->irradiance,
-                               true, brightness(far_light->irradiance)});
+                               true, mean_of_channels(far_light->irradiance)});
     } else if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
       AreaLight area_light;
       area_light.edge_u = to_float(rectangle->edge_u);
@@ -88,7 +85,8 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
       area_light.radiance = rectangle->radiance;
       const Vec3f to_middle = middle - to_float(rectangle->center);
       const float d2 = std::max(dot(to_middle, to_middle), 0.25f * radius * radius);
-      area_light.probability = brightness(area_light.radiance) * std::min(area / d2, 2.0f * pi);
+      area_light.probability =
+          mean_of_channels(area_light.radiance) * std::min(area / d2, 2.0f * pi);
       area_lights_.push_back(area_light);
     } else {
       const auto& sky = std::get<EnvironmentLight>(light);
@@ -100,7 +98,7 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
       const Environment& environment = infinite_lights_.back().environment;
       infinite_lights_.back().probability = pi * environment.mean_sampled();
       typical_irradiance_ +=
-          pi * (brightness(environment.mean_radiance()) - environment.mean_sampled());
+          pi * (mean_of_channels(environment.mean_radiance()) - environment.mean_sampled());
     }
   }
   float total = 0.0f;
@@ -164,7 +162,7 @@ LightSample Lights::sample_infinite_light(const InfiniteLight& infinite_light, V
 /// an even sky, which they find well, takes no next-event estimation. Typical is at least the mean
 /// of the sky, so what is left to it can be sampled.
 float Lights::next_event_share_of(const Vec3f& radiance) const {
-  const float even = most_left * typical_irradiance_ / pi, whole = brightness(radiance);
+  const float even = most_left * typical_irradiance_ / pi, whole = mean_of_channels(radiance);
   return whole > even ? 1.0f - even / whole : 0.0f;
 }
 

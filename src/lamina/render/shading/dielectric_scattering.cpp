@@ -4,19 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/optics/rough/gaussian_surface.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-
-Vec3f to_float(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
 
 GaussianSurface gaussian_surface(const RoughInterface<double>& interface) {
   return {.smoothness = 2.0 / interface.facets.alpha, .eta = interface.eta};

@@ -23,13 +23,14 @@ class LightGatherer {
   [[nodiscard]] virtual BandValues<N> entering_irradiance(const SurfacePoint& entry,
                                                           PixelSamples& samples) const = 0;
 
-  /// Fraction of light that comes straight through between the start and a distance along a ray.
+  /// Shadow transmittance: the fraction of light that comes straight through between the start of a
+  /// ray and a distance along it.
   [[nodiscard]] virtual BandValues<N> shadow_transmittance(const Ray& ray,
                                                            float distance) const = 0;
 
   /// Radiance that comes along a ray from outside, from other surfaces and the sky, by one random
-  /// estimate. Of lights that the ray meets itself, what is sought (LightSeen::next_event_share) is
-  /// left out.
+  /// estimate. Of lights that the ray meets itself, what is left to next-event estimation
+  /// (LightSeen::next_event_share) is left out.
   [[nodiscard]] virtual BandValues<N> arriving_radiance(const Ray& ray,
                                                         PixelSamples& samples) const = 0;
 };

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "lamina/core/hash.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
 #include "lamina/surface/surface_point.h"
@@ -156,13 +157,7 @@ class SeedGrid {
     return {index(at.x), index(at.y), index(at.z)};
   }
   [[nodiscard]] std::size_t slot(const Cube& c) const {
-    const auto word = [](std::int32_t i) { return static_cast<std::uint32_t>(i); };
-    std::uint32_t h =
-        word(c[0]) * 0x8da6b343u ^ word(c[1]) * 0xd8163841u ^ word(c[2]) * 0xcb1ab31fu;
-    h ^= h >> 15;
-    h *= 0x2c1b3c6du;
-    h ^= h >> 13;
-    return h & (heads_.size() - 1);
+    return hash_cell(c[0], c[1], c[2]) & (heads_.size() - 1);
   }
 
   /// Steps to the cubes around one: itself, faces, edges, corners.
@@ -226,9 +221,8 @@ std::vector<std::vector<Piece>> make_pieces(const std::vector<Mesh>& meshes, std
       if (level > 0 && longest_edge(c) > field.width(level)) {
         const auto& [a, b, d] = piece.place;
         const Vec2f ab = 0.5f * (a + b), bd = 0.5f * (b + d), da = 0.5f * (d + a);
-        for (const std::array<Vec2f, 3>& place :
-             {std::array{a, ab, da}, std::array{ab, b, bd}, std::array{da, bd, d},
-              std::array{ab, bd, da}})
+        for (const std::array<Vec2f, 3>& place : {std::array{a, ab, da}, std::array{ab, b, bd},
+                                                  std::array{da, bd, d}, std::array{ab, bd, da}})
           open.push_back({.mesh = mesh, .triangle = t, .place = place, .part = ++parts});
         continue;
       }
@@ -330,8 +324,7 @@ std::vector<SurfaceCells> make_surface_cells(const std::vector<Mesh>& meshes,
   std::vector<SurfaceCells> cells;
   for (const std::vector<Piece>& pieces : make_pieces(meshes, material, field)) {
     const float spacing = field.spacing(static_cast<int>(cells.size()));
-    cells.push_back(
-        make_cells(meshes, cut_pieces(meshes, pieces, spacing, seed), spacing, seed));
+    cells.push_back(make_cells(meshes, cut_pieces(meshes, pieces, spacing, seed), spacing, seed));
   }
   return cells;
 }

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "lamina/core/hash.h"
 #include "lamina/core/random.h"
+#include "lamina/core/smooth_step.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
 #include "lamina/surface/noise.h"
 #include "lamina/surface/surface_point.h"
@@ -149,10 +151,7 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
         for (std::int64_t x = -1; x <= 1; ++x) {
           const std::int64_t kx = index(texel.position.x) + x, ky = index(texel.position.y) + y,
                              kz = index(texel.position.z) + z;
-          const auto key = static_cast<std::uint64_t>(kx) * 0x9e3779b97f4a7c15u ^
-                           static_cast<std::uint64_t>(ky) * 0xc2b2ae3d27d4eb4fu ^
-                           static_cast<std::uint64_t>(kz) * 0x165667b19e3779f9u;
-          Random random = make_random(seed, key);
+          Random random = make_random(seed, cell_key(kx, ky, kz));
           if (random.uniform() > expected) continue;
           const Vec3f middle = cube * Vec3f{static_cast<float>(kx) + random.uniform_float(),
                                             static_cast<float>(ky) + random.uniform_float(),

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "lamina/core/hash.h"
 #include "lamina/core/random.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
 #include "lamina/surface/point_grid.h"
@@ -24,11 +25,6 @@ std::vector<PointGrid::Place> scatter_tiles(const SurfaceCanvas& canvas, float s
   Random random = make_random(seed, 0);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.bits() % i]);
   const auto cube_of = [&](float x) { return static_cast<std::int64_t>(std::floor(x / spacing)); };
-  const auto key_of = [](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
-           static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu ^
-           static_cast<std::uint64_t>(z) * 0x165667b19e3779f9u;
-  };
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cubes;
   std::vector<PointGrid::Place> tiles;
   for (const std::uint32_t i : order) {
@@ -36,7 +32,7 @@ std::vector<PointGrid::Place> scatter_tiles(const SurfaceCanvas& canvas, float s
     const std::int64_t x = cube_of(texel.position.x), y = cube_of(texel.position.y),
                        z = cube_of(texel.position.z);
     const auto is_covered_from = [&](std::int64_t dx, std::int64_t dy, std::int64_t dz) {
-      const auto cube = cubes.find(key_of(x + dx, y + dy, z + dz));
+      const auto cube = cubes.find(cell_key(x + dx, y + dy, z + dz));
       return cube != cubes.end() && std::ranges::any_of(cube->second, [&](std::uint32_t t) {
                return length(tiles[t].position - texel.position) < spacing &&
                       dot(tiles[t].normal, texel.normal) > least_facing;
@@ -46,7 +42,7 @@ std::vector<PointGrid::Place> scatter_tiles(const SurfaceCanvas& canvas, float s
     for (std::int64_t n = 0; n < 27 && !is_covered; ++n)
       is_covered = is_covered_from(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     if (is_covered) continue;
-    cubes[key_of(x, y, z)].push_back(static_cast<std::uint32_t>(tiles.size()));
+    cubes[cell_key(x, y, z)].push_back(static_cast<std::uint32_t>(tiles.size()));
     tiles.push_back({texel.position, texel.normal});
   }
   return tiles;

@@ -25,15 +25,13 @@ float sample_linear(float a, float b, float u) {
   return std::clamp(u * (a + b) / std::max(a + root, 1e-30f), 0.0f, 1.0f);
 }
 
-float brightness(const Vec3f& c) { return (c.x + c.y + c.z) / 3.0f; }
-
 }  // namespace
 
 Environment::Environment(const Vec3f& radiance)
     : texels_{{radiance, 0.0f}},
       row_scale_{1.0f, 1.0f},
       mean_(radiance),
-      greatest_brightness_(brightness(radiance)) {}
+      greatest_brightness_(mean_of_channels(radiance)) {}
 
 Environment::Environment(const Image& image, const Vec3f& scale, float rotation)
     : width_(image.width),
@@ -63,10 +61,10 @@ Environment::Environment(const Image& image, const Vec3f& scale, float rotation)
     }
   }
   for (int c = 0; c < 3; ++c) mean_[c] = static_cast<float>(sum[c] / sum_of_solid_angles);
-  const float even_part = brightness(mean_);
+  const float even_part = mean_of_channels(mean_);
   for (Texel& texel : texels_) {
-    texel.weight = std::max(0.0f, brightness(texel.radiance) - even_part);
-    greatest_brightness_ = std::max(greatest_brightness_, brightness(texel.radiance));
+    texel.weight = std::max(0.0f, mean_of_channels(texel.radiance) - even_part);
+    greatest_brightness_ = std::max(greatest_brightness_, mean_of_channels(texel.radiance));
   }
 
   const int rows = height_ + 1;

@@ -9,6 +9,10 @@
 
 namespace lamina {
 
+[[nodiscard]] inline float mean_of_channels(const Vec3f& color) {
+  return (color.x + color.y + color.z) / 3.0f;
+}
+
 /// Light from far away in every direction: a latitude-longitude map, bilinear between its pixels.
 ///
 /// The top of the map is +y and its middle is -z, with +x to the right of it. Directions are drawn

@@ -3,16 +3,13 @@
 #include <numbers>
 #include <utility>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 #include "lamina/scattering/layered_bsdf/first_order-inl.h"
 #include "lamina/scattering/layered_bsdf/layered_walk.h"
 
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
 
 /// What crosses the boundary at a cosine, over what the smooth top of the layers lets through.
 template <int N>

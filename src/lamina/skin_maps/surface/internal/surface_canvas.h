@@ -37,11 +37,6 @@ void for_texels(const SurfaceCanvas& canvas, const Act& act) {
   });
 }
 
-inline float smooth_step(float x) {
-  x = std::clamp(x, 0.0f, 1.0f);
-  return x * x * (3.0f - 2.0f * x);
-}
-
 /// Axes on a surface around a point of it: z is its normal, y points as far up (+y of the mesh) as
 /// the surface lets it, and on level ground towards +z.
 [[nodiscard]] Framef upright_frame(const Vec3f& normal);

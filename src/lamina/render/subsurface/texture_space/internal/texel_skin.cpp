@@ -5,26 +5,19 @@
 #include <cmath>
 
 #include "lamina/core/parallel.h"
+#include "lamina/image/bilinear.h"
 
 namespace lamina {
 namespace {
 
 constexpr std::size_t chunk = 4096;
 
-int wrapped(int i, int size) {
-  i %= size;
-  return i < 0 ? i + size : i;
-}
-
 float bilinear(const Image& image, Vec2f uv) {
-  const float x = uv.x * static_cast<float>(image.width) - 0.5f;
-  const float y = (1.0f - uv.y) * static_cast<float>(image.height) - 0.5f;
-  const float x_low = std::floor(x), y_low = std::floor(y), fx = x - x_low, fy = y - y_low;
-  const int x0 = wrapped(static_cast<int>(x_low), image.width);
-  const int y0 = wrapped(static_cast<int>(y_low), image.height);
-  const int x1 = wrapped(x0 + 1, image.width), y1 = wrapped(y0 + 1, image.height);
-  return (1.0f - fy) * ((1.0f - fx) * *image.at(x0, y0) + fx * *image.at(x1, y0)) +
-         fy * ((1.0f - fx) * *image.at(x0, y1) + fx * *image.at(x1, y1));
+  const float x = uv.x * static_cast<float>(image.width);
+  const float y = (1.0f - uv.y) * static_cast<float>(image.height);
+  return bilinear_repeated(x, y, image.width, image.height).interpolate([&](int i, int j) {
+    return *image.at(i, j);
+  });
 }
 
 }  // namespace
@@ -73,8 +66,7 @@ CellAbsorption absorption_of(SkinParameters skin, std::span<const SkinMap> maps,
     constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
     result.upper.push_back(
         static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum))));
-    result.lower.push_back(
-        static_cast<float>(std::max(least, dermis_absorption(skin, spectrum))));
+    result.lower.push_back(static_cast<float>(std::max(least, dermis_absorption(skin, spectrum))));
     result.absorbance.push_back(static_cast<float>(junction * skin.junction_absorption));
   }
   return result;
