@@ -1,6 +1,6 @@
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 """What the pages say is so: their commands run, their C++ compiles, and every option, key, name,
-file, link and source that they mention exists.
+file, link and source that they mention exists. Comments name files and sources that exist, too.
 
 usage: docs_test.py LAMINA ROOT COMPILER [unittest's arguments]
 
@@ -316,16 +316,36 @@ class Links(unittest.TestCase):
             with self.subTest(str(file)):
                 self.assertTrue(file.resolve() in linked, "no page links to it")
 
+    def test_comments_name_files_and_sources_that_exist(self):
+        for folder in ("src", "cli", "tests", "tools"):
+            for file in (ROOT / folder).rglob("*"):
+                if file.suffix not in (".h", ".cpp"):
+                    continue
+                for number, line in enumerate(file.read_text().splitlines(), 1):
+                    comment = "" if line.startswith("#include") else line.partition("//")[2]
+                    for path in re.findall(r"(?<![\w./<\"])(?:docs/\w+\.md|[\w/]*\w{3}\.(?:h|cpp|py))\b", comment):
+                        with self.subTest(where(file, number)):
+                            self.assertTrue((ROOT / path).exists() or (ROOT / "src/lamina" / path).exists() or
+                                            (ROOT / "tests" / path).exists() or "/" not in path and
+                                            any(name.endswith(path) for name in names_of_files()), path)
+                    for key in re.findall(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)[,\]]", comment):
+                        with self.subTest(where(file, number)):
+                            self.assertTrue(key in known_sources(), f"not in references.bib: {key}")
+
     def test_every_source_is_in_the_list(self):
-        known = set(re.findall(r"^@\w+\{([\w-]+)", (ROOT / "docs/references.bib").read_text(), re.MULTILINE))
         for page in PAGES:
             for key in re.findall(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)[,\]]", prose(page)):
                 with self.subTest(str(page)):
-                    self.assertTrue(key in known, f"not in references.bib: {key}")
+                    self.assertTrue(key in known_sources(), f"not in references.bib: {key}")
 
 
 def rooms():
     return "|".join(sorted(room.name for room in (ROOT / "src/lamina").iterdir() if room.is_dir()))
+
+
+@functools.lru_cache(None)
+def known_sources():
+    return set(re.findall(r"^@\w+\{([\w-]+)", (ROOT / "docs/references.bib").read_text(), re.MULTILINE))
 
 
 @functools.lru_cache(None)
