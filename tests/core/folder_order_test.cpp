@@ -177,6 +177,17 @@ TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
       }
 }
 
+TEST(Command, NeedsTheRendererForRenderAlone) {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(fs::path(LAMINA_SOURCE_DIR) / "cli")) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("render_") || name == "CMakeLists.txt") continue;
+    ++files;
+    EXPECT_EQ(text_of(entry.path()).find("#include \"lamina/render/"), std::string::npos) << name;
+  }
+  EXPECT_GT(files, 20);
+}
+
 // Depth-first over modules: a header, its source and what of it is inline (-inl.h) are one. A
 // source may use an internal header of its own room that knows its header.
 TEST(Modules, IncludeOneAnotherInNoLoop) {
