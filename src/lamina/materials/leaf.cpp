@@ -10,7 +10,7 @@ namespace {
 
 constexpr double ior = 1.4, g = 0.8, palisade_scattering = 0.3;  // see leaf_layer_stack
 
-constexpr LeafParameterRange ranges[] = {
+constexpr LeafParameterRange leaf_ranges[] = {
     {"chlorophyll", &LeafParameters::chlorophyll, 0.0, 200.0},
     {"carotenoids", &LeafParameters::carotenoids, 0.0, 60.0},
     {"anthocyanins", &LeafParameters::anthocyanins, 0.0, 60.0},
@@ -23,7 +23,7 @@ constexpr LeafParameterRange ranges[] = {
 };
 
 void check(const LeafParameters& leaf) {
-  for (const LeafParameterRange& range : ranges) {
+  for (const LeafParameterRange& range : leaf_ranges) {
     const double value = leaf.*range.value;
     if (value >= range.low && value <= range.high) continue;
     PlainTextStream message;
@@ -35,7 +35,7 @@ void check(const LeafParameters& leaf) {
 
 }  // namespace
 
-std::span<const LeafParameterRange> leaf_parameter_ranges() { return ranges; }
+std::span<const LeafParameterRange> leaf_parameter_ranges() { return leaf_ranges; }
 
 double leaf_absorption(const LeafParameters& leaf, double wavelength) {
   return leaf.chlorophyll * interpolate(chlorophyll_absorption, wavelength) +

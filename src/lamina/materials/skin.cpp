@@ -27,7 +27,7 @@ double blood_absorption(double saturation, const SkinSpectrum& spectrum) {
   return saturation * spectrum.oxyhemoglobin + (1.0 - saturation) * spectrum.deoxyhemoglobin;
 }
 
-constexpr SkinParameterRange ranges[] = {
+constexpr SkinParameterRange skin_ranges[] = {
     {"melanin", &SkinParameters::melanin, 0.0, 0.5},
     {"melanin_blend", &SkinParameters::melanin_blend, 0.0, 1.0},
     {"hemoglobin_epidermis", &SkinParameters::hemoglobin_epidermis, 0.0, 0.05},
@@ -44,7 +44,7 @@ constexpr SkinParameterRange ranges[] = {
 };
 
 void check(const SkinParameters& skin) {
-  for (const SkinParameterRange& range : ranges) {
+  for (const SkinParameterRange& range : skin_ranges) {
     const double value = skin.*range.value;
     if (value >= range.low && value <= range.high) continue;
     if (std::isinf(value) && range.value == &SkinParameters::dermis_thickness) continue;
@@ -59,7 +59,7 @@ bool has_junction(const SkinParameters& skin) { return skin.junction_absorption 
 
 }  // namespace
 
-std::span<const SkinParameterRange> skin_parameter_ranges() { return ranges; }
+std::span<const SkinParameterRange> skin_parameter_ranges() { return skin_ranges; }
 
 double eumelanin_absorption(double wavelength) { return 6.6e10 * std::pow(wavelength, -3.33); }
 
@@ -130,7 +130,7 @@ double junction_factor(const SkinParameters& skin, double wavelength) {
   const auto& points = skin.junction_spectrum;
   if (points.empty()) return 1.0;
   const auto above =
-      std::ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
+      std::skin_ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
   if (above == points.begin()) return points.front()[1];
   if (above == points.end()) return points.back()[1];
   const auto& [nm, factor] = *(above - 1);

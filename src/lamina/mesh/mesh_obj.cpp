@@ -11,7 +11,7 @@
 namespace lamina {
 namespace {
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f'; }
+constexpr bool is_blank_in_line(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f'; }
 
 /// The words of a line, one after another.
 class Words {
@@ -22,7 +22,7 @@ class Words {
   std::string_view next() {
     skip_blanks();
     std::size_t end = 0;
-    while (end < rest_.size() && !is_blank(rest_[end])) ++end;
+    while (end < rest_.size() && !is_blank_in_line(rest_[end])) ++end;
     const std::string_view word = rest_.substr(0, end);
     rest_.remove_prefix(end);
     return word;
@@ -31,13 +31,13 @@ class Words {
   /// All that is left, without blanks around it.
   std::string_view rest() {
     skip_blanks();
-    while (!rest_.empty() && is_blank(rest_.back())) rest_.remove_suffix(1);
+    while (!rest_.empty() && is_blank_in_line(rest_.back())) rest_.remove_suffix(1);
     return rest_;
   }
 
  private:
   void skip_blanks() {
-    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
+    while (!rest_.empty() && is_blank_in_line(rest_.front())) rest_.remove_prefix(1);
   }
   std::string_view rest_;
 };
@@ -53,7 +53,7 @@ class ObjReader {
       std::string_view line = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       ++line_;
-      while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+      while (!line.empty() && is_blank_in_line(line.back())) line.remove_suffix(1);
       if (!line.empty() && line.back() == '\\') {
         joined += line.substr(0, line.size() - 1);
         joined += ' ';

@@ -9,7 +9,7 @@ namespace lamina {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double tick_size = 10.0, label_size = 12.0;
+constexpr double polar_tick_size = 10.0, polar_label_size = 12.0;
 
 /// The disc, or its upper half, on the page; room for the labels of the angles is inside `data`.
 struct Disc {
@@ -98,7 +98,7 @@ void draw_rings_and_spokes(SvgCanvas& canvas, const PreparedPanel& prepared, con
     const bool is_middle = anchor == TextAnchor::middle || std::abs(degrees) == 90;
     const double shift = is_middle ? 0.0 : degrees > 0 ? -4.0 : 4.0;
     canvas.text(label.x + shift, label.y + 3.6, std::to_string(from_normal) + "°",
-                {.size = tick_size, .anchor = anchor, .color = "#555555"});
+                {.size = polar_tick_size, .anchor = anchor, .color = "#555555"});
   }
 }
 
@@ -111,7 +111,7 @@ void draw_ring_labels(SvgCanvas& canvas, const PreparedPanel& prepared, const Di
     if (prepared.has_lower_half && fraction < 0.1) continue;
     canvas.text(
         disc.x + fraction * disc.radius, y, tick.label,
-        {.size = tick_size, .anchor = TextAnchor::middle, .color = "#555555", .has_halo = true},
+        {.size = polar_tick_size, .anchor = TextAnchor::middle, .color = "#555555", .has_halo = true},
         tick.exponent);
   }
 }
@@ -148,7 +148,7 @@ PreparedPanel prepare_polar(const PlotPanel& panel, const PageBox& data) {
   prepared.y_ticks = make_ticks(prepared.y, disc.radius, 34.0);
   prepared.left = prepared.right = 14.0;
   prepared.top = panel.title.empty() ? 8.0 : 30.0;
-  prepared.bottom = panel.y.label.empty() ? 8.0 : label_size + 12.0;
+  prepared.bottom = panel.y.label.empty() ? 8.0 : polar_label_size + 12.0;
   place_legend(prepared, data, {});
   return prepared;
 }
@@ -169,8 +169,8 @@ void draw_polar(SvgCanvas& canvas, const PreparedPanel& prepared, const PageBox&
     draw_chains(canvas, panel.curves[i], colors[i], chains_of(panel.curves[i], prepared, disc));
   draw_ring_labels(canvas, prepared, disc);
   const double label_y =
-      prepared.has_lower_half ? data.bottom() + label_size + 2.0 : disc.y + 22.0 + label_size;
-  canvas.text(disc.x, label_y, panel.y.label, {.size = label_size, .anchor = TextAnchor::middle});
+      prepared.has_lower_half ? data.bottom() + polar_label_size + 2.0 : disc.y + 22.0 + polar_label_size;
+  canvas.text(disc.x, label_y, panel.y.label, {.size = polar_label_size, .anchor = TextAnchor::middle});
   draw_legend(canvas, prepared, data);
 }
 

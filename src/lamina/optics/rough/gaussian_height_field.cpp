@@ -15,7 +15,7 @@
 namespace lamina {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double sample_gaussian(Random& random) {
   const double r = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));

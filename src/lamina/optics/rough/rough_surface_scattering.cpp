@@ -18,8 +18,8 @@ namespace {
 
 using detail::ScatteringTally;
 
-constexpr double pi = std::numbers::pi;
-constexpr int most_facets = 10'000;
+using std::numbers::pi;
+constexpr int most_facets_of_photon = 10'000;
 
 void check(const GaussianSurface& surface, double theta_i, ExitCells cells) {
   const auto require = [](bool holds, const std::string& rule, double given) {
@@ -68,7 +68,7 @@ void simulate_ray(const GaussianSurface& surface, const Vec3& wi, FacetVisibilit
   scatter(walk, normal, random);
   int order = 1;
   while (meets_facet(walk, lambda_of_ray(surface, visibility, walk.direction), random)) {
-    if (order == most_facets) return tally.leave(walk.direction, 0, weight);
+    if (order == most_facets_of_photon) return tally.leave(walk.direction, 0, weight);
     const double u1 = random.uniform(), u2 = random.uniform();
     normal = sample_visible_normal(facets, -walk.direction, u1, u2);
     scatter(walk, normal, random);

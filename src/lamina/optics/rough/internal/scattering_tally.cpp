@@ -8,7 +8,7 @@
 namespace lamina::detail {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::size_t size_of(ExitCells cells) {
   return static_cast<std::size_t>(cells.thetas) * static_cast<std::size_t>(cells.phis);
