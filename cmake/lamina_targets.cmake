@@ -7,15 +7,39 @@ target_compile_options(lamina_flags INTERFACE
   $<$<BOOL:${LAMINA_WARNINGS_AS_ERRORS}>:-Werror>
   -fno-math-errno -fno-trapping-math)  # without these, loops over exp, sqrt and floor do not vectorize
 
-# lamina_precompile(TARGET): what most files include, parsed once. Only for speed: every file names
-# what it needs, which builds without this option check.
-function(lamina_precompile target)
-  if(LAMINA_PRECOMPILE_HEADERS)
-    target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <filesystem> <functional>
-      <numbers> <optional> <span> <string> <variant> <vector>)
-    target_compile_options(${target} PRIVATE  # GCC 12 warns of its own headers once they are parsed
-      "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than>")
+# Fast builds: sources of a room are compiled a few at a time, and what most of them include is parsed
+# once for all rooms. Only for speed: every file names what it needs, and no two sources of a room
+# have the same name for different things, which builds without this option check.
+if(LAMINA_FAST_BUILD)
+  file(WRITE ${PROJECT_BINARY_DIR}/nothing.cpp "")
+  add_library(lamina_precompiled OBJECT ${PROJECT_BINARY_DIR}/nothing.cpp)
+  target_compile_features(lamina_precompiled PRIVATE cxx_std_20)
+  set_target_properties(lamina_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_link_libraries(lamina_precompiled PRIVATE lamina_flags)
+  target_precompile_headers(lamina_precompiled PRIVATE <algorithm> <array> <cmath> <filesystem>
+    <functional> <limits> <memory> <numbers> <optional> <span> <sstream> <string> <variant> <vector>)
+  target_compile_options(lamina_flags INTERFACE
+    -Wno-shadow  # of names in other sources
+    # GCC 12 warns of its own headers once they are parsed.
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than>")
+endif()
+
+# lamina_build_fast(TARGET): by the option LAMINA_FAST_BUILD.
+function(lamina_build_fast target)
+  if(NOT LAMINA_FAST_BUILD)
+    return()
   endif()
+  target_precompile_headers(${target} REUSE_FROM lamina_precompiled)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "[.]cpp$" AND EXISTS ${source})
+      file(STRINGS ${source} per_target REGEX "hwy/foreach_target.h")
+      if(per_target)  # compiled once per instruction set, by a name of its own
+        set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endif()
+  endforeach()
 endfunction()
 
 # lamina_library(NAME [FOLDERS f...] [SOURCES s...] [HEADERS h...] [LINKS l...] [PRIVATE_LINKS l...]):
@@ -41,7 +65,7 @@ function(lamina_library name)
     EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON VERIFY_INTERFACE_HEADER_SETS ON)
   target_link_libraries(lamina_${name} PUBLIC ${arg_LINKS}
     PRIVATE ${arg_PRIVATE_LINKS} $<BUILD_INTERFACE:lamina_flags>)
-  lamina_precompile(lamina_${name})
+  lamina_build_fast(lamina_${name})
   install(TARGETS lamina_${name} EXPORT lamina_targets FILE_SET HEADERS)
 endfunction()
 

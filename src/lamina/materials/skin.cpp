@@ -130,7 +130,7 @@ double junction_factor(const SkinParameters& skin, double wavelength) {
   const auto& points = skin.junction_spectrum;
   if (points.empty()) return 1.0;
   const auto above =
-      std::skin_ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
+      std::ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
   if (above == points.begin()) return points.front()[1];
   if (above == points.end()) return points.back()[1];
   const auto& [nm, factor] = *(above - 1);
