@@ -21,14 +21,14 @@ Vec2f spread_point(int i) {
   return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
-void add_views(const RectangleLight& lamp, int count, std::vector<LightView>& views) {
-  const Vec3f u = to_float(lamp.edge_u), v = to_float(lamp.edge_v), n = cross(u, v);
+void add_views(const RectangleLight& rectangle, int count, std::vector<LightView>& views) {
+  const Vec3f u = to_float(rectangle.edge_u), v = to_float(rectangle.edge_v), n = cross(u, v);
   const float area = length(n);
   if (!(area > 0.0f)) return;
   for (int i = 0; i < count; ++i) {
     const Vec2f at = spread_point(i);
-    views.push_back({.where = to_float(lamp.center) + (at.x - 0.5f) * u + (at.y - 0.5f) * v,
-                     .strength = (area / static_cast<float>(count)) * lamp.radiance,
+    views.push_back({.where = to_float(rectangle.center) + (at.x - 0.5f) * u + (at.y - 0.5f) * v,
+                     .strength = (area / static_cast<float>(count)) * rectangle.radiance,
                      .facing = n / area,
                      .parts = count});
   }
@@ -76,8 +76,8 @@ std::vector<LightView> make_light_views(const Scene& scene, int lamp_views, int 
       views.push_back({.where = normalize(to_float(far_light->direction)),
                        .is_far = true,
                        .strength = far_light->irradiance});
-    else if (const auto* lamp = std::get_if<RectangleLight>(&light))
-      add_views(*lamp, lamp_views, views);
+    else if (const auto* rectangle = std::get_if<RectangleLight>(&light))
+      add_views(*rectangle, lamp_views, views);
     else if (const auto& sky = std::get<EnvironmentLight>(light); sky.image)
       add_views(Environment(scene.images[*sky.image], sky.scale, sky.rotation), dome_views, views);
     else

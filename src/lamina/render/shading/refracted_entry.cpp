@@ -67,9 +67,9 @@ Derivatives derivatives(const Mesh& mesh, const BoundaryHit& entry, const Refrac
 
 /// @param find  direction to the boundary met, if any
 template <class Find>
-std::optional<RefractedEntry> search_entry(const RenderScene& scene, const Vec3f& inside, float ior,
-                                           const LightSample& light, const Vec3f& first,
-                                           const Find& find) {
+std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, const Vec3f& inside,
+                                                   float ior, const LightSample& light,
+                                                   const Vec3f& first, const Find& find) {
   const bool is_far = !std::isfinite(light.distance);
   const Vec3f light_position = is_far ? Vec3f{} : inside + light.distance * light.direction;
   auto found = find(first);
@@ -155,7 +155,7 @@ std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, cons
 std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
                                                    std::uint32_t material, float ior,
                                                    const LightSample& light, const Vec3f& first) {
-  return search_entry(scene, inside, ior, light, first, [&](const Vec3f& direction) {
+  return find_entry_by_newton(scene, inside, ior, light, first, [&](const Vec3f& direction) {
     return meet_boundary(scene, inside, direction, material);
   });
 }
@@ -163,7 +163,7 @@ std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, con
 std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, const Vec3f& inside,
                                                    const FindBoundary& find_boundary, float ior,
                                                    const LightSample& light, const Vec3f& first) {
-  return search_entry(scene, inside, ior, light, first, find_boundary);
+  return find_entry_by_newton(scene, inside, ior, light, first, find_boundary);
 }
 
 }  // namespace lamina
