@@ -56,11 +56,9 @@ void add_bsdf_command(CLI::App& app) {
       .group(rough)
       .show_default();
   command
-      .add_option("--visibility", options->visibility,
+      .add_choice("--visibility", options->visibility,
                   "of monte_carlo: xu_sun, as published, or smith, which loses no energy")
-      .group(rough)
-      .one_of({"xu_sun", "smith"})
-      .show_default();
+      .group(rough);
   command.add_option("--realizations", options->realizations, "surfaces made by height_field")
       .group(rough)
       .type_name("N")

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "lamina/optics/rough/rough_surface_scattering.h"
 #include "monte_carlo_method.h"
 
 namespace lamina::cli {
@@ -27,7 +28,7 @@ struct BsdfOptions {
   // rough_transmission
   double eta = 1.4;
   double smoothness = 3.0;
-  std::string visibility = "xu_sun";
+  FacetVisibility visibility = FacetVisibility::xu_sun;
   int realizations = 8;
 };
 

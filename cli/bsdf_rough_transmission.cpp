@@ -26,7 +26,7 @@ std::int64_t rays(const BsdfOptions& options) {
 }
 
 RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& method,
-                               const std::string& visibility) {
+                               FacetVisibility visibility) {
   const GaussianSurface surface{.smoothness = options.smoothness, .eta = options.eta};
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
@@ -34,12 +34,11 @@ RoughSurfaceScattering scatter(const BsdfOptions& options, const std::string& me
   const double theta_i = options.theta_i_deg * degree;
   if (method == "analytic") return analytic_scattering(surface, theta_i);
   if (method == "monte_carlo")
-    return simulate_scattering(
-        surface, theta_i,
-        {.rays = rays(options),
-         .seed = options.common.seed,
-         .visibility = visibility == "smith" ? FacetVisibility::smith : FacetVisibility::xu_sun,
-         .progress = make_progress("rays")});
+    return simulate_scattering(surface, theta_i,
+                               {.rays = rays(options),
+                                .seed = options.common.seed,
+                                .visibility = visibility,
+                                .progress = make_progress("rays")});
   if (method == "height_field")
     return trace_height_fields(surface, theta_i,
                                {.rays = rays(options),
@@ -79,7 +78,7 @@ JsonOutput to_json(const BsdfOptions& options, const std::string& method,
   json["eta"] = options.eta;
   json["smoothness"] = options.smoothness;
   json["theta_i_deg"] = options.theta_i_deg;
-  if (method == "monte_carlo") json["visibility"] = options.visibility;
+  if (method == "monte_carlo") json["visibility"] = name_of(options.visibility);
   json["theta_o_deg"] = centers_deg(thetas, 90.0);
   json["phi_o_deg"] = centers_deg(phis, 180.0);  // 0 is forward
   json["brdf"] = by_angles(result.brdf, phis);
@@ -207,10 +206,10 @@ void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
 
 void compare_methods(const BsdfOptions& options) {
   const std::vector<Named> all = {
-      {"analytic", scatter(options, "analytic", "")},
-      {"monte_carlo, xu_sun", scatter(options, "monte_carlo", "xu_sun")},
-      {"monte_carlo, smith", scatter(options, "monte_carlo", "smith")},
-      {"height_field", scatter(options, "height_field", "")}};
+      {"analytic", scatter(options, "analytic", {})},
+      {"monte_carlo, xu_sun", scatter(options, "monte_carlo", FacetVisibility::xu_sun)},
+      {"monte_carlo, smith", scatter(options, "monte_carlo", FacetVisibility::smith)},
+      {"height_field", scatter(options, "height_field", {})}};
   const RoughSurfaceScattering& truth = all.back().result;
   JsonOutput json = make_result("bsdf");
   json["model"] = "rough_transmission";

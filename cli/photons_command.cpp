@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "incidence_option.h"
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
@@ -62,24 +63,10 @@ void read_tallies(const PhotonsOptions& options, PhotonTallies& t) {
   }
 }
 
-Incidence read_incidence(const std::string& text) {
-  if (text == "normal") return {};
-  if (text == "diffuse") return {.is_diffuse = true};
-  double degrees = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
-  if (error != std::errc() || end != text.data() + text.size() ||
-      !(degrees >= 0.0 && degrees < 90.0))
-    throw InvalidInput(fmt::format(
-        "--incidence: must be normal, diffuse or an angle in [0, 90) degrees, but is \"{}\"",
-        text));
-  return {.theta = degrees * degree};
-}
-
 MonteCarloOptions read_options(const PhotonsOptions& options, std::size_t band) {
   MonteCarloOptions o = monte_carlo_options(options.effort, options.common, band);
-  o.incidence = read_incidence(options.incidence);
-  if (options.beam == "gaussian") o.beam = {Beam::Shape::gaussian, options.beam_radius};
-  if (options.beam == "flat") o.beam = {Beam::Shape::flat, options.beam_radius};
+  o.incidence = parse_incidence(options.incidence);
+  if (options.beam != Beam::Shape::pencil) o.beam = {options.beam, options.beam_radius};
   o.shard = read_shard(options.shard);
   o.max_events = options.max_events;
   read_tallies(options, o.tallies);
@@ -122,7 +109,7 @@ void check_options(const Command& command, const PhotonsOptions& options) {
     refuse("--plot", "needs --tally r or angle, which is not given");
   if (options.detectors.empty()) refuse("--detector-width", "needs --detector, which is not given");
   if (options.checkpoint.empty()) refuse("--resume", "needs --checkpoint FILE, which is not given");
-  if (options.beam == "pencil") refuse("--beam-radius", "needs --beam gaussian or flat");
+  if (options.beam == Beam::Shape::pencil) refuse("--beam-radius", "needs --beam gaussian or flat");
 }
 
 /// The bands of a material, one after the other.
@@ -185,10 +172,7 @@ void add_photons_command(CLI::App& app) {
   command.add_option("--incidence", options->incidence, "normal, diffuse or an angle in degrees")
       .group(light)
       .show_default();
-  command.add_option("--beam", options->beam, "pencil, gaussian or flat")
-      .group(light)
-      .one_of({"pencil", "gaussian", "flat"})
-      .show_default();
+  command.add_choice("--beam", options->beam, "irradiance over the surface").group(light);
   command.add_option("--beam-radius", options->beam_radius, "radius [mm]; gaussian: to 1/e^2")
       .length()
       .group(light);

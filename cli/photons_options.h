@@ -17,7 +17,7 @@ struct PhotonsOptions {
   MonteCarloEffort effort;
   std::string shard = "0/1";
   std::string incidence = "normal";
-  std::string beam = "pencil";
+  Beam::Shape beam = Beam::Shape::pencil;
   double beam_radius = 0.0;
   std::vector<std::string> tallies;
   int r_bins = 100, z_bins = 100, angles = 30, cosines = 10, azimuths = 18, path_bins = 100;

@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "incidence_option.h"
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
@@ -126,8 +127,7 @@ const std::vector<ProfileMethod>& profile_methods() {
 }
 
 JsonOutput profile_json(const Profile& profile) {
-  const bool entered = profile.per == ProfilePer::entered_flux;
-  return {{"per", entered ? "entered_flux" : "arriving_flux"},
+  return {{"per", name_of(profile.per)},
           {"r_mm", profile.r},
           {"reflectance_profile", table_json(profile.reflectance_profile, profile.bands)},
           {"transmittance_profile", table_json(profile.transmittance_profile, profile.bands)},
@@ -296,27 +296,13 @@ void save_plot(const std::string& file, const Material& material, const std::str
   save_svg(plot, file);
 }
 
-double parse_degrees(const std::string& text) {
-  std::size_t used = 0;
-  double degrees = -1.0;
-  try {
-    degrees = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used != text.size() || !(degrees >= 0.0 && degrees < 90.0))
-    throw InvalidInput(
-        "--incidence: normal, diffuse or an angle in [0, 90) degrees is required, but is " + text);
-  return degrees;
-}
-
 /// The other methods know the normal beam from above only, and so nothing to compare with.
 void require_radiative_transfer_for_illumination(const ProfileOptions& options) {
   const bool is_usual = options.incidence == "normal" && options.from == "above" &&
                         options.domain == "radius" && options.gaussians == 0;
   if (is_usual) return;
   if (options.incidence != "normal" && options.incidence != "diffuse")
-    (void)parse_degrees(options.incidence);
+    (void)parse_incidence_degrees(options.incidence);
   if (options.method != "radiative_transfer")
     throw InvalidInput(
         "--incidence, --from, --domain, --gaussians: --method must be radiative_transfer, but is " +
@@ -342,8 +328,8 @@ void run_profile(const ProfileOptions& options) {
         options.incidence);
   if (is_oblique) {
     return run_profile_oblique(material, options.from == "below" ? lit_from_below(stacks) : stacks,
-                               parse_degrees(options.incidence), options.grid, options.moments,
-                               head, options.common);
+                               parse_incidence_degrees(options.incidence), options.grid,
+                               options.moments, head, options.common);
   }
   if (options.domain == "frequency")
     return run_profile_frequency(material, options.grid, transfer_options(options), head,

@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "incidence_option.h"
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -89,23 +90,6 @@ const std::vector<SlabMethod>& slab_methods() {
                                                   {"diffusion", by_diffusion},
                                                   {"monte_carlo", by_monte_carlo}};
   return methods;
-}
-
-Incidence parse_incidence(const std::string& text) {
-  if (text == "normal") return {};
-  if (text == "diffuse") return {.is_diffuse = true};
-  std::size_t used = 0;
-  double degrees = -1.0;
-  try {
-    degrees = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used != text.size() || !(degrees >= 0.0 && degrees < 90.0))
-    throw InvalidInput(fmt::format(
-        "--incidence: normal, diffuse or an angle in [0, 90) degrees is required, but is {}",
-        text));
-  return {.theta = degrees * std::numbers::pi / 180.0};
 }
 
 JsonOutput totals_json(const std::vector<SlabTotals>& bands) {

@@ -29,8 +29,7 @@ double largest_fit_error(const StackTables& tables, const std::vector<Plane>& si
   for (std::size_t i = 0; i < sigma_a.size(); ++i) {
     const AbsorptionRange range = absorption_range(sigma_a[i], tables.grid);
     const LayerTables& layer = tables.layers[i];
-    for (const GaussianTable* table : {&layer.reflection_above, &layer.transmission_down,
-                                       &layer.reflection_below, &layer.transmission_up})
+    for (const GaussianTable* table : operator_tables(layer))
       for (std::size_t row = 0; row < table->error.size(); ++row) {
         const double at = row_absorption(tables.grid, static_cast<double>(row));
         if (range.lowest / 1.05 <= at && at <= range.highest * 1.05)

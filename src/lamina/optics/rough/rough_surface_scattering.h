@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/estimate.h"
 #include "lamina/core/progress.h"
 #include "lamina/optics/rough/gaussian_surface.h"
@@ -46,6 +47,10 @@ enum class FacetVisibility {
            ///< energy
   smith    ///< [Smith1967]: the Lambda that fits the slopes; conserves energy
 };
+
+template <>
+inline constexpr auto enum_names<FacetVisibility> = std::to_array<EnumName<FacetVisibility>>(
+    {{"xu_sun", FacetVisibility::xu_sun}, {"smith", FacetVisibility::smith}});
 
 struct WalkOptions {
   std::int64_t rays = 1'000'000;

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -70,6 +71,12 @@ struct LayerTables {
   GaussianTable reflection_above, transmission_down, reflection_below, transmission_up;
 };
 
+/// R+, T+, R-, T- of a layer.
+[[nodiscard]] inline std::array<const GaussianTable*, 4> operator_tables(const LayerTables& layer) {
+  return {&layer.reflection_above, &layer.transmission_down, &layer.reflection_below,
+          &layer.transmission_up};
+}
+
 /// A stack's tables.
 struct StackTables {
   GaussianTableGrid grid;
@@ -91,7 +98,7 @@ inline constexpr double highest_fitted_frequency = 200.0;
 /// Totals by radiative transfer are those of each layer alone between its neighbours' indices, lit
 /// normally (or evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light
 /// between layers is not even, by which the sum over layers errs by up to 5 %. So a half-space at
-/// the bottom gets the reflectance with which the whole stack is exact, for every absorption of its
+/// the bottom gets the reflectance with which the whole stack is right, for every absorption of its
 /// own and one of the layers above it.
 ///
 /// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm]; not used for the

@@ -5,56 +5,16 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 
 namespace lamina {
 namespace {
 
-enum Which { reflection_above, transmission_down, reflection_below, transmission_up };
-
-/// Light on a layer, and what some of its operators make of it.
-class Operators {
- public:
-  Operators(const HeterogeneousLayers& model, ProfileAt profile)
-      : model_(model), apply_(profile == ProfileAt::exit ? apply : apply_reciprocally) {}
-
-  [[nodiscard]] Plane one(std::size_t layer, Which which, const Plane& light) const {
-    const TransportLayer& at = model_.layers[layer];
-    const std::array<const MappedOperator*, 1> operators = {&at.operators[which]};
-    return std::move(apply_(model_.ladder, light, at.coordinate, operators)[0]);
-  }
-
-  [[nodiscard]] std::array<Plane, 2> both(std::size_t layer, Which first, Which second,
-                                          const Plane& light) const {
-    const TransportLayer& at = model_.layers[layer];
-    const std::array<const MappedOperator*, 2> operators = {&at.operators[first],
-                                                            &at.operators[second]};
-    std::vector<Plane> results = apply_(model_.ladder, light, at.coordinate, operators);
-    return {std::move(results[0]), std::move(results[1])};
-  }
-
- private:
-  const HeterogeneousLayers& model_;
-  std::vector<Plane> (*apply_)(const BlurLadder&, const Plane&, const Plane&,
-                               std::span<const MappedOperator* const>);
-};
-
-void add(Plane& sum, const Plane& more) {
-  if (sum.values.empty()) {
-    sum = more;
-    return;
-  }
-  for (std::size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += more.values[i];
-}
-
-void multiply(Plane& plane, const Plane& factor) {
-  for (std::size_t i = 0; i < plane.values.size(); ++i) plane.values[i] *= factor.values[i];
-}
-
-double total(const Plane& plane) {
-  return std::accumulate(plane.values.begin(), plane.values.end(), 0.0);
-}
+using detail::LayerOperator;
+using enum detail::LayerOperator;
 
 /// Totals of all operators along a row of texels, [layer][which][x]; empty where there is none.
 using RowTotals = std::vector<std::array<std::vector<float>, 4>>;
@@ -85,7 +45,7 @@ constexpr std::size_t most_junctions = 3;
 Local local_sweep(const RowTotals& totals, const std::vector<const float*>& junctions,
                   std::size_t x) {
   const std::size_t n = junctions.size();
-  const auto at = [&](std::size_t layer, Which which) {
+  const auto at = [&](std::size_t layer, LayerOperator which) {
     return static_cast<double>(totals[layer][which][x]);
   };
   Local sweep{};
@@ -172,6 +132,57 @@ void turn_round(const HeterogeneousLayers& model, const std::vector<Plane>& up, 
   }
 }
 
+/// Planes of texels, as detail::sum_interlayer_bounces takes them.
+class PlaneField {
+ public:
+  using Light = Plane;
+
+  PlaneField(const HeterogeneousLayers& model, ProfileAt profile)
+      : model_(model), apply_(profile == ProfileAt::exit ? apply : apply_reciprocally) {}
+
+  [[nodiscard]] std::size_t junctions() const { return model_.junctions.size(); }
+  [[nodiscard]] bool has_bottom() const {
+    return model_.layers.back().operators[transmission_down].powers > 0;
+  }
+  [[nodiscard]] Plane blur(std::size_t layer, LayerOperator which, const Plane& light) const {
+    return std::move(blurs(layer, std::array{which}, light)[0]);
+  }
+  [[nodiscard]] std::array<Plane, 2> blur(std::size_t layer, LayerOperator first,
+                                          LayerOperator second, const Plane& light) const {
+    std::vector<Plane> results = blurs(layer, std::array{first, second}, light);
+    return {std::move(results[0]), std::move(results[1])};
+  }
+  void multiply(Plane& light, std::size_t junction) const {
+    const std::vector<float>& factor = model_.junctions[junction].values;
+    for (std::size_t i = 0; i < factor.size(); ++i) light.values[i] *= factor[i];
+  }
+  void add(Plane& sum, Plane more) const {
+    if (sum.values.empty())
+      sum = std::move(more);
+    else
+      for (std::size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += more.values[i];
+  }
+  void close(std::vector<Plane>& down) const { lamina::close(model_, down); }
+  void turn_round(const std::vector<Plane>& up, Plane& arriving) const {
+    lamina::turn_round(model_, up, arriving);
+  }
+
+ private:
+  template <std::size_t K>
+  [[nodiscard]] std::vector<Plane> blurs(std::size_t layer,
+                                         const std::array<LayerOperator, K>& which,
+                                         const Plane& light) const {
+    const TransportLayer& at = model_.layers[layer];
+    std::array<const MappedOperator*, K> operators;
+    for (std::size_t k = 0; k < K; ++k) operators[k] = &at.operators[which[k]];
+    return apply_(model_.ladder, light, at.coordinate, operators);
+  }
+
+  const HeterogeneousLayers& model_;
+  std::vector<Plane> (*apply_)(const BlurLadder&, const Plane&, const Plane&,
+                               std::span<const MappedOperator* const>);
+};
+
 }  // namespace
 
 HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
@@ -194,8 +205,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
     const AbsorptionRange range = absorption_range(sigma_a[i], tables.grid);
     TransportLayer layer{absorption_coordinate(sigma_a[i], range), {}};
     const LayerTables& from = tables.layers[i];
-    const GaussianTable* each[] = {&from.reflection_above, &from.transmission_down,
-                                   &from.reflection_below, &from.transmission_up};
+    const auto each = operator_tables(from);
     for (std::size_t which = 0; which < 4; ++which)
       if (!each[which]->weights.empty())
         layer.operators[which] =
@@ -214,60 +224,23 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
                           const TransportOptions& options) {
   assert(irradiance.width == model.ladder.width && irradiance.height == model.ladder.height);
   constexpr int most_bounces = 100;
-  const Operators operators(model, options.profile);
-  const std::size_t n = model.junctions.size();
-  const bool has_bottom = model.layers.back().operators[transmission_down].powers > 0;
   TransportResult result;
-  Plane reflected, transmitted = make_plane(model.ladder.width, model.ladder.height);
-  if (n == 0) {
-    reflected = operators.one(0, reflection_above, irradiance);
-    if (has_bottom) transmitted = operators.one(0, transmission_down, irradiance);
-  } else {
-    std::vector<Plane> up(n), down(n);
-    {
-      auto [r, t] = operators.both(0, reflection_above, transmission_down, irradiance);
-      reflected = std::move(r);
-      down[0] = std::move(t);
-    }
-    Plane all_up;    // through the uppermost junction
-    Plane arriving;  // on the last layer, where it lets some through
-    double all_down = 0.0;
-    for (bool is_last = false; !is_last;) {
-      // Down: what has turned round, and what passes on from above.
-      for (std::size_t j = 0; j < n; ++j) {
-        if (j > 0) add(down[j], operators.one(j, transmission_down, down[j - 1]));
-        multiply(down[j], model.junctions[j]);
-      }
-      ++result.interlayer_bounces;
-      const double now = total(down[0]);
-      all_down += now;
-      result.last_bounce = all_down > 0.0 ? now / all_down : 0.0;
-      is_last = options.interlayer_bounces > 0
-                    ? result.interlayer_bounces >= options.interlayer_bounces
-                    : result.last_bounce < 1.0 - options.energy_threshold ||
-                          result.interlayer_bounces >= most_bounces;
-      if (has_bottom) add(arriving, down[n - 1]);
-      const bool closes = is_last && options.has_local_closure;
-      if (closes) close(model, down);
-      // Up again; of what comes up, a part turns round once more.
-      for (std::size_t j = n; j-- > 0;) {
-        up[j] = operators.one(j + 1, reflection_above, down[j]);
-        if (j + 1 < n) {
-          auto [r, t] = operators.both(j + 1, reflection_below, transmission_up, up[j + 1]);
-          down[j + 1] = std::move(r);
-          add(up[j], t);
-        }
-        multiply(up[j], model.junctions[j]);
-      }
-      add(all_up, up[0]);
-      if (closes && has_bottom) turn_round(model, up, arriving);
-      if (!is_last) down[0] = operators.one(0, reflection_below, up[0]);
-    }
-    add(reflected, operators.one(0, transmission_up, all_up));
-    if (has_bottom) transmitted = operators.one(n, transmission_down, arriving);
-  }
-  result.reflected = std::move(reflected);
-  result.transmitted = std::move(transmitted);
+  double all_down = 0.0;
+  const auto is_last = [&](const Plane& down) {
+    ++result.interlayer_bounces;
+    const double now = std::accumulate(down.values.begin(), down.values.end(), 0.0);
+    all_down += now;
+    result.last_bounce = all_down > 0.0 ? now / all_down : 0.0;
+    return options.interlayer_bounces > 0 ? result.interlayer_bounces >= options.interlayer_bounces
+                                          : result.last_bounce < 1.0 - options.energy_threshold ||
+                                                result.interlayer_bounces >= most_bounces;
+  };
+  auto light = detail::sum_interlayer_bounces(PlaneField(model, options.profile), irradiance,
+                                              options.has_local_closure, is_last);
+  result.reflected = std::move(light.reflected);
+  result.transmitted = light.transmitted.values.empty()
+                           ? make_plane(model.ladder.width, model.ladder.height)
+                           : std::move(light.transmitted);
   return result;
 }
 

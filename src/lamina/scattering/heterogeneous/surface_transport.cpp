@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 
 namespace lamina {
 namespace {
 
-enum Which { reflection_above, transmission_down, reflection_below, transmission_up };
+using detail::LayerOperator;
+using enum detail::LayerOperator;
 
 template <class Body>
 void for_cells(std::size_t count, const Body& body) {
@@ -43,8 +45,7 @@ void add_layer(int band, const StackTables& tables, const LayerTables& from,
   const AbsorptionRange range = absorption_range(values, tables.grid);
   const Plane coordinate = absorption_coordinate(values, range);
   for (std::size_t i = 0; i < sigma_a.size(); ++i) layer.coordinate[i][band] = coordinate.values[i];
-  const GaussianTable* each[] = {&from.reflection_above, &from.transmission_down,
-                                 &from.reflection_below, &from.transmission_up};
+  const auto each = operator_tables(from);
   for (std::size_t which = 0; which < 4; ++which)
     if (!each[which]->weights.empty())
       add_operator(band, make_mapped_operator(tables, *each[which], range, rungs, tolerance),
@@ -58,6 +59,71 @@ BandValues<N> total_at(const CellOperator<N>& op, const BandValues<N>& coordinat
   for (std::size_t p = op.powers - 1; p-- > 0;) total = total * coordinate + op.totals[p];
   return total;
 }
+
+/// Cells of a surface in all bands, as detail::sum_interlayer_bounces takes them.
+template <int N>
+class SurfaceField {
+ public:
+  using Light = CellField<N>;
+
+  explicit SurfaceField(const SurfaceLayers<N>& layers) : layers_(layers) {
+    if (has_thin_parts()) halves_ = spread_through(*layers.graph, layers.thin);
+  }
+
+  [[nodiscard]] std::size_t junctions() const { return 1; }
+  [[nodiscard]] Light blur(std::size_t layer, LayerOperator which, const Light& light) const {
+    const auto& at = layer == 0 ? layers_.upper : layers_.lower;
+    const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
+    if (layer == 0 || !has_thin_parts())
+      return std::move(apply<N>(*layers_.graph, light, at.coordinate, operators)[0]);
+    return blur_thin(operators, light);
+  }
+  [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
+                                          LayerOperator second, const Light& light) const {
+    const auto& at = layer == 0 ? layers_.upper : layers_.lower;
+    const std::array<const CellOperator<N>*, 2> operators = {&at.operators[first],
+                                                             &at.operators[second]};
+    auto both = apply<N>(*layers_.graph, light, at.coordinate, operators);
+    return {std::move(both[0]), std::move(both[1])};
+  }
+  void multiply(Light& light, std::size_t) const {
+    for_cells(light.size(), [&](std::size_t i) { light[i] *= layers_.junction[i]; });
+  }
+  void add(Light& sum, Light more) const {
+    if (sum.empty())
+      sum = std::move(more);
+    else
+      for_cells(sum.size(), [&](std::size_t i) { sum[i] += more[i]; });
+  }
+  void close(std::vector<Light>& down) const {
+    for_cells(down[0].size(), [&](std::size_t i) {
+      BandValues<N> again =
+          layers_.junction[i] * layers_.junction[i] *
+          total_at(layers_.upper.operators[reflection_below], layers_.upper.coordinate[i]) *
+          total_at(layers_.lower.operators[reflection_above], layers_.lower.coordinate[i]);
+      if (has_thin_parts()) again *= layers_.thin.reflectance[i];
+      down[0][i] = down[0][i] / (BandValues<N>::filled(1.0f) - again);
+    });
+  }
+
+ private:
+  [[nodiscard]] bool has_thin_parts() const { return !layers_.thin.far.empty(); }
+
+  /// What the lower layer returns, and what comes through it from the far sides.
+  [[nodiscard]] Light blur_thin(std::span<const CellOperator<N>* const> operators,
+                                const Light& light) const {
+    auto returned = apply<N>(*layers_.graph, light, layers_.lower.coordinate, operators, &halves_);
+    const Light through = apply<N>(*layers_.graph, pass_through(layers_.thin, returned[1]),
+                                   layers_.lower.coordinate, {}, &halves_)[0];
+    Light up = std::move(returned[0]);
+    for_cells(up.size(),
+              [&](std::size_t i) { up[i] = up[i] * layers_.thin.reflectance[i] + through[i]; });
+    return up;
+  }
+
+  const SurfaceLayers<N>& layers_;
+  CellMixture<N> halves_;  ///< where there are thin parts
+};
 
 }  // namespace
 
@@ -86,7 +152,7 @@ template <int N>
 CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers) {
   CellField<N> result(layers.junction.size());
   for_cells(result.size(), [&](std::size_t i) {
-    const auto upper = [&](Which which) {
+    const auto upper = [&](LayerOperator which) {
       return total_at(layers.upper.operators[which], layers.upper.coordinate[i]);
     };
     const BandValues<N> back =
@@ -103,57 +169,10 @@ template <int N>
 CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
                        int interlayer_bounces) {
   assert(interlayer_bounces >= 1 && irradiance.size() == layers.junction.size());
-  using Layer = typename SurfaceLayers<N>::Layer;
-  const auto one = [&](const Layer& layer, Which which, const CellField<N>& light) {
-    const std::array<const CellOperator<N>*, 1> operators = {&layer.operators[which]};
-    return std::move(apply<N>(*layers.graph, light, layer.coordinate, operators)[0]);
-  };
-  const auto cross = [&](CellField<N>& light) {
-    for_cells(light.size(), [&](std::size_t i) { light[i] *= layers.junction[i]; });
-  };
-  const bool has_thin_parts = !layers.thin.far.empty();
-  CellMixture<N> halves;
-  if (has_thin_parts) halves = spread_through(*layers.graph, layers.thin);
-  CellField<N> reflected, down, all_up;
-  {
-    const std::array<const CellOperator<N>*, 2> operators = {
-        &layers.upper.operators[reflection_above], &layers.upper.operators[transmission_down]};
-    auto both = apply<N>(*layers.graph, irradiance, layers.upper.coordinate, operators);
-    reflected = std::move(both[0]);
-    down = std::move(both[1]);
-  }
-  for (int bounce = 1; bounce <= interlayer_bounces; ++bounce) {
-    cross(down);
-    if (bounce == interlayer_bounces)
-      for_cells(down.size(), [&](std::size_t i) {
-        BandValues<N> again =
-            layers.junction[i] * layers.junction[i] *
-            total_at(layers.upper.operators[reflection_below], layers.upper.coordinate[i]) *
-            total_at(layers.lower.operators[reflection_above], layers.lower.coordinate[i]);
-        if (has_thin_parts) again *= layers.thin.reflectance[i];
-        down[i] = down[i] / (BandValues<N>::filled(1.0f) - again);
-      });
-    const std::array<const CellOperator<N>*, 1> operators = {
-        &layers.lower.operators[reflection_above]};
-    auto returned = apply<N>(*layers.graph, down, layers.lower.coordinate, operators,
-                             has_thin_parts ? &halves : nullptr);
-    CellField<N> up = std::move(returned[0]);
-    if (has_thin_parts) {
-      const CellField<N> through = apply<N>(*layers.graph, pass_through(layers.thin, returned[1]),
-                                            layers.lower.coordinate, {}, &halves)[0];
-      for_cells(up.size(),
-                [&](std::size_t i) { up[i] = up[i] * layers.thin.reflectance[i] + through[i]; });
-    }
-    cross(up);
-    if (bounce < interlayer_bounces) down = one(layers.upper, reflection_below, up);
-    if (all_up.empty())
-      all_up = std::move(up);
-    else
-      for_cells(up.size(), [&](std::size_t i) { all_up[i] += up[i]; });
-  }
-  const CellField<N> returned = one(layers.upper, transmission_up, all_up);
-  for_cells(reflected.size(), [&](std::size_t i) { reflected[i] += returned[i]; });
-  return reflected;
+  int bounce = 0;
+  const auto is_last = [&](const CellField<N>&) { return ++bounce == interlayer_bounces; };
+  return detail::sum_interlayer_bounces(SurfaceField<N>(layers), irradiance, true, is_last)
+      .reflected;
 }
 
 template struct SurfaceLayers<4>;

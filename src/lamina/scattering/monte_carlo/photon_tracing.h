@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
@@ -23,6 +24,12 @@ struct Beam {
   Shape shape = Shape::pencil;
   double radius = 0.0;  ///< [mm], > 0 unless a pencil
 };
+
+template <>
+inline constexpr auto enum_names<Beam::Shape> =
+    std::to_array<EnumName<Beam::Shape>>({{"pencil", Beam::Shape::pencil},
+                                          {"gaussian", Beam::Shape::gaussian},
+                                          {"flat", Beam::Shape::flat}});
 
 /// A part of a run, so that several machines can share it: the batches of photons whose number is
 /// `index` modulo `count`.

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
+
 namespace lamina {
 
 /// The flux that a profile is a fraction of.
@@ -12,6 +14,10 @@ enum class ProfilePer {
   entered_flux,   ///< what has passed the surface: the convention of the diffusion papers
   arriving_flux,  ///< what arrives outside: radiative transfer and Monte Carlo
 };
+
+template <>
+inline constexpr auto enum_names<ProfilePer> = std::to_array<EnumName<ProfilePer>>(
+    {{"entered_flux", ProfilePer::entered_flux}, {"arriving_flux", ProfilePer::arriving_flux}});
 
 /// Diffuse light around a normally incident pencil beam, all bands of a material on one radius
 /// grid. Any solver makes one; plots, fits and renderers take it without asking which solver it
