@@ -77,10 +77,10 @@ void one_operator(benchmark::State& state) {
   const StackTables made = make_stack_tables(skin(), OperatorTotals::diffusion);
   const auto layers =
       make_heterogeneous_layers(made, maps(size), {make_plane(size, size, 0.0f)}, 20.0 / size);
-  const Plane light = make_plane(layers.ladder.width, layers.ladder.height, 1.0f);
+  const Plane light = make_plane(layers.pyramid.width, layers.pyramid.height, 1.0f);
   const MappedOperator* operators[] = {&layers.layers[0].operators[1]};
   for (auto _ : state)
-    benchmark::DoNotOptimize(apply(layers.ladder, light, layers.layers[0].coordinate, operators));
+    benchmark::DoNotOptimize(apply(layers.pyramid, light, layers.layers[0].coordinate, operators));
 }
 BENCHMARK(one_operator)->Name("one operator, 1024 x 1024")->Unit(benchmark::kMillisecond);
 

@@ -191,7 +191,7 @@ void write_plot(const BsdfOptions& options, const Material& material, const Angl
   save_svg(plot, options.plot);
 }
 
-/// All methods beside radiative transfer, with the share of the light that each sends elsewhere.
+/// All methods beside radiative transfer, with the fraction of the light that each sends elsewhere.
 void compare_methods(const BsdfOptions& options, const Material& material, const Angles& angles) {
   std::vector<Named> results;
   for (const char* method : {"radiative_transfer", "layered_bsdf", "first_order"})

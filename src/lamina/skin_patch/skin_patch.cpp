@@ -19,8 +19,8 @@ namespace {
 
 Plane plane_of(const Image& image) { return {image.width, image.height, image.pixels}; }
 
-/// Share of the light arriving at an angle that enters.
-double entering_share(const SkinParameters& skin, double wavelength, double theta) {
+/// Fraction of the light arriving at an angle that enters.
+double entering_fraction(const SkinParameters& skin, double wavelength, double theta) {
   return entry_transmittance(skin_layer_stack(skin, wavelength), {.theta = theta});
 }
 
@@ -166,7 +166,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
         make_heterogeneous_layers(tables, planes.sigma_a, planes.absorbance, patch.mm_per_texel);
     Plane light = arriving;
     const auto entering =
-        static_cast<float>(entering_share(patch.skin.skin, wavelength, patch.theta));
+        static_cast<float>(entering_fraction(patch.skin.skin, wavelength, patch.theta));
     for (float& value : light.values) value *= entering;
     TransportResult out = transport(layers, light, patch.transport);
     if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected);

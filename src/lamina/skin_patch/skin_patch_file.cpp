@@ -23,7 +23,7 @@ void note_size(const std::string& what, const Image& image, SkinPatch& patch) {
   patch.warnings.push_back(text.str());
 }
 
-/// Strips of light across the patch, each texel by the share of it that is lit.
+/// Strips of light across the patch, each texel by the fraction of it that is lit.
 void cut_stripes(const JsonInput& value, const SkinPatch& patch, Image& light) {
   const JsonObject object = value.object({"period", "width", "angle"});
   const double period = object.required("period").number(closed_interval(1e-3, 1e6, "mm"));
@@ -49,7 +49,7 @@ void cut_stripes(const JsonInput& value, const SkinPatch& patch, Image& light) {
 /// Light on a rectangle in the middle only.
 void cut_window(const JsonInput& value, const SkinPatch& patch, Image& light) {
   const std::vector<double> size = value.number_or_numbers(2, closed_interval(0.0, 1e6, "mm"));
-  /// Share of texel i, of `count`, within `side` of the middle.
+  /// Fraction of texel i, of `count`, within `side` of the middle.
   const auto share = [&](int i, int count, double side) {
     const double half = 0.5 * side / patch.mm_per_texel, middle = 0.5 * count;
     return std::clamp(std::min(i + 1.0, middle + half) - std::max<double>(i, middle - half), 0.0,

@@ -226,8 +226,8 @@ TEST(AddingDoubling, TotalsGoToTheirLimitAtGrazingIncidence) {
     }
 }
 
-// A stack of plates without scattering: r + t^2 a^2 r / (1 - r^2 a^2), the ladder of reflections.
-TEST(AddingDoubling, PlateThatAbsorbsHasTheLadderOfReflections) {
+// A stack of plates without scattering: r + t^2 a^2 r / (1 - r^2 a^2), interreflections summed.
+TEST(AddingDoubling, PlateThatAbsorbsHasAllInterreflections) {
   const double degrees = 50.0, ior = 1.5, sigma_a = 0.7, d = 0.4;
   const auto result =
       adding_doubling(LayerStack({layer(sigma_a, 0.0, 0.0, ior, d)}), oblique(degrees));

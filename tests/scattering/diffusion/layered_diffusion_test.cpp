@@ -141,7 +141,9 @@ TEST(LayeredDiffusion, HalvesOfAThickLayerComeNearTheWhole) {
 TEST(LayeredDiffusion, ClearLayerIsRefusedByName) {
   const Layer clear = {.medium = {.sigma_a = 0.1}, .thickness = 1.0};
   const Layer cloudy = {.medium = {.sigma_s = 3.0}, .thickness = 1.0};
-  EXPECT_EQ(message_of([&] { (void)make_layered_diffusion(LayerStack({cloudy, clear})); }),
+  EXPECT_EQ(message_of([&] {
+              (void)make_layered_diffusion(LayerStack({cloudy, clear}));
+            }),
             "layer 1: diffusion requires sigma_s > 0 [1/mm], but is 0");
 }
 
@@ -186,7 +188,7 @@ TEST(LayeredDiffusion, GroundSendsBackWhatItReflects) {
   EXPECT_GT(on_air.transmittance, on_grey.transmittance);
   EXPECT_GT(on_white.diffuse_reflectance, on_grey.diffuse_reflectance);
   EXPECT_GT(on_grey.diffuse_reflectance, on_air.diffuse_reflectance);
-  // Kubelka's formula for a layer on a ground, with the ladder between ground and boundary.
+  // Kubelka's formula for a layer on a ground, with interreflections between ground and boundary.
   const LayerResponse r = response(make_layered_diffusion(LayerStack({paper})), 0.0);
   const double f = fresnel_diffuse(1.5), rho = 0.5 * (1.0 - f) / (1.0 - 0.5 * f);
   const double entered = 1.0 - on_grey.specular_reflectance;

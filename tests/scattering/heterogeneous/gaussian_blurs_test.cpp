@@ -10,28 +10,28 @@
 namespace lamina {
 namespace {
 
-/// The operator that is one rung, or a sum of rungs.
+/// The operator that is one scale, or a sum of scales.
 MappedOperator constant_operator(std::vector<float> weights) {
   const float total = std::accumulate(weights.begin(), weights.end(), 0.0f);
   return {.powers = 1, .weights = std::move(weights), .totals = {total}};
 }
 
-Plane apply_rungs(const BlurLadder& ladder, const Plane& input, std::vector<float> weights) {
+Plane apply_scales(const BlurPyramid& pyramid, const Plane& input, std::vector<float> weights) {
   const MappedOperator blur = constant_operator(std::move(weights));
   const MappedOperator* operators[] = {&blur};
-  return apply(ladder, input, make_plane(ladder.width, ladder.height), operators)[0];
+  return apply(pyramid, input, make_plane(pyramid.width, pyramid.height), operators)[0];
 }
 
-Plane one_rung(const BlurLadder& ladder, const Plane& input, std::size_t rung) {
-  std::vector<float> weights(ladder.variances.size(), 0.0f);
-  weights[rung] = 1.0f;
-  return apply_rungs(ladder, input, weights);
+Plane one_scale(const BlurPyramid& pyramid, const Plane& input, std::size_t scale) {
+  std::vector<float> weights(pyramid.variances.size(), 0.0f);
+  weights[scale] = 1.0f;
+  return apply_scales(pyramid, input, weights);
 }
 
-std::vector<float> rungs_of(const BlurLadder& ladder, double variance) {
+std::vector<float> scales_of(const BlurPyramid& pyramid, double variance) {
   const double variances[] = {variance};
-  const std::vector<double> rungs = rungs_of_gaussians(ladder, variances);
-  return {rungs.begin(), rungs.end()};
+  const std::vector<double> scales = scales_of_gaussians(pyramid, variances);
+  return {scales.begin(), scales.end()};
 }
 
 Plane noise(int width, int height, unsigned seed) {
@@ -42,21 +42,21 @@ Plane noise(int width, int height, unsigned seed) {
 }
 
 TEST(GaussianBlurs, KeepTheLight) {
-  const BlurLadder ladder = make_blur_ladder(64, 96, 500.0);
+  const BlurPyramid pyramid = make_blur_pyramid(64, 96, 500.0);
   const Plane light = noise(64, 96, 1);
   const double all = std::accumulate(light.values.begin(), light.values.end(), 0.0);
-  for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung) {
-    const Plane seen = one_rung(ladder, light, rung);
+  for (std::size_t scale = 0; scale < pyramid.variances.size(); ++scale) {
+    const Plane seen = one_scale(pyramid, light, scale);
     EXPECT_NEAR(std::accumulate(seen.values.begin(), seen.values.end(), 0.0), all, 1e-5 * all);
   }
 }
 
 TEST(GaussianBlurs, WidenASpotByTheirVariance) {
-  const BlurLadder ladder = make_blur_ladder(256, 256, 200.0);
+  const BlurPyramid pyramid = make_blur_pyramid(256, 256, 200.0);
   Plane spot = make_plane(256, 256);
   spot.values[128 * 256 + 125] = 1.0f;
-  for (std::size_t rung = 0; ladder.variances[rung] < 200.0; ++rung) {
-    const Plane seen = one_rung(ladder, spot, rung);
+  for (std::size_t scale = 0; pyramid.variances[scale] < 200.0; ++scale) {
+    const Plane seen = one_scale(pyramid, spot, scale);
     double sum = 0.0, square_x = 0.0, square_y = 0.0;
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x) {
@@ -66,36 +66,36 @@ TEST(GaussianBlurs, WidenASpotByTheirVariance) {
         square_y += value * (y - 128) * (y - 128);
       }
     // A spot sits askew on coarser grids, by up to half a texel of theirs.
-    const double tolerance = 2e-3 + 0.02 * ladder.variances[rung];
+    const double tolerance = 2e-3 + 0.02 * pyramid.variances[scale];
     EXPECT_NEAR(sum, 1.0, 1e-5);
-    EXPECT_NEAR(square_x, ladder.variances[rung], tolerance);
-    EXPECT_NEAR(square_y, ladder.variances[rung], tolerance);
+    EXPECT_NEAR(square_x, pyramid.variances[scale], tolerance);
+    EXPECT_NEAR(square_y, pyramid.variances[scale], tolerance);
   }
 }
 
 TEST(GaussianBlurs, AreTheirOwnAdjoints) {
-  const BlurLadder ladder = make_blur_ladder(48, 80, 300.0);
+  const BlurPyramid pyramid = make_blur_pyramid(48, 80, 300.0);
   const Plane a = noise(48, 80, 1), b = noise(48, 80, 2);
   std::vector<float> weights;
-  for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung)
-    weights.push_back(1.0f / static_cast<float>(1 + rung));
+  for (std::size_t scale = 0; scale < pyramid.variances.size(); ++scale)
+    weights.push_back(1.0f / static_cast<float>(1 + scale));
   const auto dot = [](const Plane& p, const Plane& q) {
     return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
   };
-  const double forward = dot(b, apply_rungs(ladder, a, weights));
-  const double backward = dot(a, apply_rungs(ladder, b, weights));
+  const double forward = dot(b, apply_scales(pyramid, a, weights));
+  const double backward = dot(a, apply_scales(pyramid, b, weights));
   EXPECT_NEAR(forward, backward, 1e-6 * forward);
 }
 
 // The blur of a sharp edge is an error function of the distance to it.
-TEST(GaussianBlurs, SumsOfRungsBlurEdgesLikeGaussians) {
+TEST(GaussianBlurs, SumsOfScalesBlurEdgesLikeGaussians) {
   constexpr int size = 256;
-  const BlurLadder ladder = make_blur_ladder(size, size, 1000.0);
+  const BlurPyramid pyramid = make_blur_pyramid(size, size, 1000.0);
   Plane edge = make_plane(size, size);
   for (int y = 0; y < size; ++y)
     for (int x = 101; x < size; ++x) edge.values[static_cast<std::size_t>(y * size + x)] = 1.0f;
   for (const double variance : {6.0, 10.0, 25.0, 70.0, 300.0, 900.0}) {
-    const Plane seen = apply_rungs(ladder, edge, rungs_of(ladder, variance));
+    const Plane seen = apply_scales(pyramid, edge, scales_of(pyramid, variance));
     for (int x = 20; x < 180; ++x) {
       // A texel's light is its mean: the edge stands between two of them.
       const double wanted = 0.5 * std::erfc((100.5 - x) / std::sqrt(2.0 * variance));
@@ -106,35 +106,35 @@ TEST(GaussianBlurs, SumsOfRungsBlurEdgesLikeGaussians) {
 }
 
 TEST(GaussianBlurs, NarrowOnesFadeTheFinestStripes) {
-  const BlurLadder ladder = make_blur_ladder(64, 64, 100.0);
+  const BlurPyramid pyramid = make_blur_pyramid(64, 64, 100.0);
   Plane checks = make_plane(64, 64);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x)
       checks.values[static_cast<std::size_t>(y * 64 + x)] = x % 2 == 0 ? 1.0f : 0.0f;
-  // By exp(-v 1 - cos pi) on the grid, and a little more: see rungs_of_gaussians.
+  // By exp(-v 1 - cos pi) on the grid, and a little more: see scales_of_gaussians.
   for (const double variance : {0.05, 0.3, 0.6, 1.5}) {
-    const Plane seen = apply_rungs(ladder, checks, rungs_of(ladder, variance));
+    const Plane seen = apply_scales(pyramid, checks, scales_of(pyramid, variance));
     EXPECT_NEAR(seen.values[32 * 64 + 32] - seen.values[32 * 64 + 33], std::exp(-2.5 * variance),
                 2e-3);
   }
 }
 
 TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
-  const BlurLadder ladder = make_blur_ladder(32, 32, 50.0);
+  const BlurPyramid pyramid = make_blur_pyramid(32, 32, 50.0);
   const Plane light = noise(32, 32, 3);
   Plane coordinate = noise(32, 32, 4);
-  const std::size_t rungs = ladder.variances.size();
-  MappedOperator both{.powers = 3, .weights = std::vector<float>(3 * rungs), .totals = {}};
+  const std::size_t scales = pyramid.variances.size();
+  MappedOperator both{.powers = 3, .weights = std::vector<float>(3 * scales), .totals = {}};
   std::mt19937 random(5);
   for (float& w : both.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
   const MappedOperator* operators[] = {&both};
-  const Plane seen = apply(ladder, light, coordinate, operators)[0];
+  const Plane seen = apply(pyramid, light, coordinate, operators)[0];
   std::vector<Plane> powers;
   for (std::size_t p = 0; p < 3; ++p)
     powers.push_back(
-        apply_rungs(ladder, light,
-                    {both.weights.begin() + static_cast<std::ptrdiff_t>(p * rungs),
-                     both.weights.begin() + static_cast<std::ptrdiff_t>((p + 1) * rungs)}));
+        apply_scales(pyramid, light,
+                     {both.weights.begin() + static_cast<std::ptrdiff_t>(p * scales),
+                      both.weights.begin() + static_cast<std::ptrdiff_t>((p + 1) * scales)}));
   for (std::size_t i = 0; i < seen.values.size(); ++i) {
     const float x = coordinate.values[i];
     ASSERT_NEAR(seen.values[i],
@@ -144,25 +144,25 @@ TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
 
 // Light from a to b is as much as from b to a, and uniform places see no difference.
 TEST(GaussianBlurs, ProfilesOfBothEndsExchangeAlike) {
-  const BlurLadder ladder = make_blur_ladder(48, 32, 100.0);
+  const BlurPyramid pyramid = make_blur_pyramid(48, 32, 100.0);
   const Plane a = noise(48, 32, 7), b = noise(48, 32, 8), coordinate = noise(48, 32, 9);
-  const std::size_t rungs = ladder.variances.size();
-  MappedOperator all{.powers = 4, .weights = std::vector<float>(4 * rungs), .totals = {}};
+  const std::size_t scales = pyramid.variances.size();
+  MappedOperator all{.powers = 4, .weights = std::vector<float>(4 * scales), .totals = {}};
   std::mt19937 random(10);
   for (float& w : all.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
   const MappedOperator* operators[] = {&all};
   const auto dot = [](const Plane& p, const Plane& q) {
     return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
   };
-  const Plane of_a = apply_reciprocally(ladder, a, coordinate, operators)[0];
-  const Plane of_b = apply_reciprocally(ladder, b, coordinate, operators)[0];
+  const Plane of_a = apply_reciprocally(pyramid, a, coordinate, operators)[0];
+  const Plane of_b = apply_reciprocally(pyramid, b, coordinate, operators)[0];
   EXPECT_NEAR(dot(b, of_a), dot(a, of_b), 1e-5 * std::abs(dot(b, of_a)));
-  const double one_way = dot(b, apply(ladder, a, coordinate, operators)[0]);
-  const double other_way = dot(a, apply(ladder, b, coordinate, operators)[0]);
+  const double one_way = dot(b, apply(pyramid, a, coordinate, operators)[0]);
+  const double other_way = dot(a, apply(pyramid, b, coordinate, operators)[0]);
   EXPECT_GT(std::abs(one_way - other_way), 1e-4 * std::abs(one_way));
   const Plane uniform = make_plane(48, 32, 0.3f);
-  const Plane exit = apply(ladder, a, uniform, operators)[0];
-  const Plane both = apply_reciprocally(ladder, a, uniform, operators)[0];
+  const Plane exit = apply(pyramid, a, uniform, operators)[0];
+  const Plane both = apply_reciprocally(pyramid, a, uniform, operators)[0];
   for (std::size_t i = 0; i < exit.values.size(); ++i)
     ASSERT_NEAR(exit.values[i], both.values[i], 1e-4);
 }
@@ -184,7 +184,7 @@ double blurred_strip(double x, double begin, double end, double size, double var
 TEST(GaussianBlurs, PlanesOfAnySizeEndInMirrors) {
   for (int size = 31; size <= 65; ++size) {
     const int height = 96 - size;
-    const BlurLadder ladder = make_blur_ladder(size, height, 1000.0);
+    const BlurPyramid pyramid = make_blur_pyramid(size, height, 1000.0);
     // Light on the third quarter of the width: it is not symmetric itself.
     Plane strip = make_plane(size, height), mirror = strip;
     const int begin = size / 2, end = 3 * size / 4;
@@ -194,9 +194,9 @@ TEST(GaussianBlurs, PlanesOfAnySizeEndInMirrors) {
         mirror.values[static_cast<std::size_t>(y * size + size - 1 - x)] = 1.0f;
       }
     for (const double variance : {0.7, 4.0, 9.0, 40.0, 100.0, 250.0, 1000.0}) {
-      const std::vector<float> rungs = rungs_of(ladder, variance);
-      const Plane seen = apply_rungs(ladder, strip, rungs);
-      const Plane opposite = apply_rungs(ladder, mirror, rungs);
+      const std::vector<float> scales = scales_of(pyramid, variance);
+      const Plane seen = apply_scales(pyramid, strip, scales);
+      const Plane opposite = apply_scales(pyramid, mirror, scales);
       const double all = std::accumulate(seen.values.begin(), seen.values.end(), 0.0);
       EXPECT_NEAR(all, (end - begin) * height, 2e-5 * all)
           << size << " texels, variance " << variance;
@@ -205,7 +205,7 @@ TEST(GaussianBlurs, PlanesOfAnySizeEndInMirrors) {
         ASSERT_NEAR(seen.values[row + at],
                     opposite.values[row + static_cast<std::size_t>(size - 1 - x)], 1e-5)
             << size << " texels, variance " << variance << ", texel " << x;
-        // A narrower edge is as sharp as texels are; a wider one than the plane fits no rung.
+        // A narrower edge is as sharp as texels are; a wider one than the plane fits no scale.
         if (variance < 6.0 || variance > 300.0) continue;
         ASSERT_NEAR(seen.values[row + at], blurred_strip(x + 0.5, begin, end, size, variance), 0.01)
             << size << " texels, variance " << variance << ", texel " << x;
@@ -214,30 +214,30 @@ TEST(GaussianBlurs, PlanesOfAnySizeEndInMirrors) {
   }
 }
 
-// Short waves fold back on coarser grids, askew: see BlurLadder.
+// Short waves fold back on coarser grids, askew: see BlurPyramid.
 TEST(GaussianBlurs, PlanesOfAnySizeExchangeLightAlike) {
   for (const auto& [width, height] : {std::pair{32, 48}, {31, 45}, {33, 64}, {61, 37}, {5, 9}}) {
-    const BlurLadder ladder = make_blur_ladder(width, height, 300.0);
+    const BlurPyramid pyramid = make_blur_pyramid(width, height, 300.0);
     Plane a = noise(width, height, 1), b = noise(width, height, 2);
     for (Plane* plane : {&a, &b})
       for (float& value : plane->values) value -= 0.5f;
     const auto dot = [](const Plane& p, const Plane& q) {
       return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
     };
-    for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung) {
-      const Plane of_a = one_rung(ladder, a, rung), of_b = one_rung(ladder, b, rung);
+    for (std::size_t scale = 0; scale < pyramid.variances.size(); ++scale) {
+      const Plane of_a = one_scale(pyramid, a, scale), of_b = one_scale(pyramid, b, scale);
       EXPECT_NEAR(dot(a, of_b), dot(b, of_a), 2e-3 * std::sqrt(dot(of_a, of_a) * dot(b, b)) + 1e-6)
-          << width << " x " << height << ", rung " << rung;
+          << width << " x " << height << ", scale " << scale;
     }
   }
 }
 
 TEST(GaussianBlurs, UniformLightStaysUniformOnPlanesOfAnySize) {
   for (const auto& [width, height] : {std::pair{31, 45}, {33, 64}, {61, 37}, {5, 9}, {1, 2}}) {
-    const BlurLadder ladder = make_blur_ladder(width, height, 300.0);
-    for (std::size_t rung = 0; rung < ladder.variances.size(); ++rung)
-      for (const float value : one_rung(ladder, make_plane(width, height, 1.0f), rung).values)
-        ASSERT_NEAR(value, 1.0f, 2e-6f) << width << " x " << height << ", rung " << rung;
+    const BlurPyramid pyramid = make_blur_pyramid(width, height, 300.0);
+    for (std::size_t scale = 0; scale < pyramid.variances.size(); ++scale)
+      for (const float value : one_scale(pyramid, make_plane(width, height, 1.0f), scale).values)
+        ASSERT_NEAR(value, 1.0f, 2e-6f) << width << " x " << height << ", scale " << scale;
   }
 }
 

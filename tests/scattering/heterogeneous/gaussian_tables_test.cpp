@@ -195,15 +195,15 @@ TEST(GaussianTables, AreKeptInACacheAndTheSameFromIt) {
 
 TEST(MappedOperator, PolynomialsFollowTheTable) {
   const StackTables tables = make_stack_tables(skin(5.0, 0.77), OperatorTotals::diffusion);
-  const BlurLadder ladder = make_blur_ladder(128, 128, 1000.0);
+  const BlurPyramid pyramid = make_blur_pyramid(128, 128, 1000.0);
   std::vector<double> in_texels = tables.variances;
   for (double& v : in_texels) v /= 0.05 * 0.05;
-  const std::vector<double> rungs = rungs_of_gaussians(ladder, in_texels);
+  const std::vector<double> scales = scales_of_gaussians(pyramid, in_texels);
   const GaussianTable& table = tables.layers[0].transmission_down;
   std::size_t powers = 0;
   for (const double ratio : {1.0, 3.0, 100.0, 3000.0}) {
     const AbsorptionRange range{0.02, 0.02 * ratio};
-    const MappedOperator mapped = make_mapped_operator(tables, table, range, rungs);
+    const MappedOperator mapped = make_mapped_operator(tables, table, range, scales);
     EXPECT_GT(mapped.powers, powers);  // the wider the range, the more powers
     powers = mapped.powers;
     Plane sigma_a = make_plane(9, 1);

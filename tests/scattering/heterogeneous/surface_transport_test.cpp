@@ -52,11 +52,11 @@ TEST(CellBlurs, KeepTheLightAndExchangeItBothWaysAlike) {
   const Sheet sheet = cut_sheet(21, 0.2f);
   const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
   ASSERT_GE(graph.levels.size(), 3u);
-  const std::size_t rungs = rung_count(graph), n = sheet.cells.size();
+  const std::size_t scales = scale_count(graph), n = sheet.cells.size();
   const CellField<4> coordinate(n);
-  for (std::size_t rung = 0; rung < rungs; ++rung) {
-    CellOperator<4> blur{.powers = 1, .weights = std::vector<BandValues<4>>(rungs), .totals = {}};
-    blur.weights[rung] = BandValues<4>::filled(1.0f);
+  for (std::size_t scale = 0; scale < scales; ++scale) {
+    CellOperator<4> blur{.powers = 1, .weights = std::vector<BandValues<4>>(scales), .totals = {}};
+    blur.weights[scale] = BandValues<4>::filled(1.0f);
     const std::array<const CellOperator<4>*, 1> blurs = {&blur};
     const auto spread = [&](std::size_t from) {
       CellField<4> light(n);
@@ -65,10 +65,10 @@ TEST(CellBlurs, KeepTheLightAndExchangeItBothWaysAlike) {
     };
     const std::size_t a = 9 + 7 * 21, b = 12 + 9 * 21;  // on either side of the cut
     const CellField<4> of_a = spread(a), of_b = spread(b);
-    EXPECT_NEAR(of_a[b][0], of_b[a][0], rung < 6 ? 1e-7f : 0.05f * of_a[b][0]) << rung;
+    EXPECT_NEAR(of_a[b][0], of_b[a][0], scale < 6 ? 1e-7f : 0.05f * of_a[b][0]) << scale;
     double sum = 0.0;
     for (const auto& value : of_a) sum += static_cast<double>(value[0]);
-    EXPECT_NEAR(sum, 1.0, 1e-5) << rung;
+    EXPECT_NEAR(sum, 1.0, 1e-5) << scale;
   }
 }
 
@@ -129,8 +129,8 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
   const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
   ASSERT_GE(graph.levels.size(), 3u);
   const std::vector<double> variances = {0.1, 1.0, 3.0};
-  const std::vector<double> rungs = cell_rungs_of_gaussians(graph, variances);
-  const std::size_t n = sheet.cells.size(), count = rung_count(graph);
+  const std::vector<double> scales = cell_scales_of_gaussians(graph, variances);
+  const std::size_t n = sheet.cells.size(), count = scale_count(graph);
   CellField<4> light(n);
   for (std::size_t i = 0; i < n; ++i)
     light[i] = BandValues<4>::filled(sheet.cells[i].position.x < 4.0f ? 1.0f : 0.0f);
@@ -138,7 +138,7 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
   for (std::size_t v = 0; v < variances.size(); ++v) {
     CellOperator<4> blur{.powers = 1, .weights = {}, .totals = {}};
     for (std::size_t j = 0; j < count; ++j)
-      blur.weights.push_back(BandValues<4>::filled(static_cast<float>(rungs[v * count + j])));
+      blur.weights.push_back(BandValues<4>::filled(static_cast<float>(scales[v * count + j])));
     const std::array<const CellOperator<4>*, 1> blurs = {&blur};
     alone.push_back(apply<4>(graph, light, CellField<4>(n), blurs)[0]);
   }
@@ -150,7 +150,7 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
     place.push_back(BandValues<4>::filled(0.2f * sheet.cells[i].position.y));  // up to 1.9
     place.back()[1] = 1.0f;
   }
-  const CellMixture<4> mixture = make_cell_mixture<4>(graph, cells, place, rungs);
+  const CellMixture<4> mixture = make_cell_mixture<4>(graph, cells, place, scales);
   const auto both = apply<4>(graph, light, CellField<4>(n), {}, &mixture);
   ASSERT_EQ(both.size(), 1u);
   double change = 0.0;

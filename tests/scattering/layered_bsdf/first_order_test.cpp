@@ -38,7 +38,7 @@ TEST(FirstOrder, PhotonsScatteredOnceLeaveAsTheFormulasSay) {
 // f / ior_out^2 is symmetric: same side and, with the factor n^2, from one side to the other.
 TEST(FirstOrder, LightRetracesItsPath) {
   for (const auto& [name, layers, theta_i] : reference::first_order_cases())
-    for (const auto reflections : {InternalReflections::lost, InternalReflections::ladder}) {
+    for (const auto reflections : {InternalReflections::lost, InternalReflections::summed}) {
       const auto stack = make_first_order(layers, reflections);
       const auto bands = make_first_order<8>({&layers, 1}, reflections);
       const Vec3 wi = direction(theta_i, 0.0);
@@ -129,7 +129,7 @@ TEST(FirstOrder, ThinMatchedLayersScatterAllThatTheyTake) {
   }
 }
 
-TEST(FirstOrder, ClearPlateReflectsAllOrdersOfItsLadder) {
+TEST(FirstOrder, ClearPlateReflectsAllOrdersOfInterreflections) {
   const LayerStack plate({{.medium = {.ior = 1.5}, .thickness = 1.0}});
   for (const double theta : {0.0, 0.8, 1.4}) {
     const double f = fresnel(std::cos(theta), 1.5);

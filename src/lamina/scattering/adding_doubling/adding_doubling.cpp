@@ -111,8 +111,8 @@ void check(const AddingDoublingOptions& options) {
                        std::to_string(options.max_nodes));
 }
 
-/// Share of the extinction that goes into forward peaks too sharp for the grid, which it takes for
-/// unscattered; the largest of all layers.
+/// Fraction of the extinction that goes into forward peaks too sharp for the grid, which it takes
+/// for unscattered; the largest of all layers.
 double unseen_peak(const GridStack& on_grid) {
   double most = 0.0;
   for (const detail::GridLayer& layer : on_grid.layers)

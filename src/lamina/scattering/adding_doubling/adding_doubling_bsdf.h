@@ -49,7 +49,7 @@ struct StackBsdf {
 /// @throws InvalidInput for angles out of range, and for rough boundaries whose lobes are too
 ///         narrow for the finest grid; Interrupted if progress asks to stop.
 ///
-/// Source: [Nakajima1988] for the single scattering, extended to the ladder of reflections.
+/// Source: [Nakajima1988] for the single scattering, extended to interreflections.
 [[nodiscard]] StackBsdf stack_bsdf(const LayerStack& stack, double theta_i,
                                    std::span<const double> theta_o, std::span<const double> phi_o,
                                    const StackBsdfOptions& options = {});

@@ -21,7 +21,7 @@ constexpr double negligible_turned = 1e-9;  ///< in the others
 /// One side of the boundary with what the heights of its light need.
 struct Side {
   FacetSide facets;
-  Matrix leaving;  ///< [node][height] share of rising light that leaves
+  Matrix leaving;  ///< [node][height] fraction of rising light that leaves
   Matrix next;     ///< [direction][height from * heights + height] share
 };
 

@@ -27,8 +27,8 @@ inline constexpr double rough_boundary_error = 1e-4;
 /// several of them: the same walk that photons take, as an equation of transfer between facets.
 /// Nothing is lost: in mode 0 what leaves equals what arrives to rounding.
 ///
-/// Heights are Gauss nodes in u, the share of lower facets. Directions are the nodes of the grid,
-/// up and down.
+/// Heights are Gauss nodes in u, the fraction of lower facets. Directions are the nodes of the
+/// grid, up and down.
 ///
 /// @return  for `count` azimuthal modes from `first` on, [mode]; one after the other costs more.
 /// @throws Interrupted if progress asks to stop.

@@ -37,7 +37,7 @@ OneWay point_source(const Multipole& layer, double s, double z, double z_near, d
 
 /// What becomes of the light that enters a layer before it scatters.
 struct Straight {
-  double scattered;  ///< share that scatters on its way across
+  double scattered;  ///< fraction that scatters on its way across
   double turned;     ///< part of the whole that the far boundary turns back
 };
 

@@ -41,7 +41,7 @@ struct Multipole {
 /// distances of top and bottom. Written in decaying exponentials: relative error below 1e-13 for
 /// s d from 0 to 1e4 and beyond, until it underflows to 0.
 ///
-/// In a layer with l > d, where the formula turns negative, only the share d / l of the light
+/// In a layer with l > d, where the formula turns negative, only the fraction d / l of the light
 /// scatters, and its source stays at the far side, z = d. The rest goes straight on: what of it the
 /// far boundary turns back crosses the layer once more, by the same rule. So the response is
 /// continuous in all parameters, keeps the energy, and a vanishing layer leaves its boundaries

@@ -92,24 +92,24 @@ CellField<N> handed_down(const CellLevel& level, const CellField<N>& coarse) {
   return result;
 }
 
-/// sum over p of weights[p] coordinate^p, for one rung of an operator.
+/// sum over p of weights[p] coordinate^p, for one scale of an operator.
 template <int N>
-BandValues<N> weight_at(const CellOperator<N>& op, std::size_t rungs, std::size_t rung,
+BandValues<N> weight_at(const CellOperator<N>& op, std::size_t scales, std::size_t scale,
                         const BandValues<N>& coordinate) {
-  BandValues<N> weight = op.weights[(op.powers - 1) * rungs + rung];
+  BandValues<N> weight = op.weights[(op.powers - 1) * scales + scale];
   for (std::size_t p = op.powers - 1; p-- > 0;)
-    weight = weight * coordinate + op.weights[p * rungs + rung];
+    weight = weight * coordinate + op.weights[p * scales + scale];
   return weight;
 }
 
-/// What one power's weights make of the rungs of the coarse levels, on level 1.
+/// What one power's weights make of the scales of the coarse levels, on level 1.
 template <int N>
-CellField<N> sum_of_rungs(const CellGraph& graph,
-                          const std::vector<std::array<CellField<N>, 2>>& rungs,
-                          const BandValues<N>* weights) {
+CellField<N> sum_of_scales(const CellGraph& graph,
+                           const std::vector<std::array<CellField<N>, 2>>& scales,
+                           const BandValues<N>* weights) {
   CellField<N> sum;
-  for (std::size_t level = rungs.size(); level-- > 0;) {
-    const auto& [first, second] = rungs[level];
+  for (std::size_t level = scales.size(); level-- > 0;) {
+    const auto& [first, second] = scales[level];
     const BandValues<N> a = weights[2 * level], b = weights[2 * level + 1];
     const auto own = [&](std::size_t i) { return a * first[i] + b * second[i]; };
     if (sum.empty()) {
@@ -123,7 +123,7 @@ CellField<N> sum_of_rungs(const CellGraph& graph,
   return sum;
 }
 
-/// Share of a blur where a mixture is at such a place.
+/// Fraction of a blur where a mixture is at such a place.
 template <int N>
 BandValues<N> share_at(const BandValues<N>& place, std::size_t blur) {
   BandValues<N> share;
@@ -132,18 +132,18 @@ BandValues<N> share_at(const BandValues<N>& place, std::size_t blur) {
   return share;
 }
 
-/// Weight of a rung where blurs are mixed.
+/// Weight of a scale where blurs are mixed.
 template <int N>
-BandValues<N> mixed_weight(const CellMixture<N>& mixture, std::size_t rung,
+BandValues<N> mixed_weight(const CellMixture<N>& mixture, std::size_t scale,
                            const BandValues<N>& place) {
   BandValues<N> weight;
   for (std::size_t v = 0; v < mixture.weights.size(); ++v)
-    weight += mixture.weights[v][rung] * share_at(place, v);
+    weight += mixture.weights[v][scale] * share_at(place, v);
   return weight;
 }
 
-/// Transfer of each rung at a spatial frequency [1/typical cell], what folds back left out.
-std::vector<double> rung_transfers(std::size_t levels, double k) {
+/// Transfer of each scale at a spatial frequency [1/typical cell], what folds back left out.
+std::vector<double> scale_transfers(std::size_t levels, double k) {
   const auto transfer = [](const Steps& steps, double at) {
     double product = 1.0;
     for (int s = 0; s < steps.count; ++s)
@@ -169,18 +169,18 @@ std::vector<double> rung_transfers(std::size_t levels, double k) {
 
 }  // namespace
 
-std::size_t rung_count(const CellGraph& graph) {
+std::size_t scale_count(const CellGraph& graph) {
   return 1 + finest.size() + coarser.size() * (graph.levels.size() - 1);
 }
 
-std::vector<double> cell_rungs_of_gaussians(const CellGraph& graph,
-                                            std::span<const double> variances) {
+std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
+                                             std::span<const double> variances) {
   const CellLevel& fine = graph.levels.front();
   std::vector<double> in_cells;
   for (const double v : variances) in_cells.push_back(v / static_cast<double>(fine.typical_area));
   const double widest = std::ldexp(1.0, static_cast<int>(graph.levels.size()) + 2);
-  return detail::fit_rungs(in_cells, 1.0 / (16.0 * widest), rung_count(graph),
-                           [&](double k) { return rung_transfers(graph.levels.size(), k); });
+  return detail::fit_scales(in_cells, 1.0 / (16.0 * widest), scale_count(graph),
+                            [&](double k) { return scale_transfers(graph.levels.size(), k); });
 }
 
 template <int N>
@@ -190,18 +190,18 @@ std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& inpu
                                 const CellMixture<N>* mixture) {
   const CellLevel& fine = graph.levels.front();
   assert(input.size() == fine.area.size() && coordinate.size() == input.size());
-  const std::size_t rungs = rung_count(graph);
+  const std::size_t scales = scale_count(graph);
   std::vector<CellField<N>> results(operators.size() + (mixture ? 1 : 0),
                                     CellField<N>(input.size()));
-  const auto add = [&](std::size_t rung, std::size_t i, const BandValues<N>& value) {
+  const auto add = [&](std::size_t scale, std::size_t i, const BandValues<N>& value) {
     for (std::size_t o = 0; o < operators.size(); ++o)
-      results[o][i] += value * weight_at(*operators[o], rungs, rung, coordinate[i]);
+      results[o][i] += value * weight_at(*operators[o], scales, scale, coordinate[i]);
   };
-  const auto mix = [&](std::size_t rung, const CellField<N>& blurred) {
+  const auto mix = [&](std::size_t scale, const CellField<N>& blurred) {
     if (!mixture) return;
     for_cells(mixture->cells.size(), [&](std::size_t k) {
       const std::uint32_t i = mixture->cells[k];
-      results.back()[i] += mixed_weight(*mixture, rung, mixture->place[k]) * blurred[i];
+      results.back()[i] += mixed_weight(*mixture, scale, mixture->place[k]) * blurred[i];
     });
   };
   for_cells(input.size(), [&](std::size_t i) { add(0, i, input[i]); });
@@ -224,7 +224,7 @@ std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& inpu
     CellField<N> sum;
     for (std::size_t p = operators[o]->powers; p-- > 0;) {
       const CellField<N> of_power =
-          sum_of_rungs(graph, coarse, &operators[o]->weights[p * rungs + 1 + finest.size()]);
+          sum_of_scales(graph, coarse, &operators[o]->weights[p * scales + 1 + finest.size()]);
       CellField<N> up = blurred(fine, handed_down(fine, of_power), smoothing);
       if (sum.empty())
         sum = std::move(up);
@@ -238,7 +238,7 @@ std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& inpu
   for (std::size_t v = 0; v < mixture->weights.size(); ++v) {
     for (std::size_t j = 0; j < weights.size(); ++j)
       weights[j] = BandValues<N>::filled(mixture->weights[v][1 + finest.size() + j]);
-    const CellField<N> of_blur = sum_of_rungs(graph, coarse, weights.data());
+    const CellField<N> of_blur = sum_of_scales(graph, coarse, weights.data());
     const CellField<N> up = blurred(fine, handed_down(fine, of_blur), smoothing);
     for_cells(mixture->cells.size(), [&](std::size_t k) {
       const std::uint32_t i = mixture->cells[k];
@@ -250,12 +250,12 @@ std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& inpu
 
 template <int N>
 CellMixture<N> make_cell_mixture(const CellGraph& graph, std::vector<std::uint32_t> cells,
-                                 CellField<N> place, std::span<const double> rungs) {
+                                 CellField<N> place, std::span<const double> scales) {
   assert(cells.size() == place.size());
-  const std::size_t count = rung_count(graph);
+  const std::size_t count = scale_count(graph);
   CellMixture<N> mixture{.cells = std::move(cells), .place = std::move(place)};
-  for (std::size_t v = 0; v < rungs.size() / count; ++v) {
-    const auto blur = rungs.subspan(v * count, count);
+  for (std::size_t v = 0; v < scales.size() / count; ++v) {
+    const auto blur = scales.subspan(v * count, count);
     mixture.weights.emplace_back(blur.begin(), blur.end());
   }
   return mixture;

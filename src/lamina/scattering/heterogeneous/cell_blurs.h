@@ -18,20 +18,20 @@ using CellField = std::vector<BandValues<N>>;
 /// How many blurs a graph of cells offers: heat that spreads over the surface for some time, which
 /// on a plane makes Gaussians. Wide ones run on coarse levels. Every blur keeps the light, across
 /// seams too, and those of the finest level are their own adjoints. The first is none.
-[[nodiscard]] std::size_t rung_count(const CellGraph& graph);
+[[nodiscard]] std::size_t scale_count(const CellGraph& graph);
 
-/// A matrix, [variance][rung]: each Gaussian as the sum of the graph's blurs that comes next to it
+/// A matrix, [variance][scale]: each Gaussian as the sum of the graph's blurs that comes next to it
 /// on a lattice of typical cells.
 ///
 /// @param variances  [mm²], >= 0.
-[[nodiscard]] std::vector<double> cell_rungs_of_gaussians(const CellGraph& graph,
-                                                          std::span<const double> variances);
+[[nodiscard]] std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
+                                                           std::span<const double> variances);
 
 /// MappedOperator of all bands at once.
 template <int N>
 struct CellOperator {
   std::size_t powers = 0;
-  std::vector<BandValues<N>> weights;  ///< [power][rung]
+  std::vector<BandValues<N>> weights;  ///< [power][scale]
   std::vector<BandValues<N>> totals;   ///< [power]
 };
 
@@ -40,16 +40,16 @@ template <int N>
 struct CellMixture {
   std::vector<std::uint32_t> cells;         ///< that take any
   CellField<N> place;                       ///< [of cells], 0 at the first blur
-  std::vector<std::vector<float>> weights;  ///< [blur][rung]
+  std::vector<std::vector<float>> weights;  ///< [blur][scale]
 };
 
 /// @param cells  ascending
 /// @param place  [of cells], in [0, blurs - 1] for each band
-/// @param rungs  [blur][rung], as cell_rungs_of_gaussians gives them
+/// @param scales  [blur][scale], as cell_scales_of_gaussians gives them
 template <int N>
 [[nodiscard]] CellMixture<N> make_cell_mixture(const CellGraph& graph,
                                                std::vector<std::uint32_t> cells, CellField<N> place,
-                                               std::span<const double> rungs);
+                                               std::span<const double> scales);
 
 /// What several operators make of light: as `apply` does on a grid.
 ///

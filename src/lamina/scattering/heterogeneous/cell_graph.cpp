@@ -9,7 +9,7 @@
 namespace lamina {
 namespace {
 
-/// Share of the cells that are no smaller than what counts as typical. Steps in time are as long
+/// Fraction of the cells that are no smaller than what counts as typical. Steps in time are as long
 /// as cells of the typical area bear; smaller ones would need shorter ones.
 constexpr double share_of_large_cells = 0.8;
 

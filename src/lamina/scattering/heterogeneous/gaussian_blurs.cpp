@@ -43,33 +43,33 @@ Plane blurred(const Plane& plane, const std::vector<float>& taps_x,
   return result;
 }
 
-/// The coarser grids of a ladder, [level - 1].
+/// The coarser grids of a pyramid, [level - 1].
 struct CoarseGrids {
   std::vector<CoarseSide> x, y;
 };
 
-/// The rungs of the coarser grids, [level - 1], two each.
-std::vector<std::array<Plane, 2>> coarse_rungs(const CoarseGrids& grids, const Plane& last) {
-  std::vector<std::array<Plane, 2>> rungs;
+/// The scales of the coarser grids, [level - 1], two each.
+std::vector<std::array<Plane, 2>> coarse_scales(const CoarseGrids& grids, const Plane& last) {
+  std::vector<std::array<Plane, 2>> scales;
   for (std::size_t i = 0; i < grids.x.size(); ++i) {
     const CoarseSide &x = grids.x[i], &y = grids.y[i];
-    const auto blur = [&](const Plane& plane, std::size_t rung) {
-      return blurred(plane, x.taps[rung], y.taps[rung], [](int, const float*) {});
+    const auto blur = [&](const Plane& plane, std::size_t scale) {
+      return blurred(plane, x.taps[scale], y.taps[scale], [](int, const float*) {});
     };
-    Plane first = blur(coarsened(i == 0 ? last : rungs.back()[1], x.step, y.step), 0);
+    Plane first = blur(coarsened(i == 0 ? last : scales.back()[1], x.step, y.step), 0);
     Plane second = blur(first, 1);
-    rungs.push_back({std::move(first), std::move(second)});
+    scales.push_back({std::move(first), std::move(second)});
   }
-  return rungs;
+  return scales;
 }
 
-/// What one power's weights make of the coarser rungs and the mean, on the grid of level 1.
-Plane sum_of_rungs(const CoarseGrids& grids, const std::vector<std::array<Plane, 2>>& rungs,
-                   const float* weights, float mean) {
-  Plane sum =
-      make_plane(rungs.back()[0].width, rungs.back()[0].height, weights[2 * rungs.size()] * mean);
-  for (std::size_t level = rungs.size(); level-- > 0;) {
-    if (level + 1 < rungs.size()) {
+/// What one power's weights make of the coarser scales and the mean, on the grid of level 1.
+Plane sum_of_scales(const CoarseGrids& grids, const std::vector<std::array<Plane, 2>>& scales,
+                    const float* weights, float mean) {
+  Plane sum = make_plane(scales.back()[0].width, scales.back()[0].height,
+                         weights[2 * scales.size()] * mean);
+  for (std::size_t level = scales.size(); level-- > 0;) {
+    if (level + 1 < scales.size()) {
       const detail::GridStep &x = grids.x[level + 1].step, &y = grids.y[level + 1].step;
       Plane finer = make_plane(x.fine, y.fine);
       FramedRow between(x.coarse);
@@ -78,22 +78,22 @@ Plane sum_of_rungs(const CoarseGrids& grids, const std::vector<std::array<Plane,
       sum = std::move(finer);
     }
     for (std::size_t i = 0; i < 2; ++i)
-      detail::add_row(rungs[level][i].values.data(), weights[2 * level + i], sum.values.data(),
+      detail::add_row(scales[level][i].values.data(), weights[2 * level + i], sum.values.data(),
                       sum.values.size());
   }
   return sum;
 }
 
-/// Transfer of each rung at a spatial frequency [1/texel], what folds back left out, where each
+/// Transfer of each scale at a spatial frequency [1/texel], what folds back left out, where each
 /// grid is coarser by exactly two. Others differ by the fourth order in k.
-std::vector<double> rung_transfers(const BlurLadder& ladder, double k) {
+std::vector<double> scale_transfers(const BlurPyramid& pyramid, double k) {
   constexpr std::array<double, 2> steps = {
       coarse_variances[0] - (finest_variances.back() + 2.0 * detail::step_variance(2.0)) / 4.0,
       coarse_variances[1] - coarse_variances[0]};
   std::vector<double> transfers;
   for (const double v : finest_variances) transfers.push_back(std::exp(-v * (1.0 - std::cos(k))));
   double down = transfers.back(), up = 1.0;
-  for (int level = 1; level <= ladder.levels; ++level) {
+  for (int level = 1; level <= pyramid.levels; ++level) {
     const double at = k * std::ldexp(1.0, level);  // per texel of this grid
     const double step = at < 2.0 * std::numbers::pi ? std::pow(std::cos(at / 4.0), 3) : 0.0;
     down *= step;
@@ -109,30 +109,31 @@ std::vector<double> rung_transfers(const BlurLadder& ladder, double k) {
 
 }  // namespace
 
-BlurLadder make_blur_ladder(int width, int height, double largest_variance) {
+BlurPyramid make_blur_pyramid(int width, int height, double largest_variance) {
   assert(width > 0 && height > 0);
   constexpr int smallest_side = 4;
   int levels = 1;
   while (coarse_variances[1] * std::pow(4.0, levels) < largest_variance &&
          std::min(width, height) > ((smallest_side - 1) << (levels + 1)))
     ++levels;
-  BlurLadder ladder{.width = width,
-                    .height = height,
-                    .levels = levels,
-                    .variances = {finest_variances.begin(), finest_variances.end()}};
+  BlurPyramid pyramid{.width = width,
+                      .height = height,
+                      .levels = levels,
+                      .variances = {finest_variances.begin(), finest_variances.end()}};
   for (int level = 1; level <= levels; ++level)
-    for (const double v : coarse_variances) ladder.variances.push_back(v * std::pow(4.0, level));
-  ladder.variances.push_back(std::numeric_limits<double>::infinity());
-  return ladder;
+    for (const double v : coarse_variances) pyramid.variances.push_back(v * std::pow(4.0, level));
+  pyramid.variances.push_back(std::numeric_limits<double>::infinity());
+  return pyramid;
 }
 
-std::vector<double> detail::fit_rungs(std::span<const double> variances, double lowest,
-                                      std::size_t rung_count, const RungTransfers& transfers_at) {
+std::vector<double> detail::fit_scales(std::span<const double> variances, double lowest,
+                                       std::size_t scale_count,
+                                       const ScaleTransfers& transfers_at) {
   constexpr int count = 400;
   constexpr double ridge = 1e-4, weight_of_total = 100.0;
-  const auto rungs = static_cast<Eigen::Index>(rung_count);
+  const auto scales = static_cast<Eigen::Index>(scale_count);
   const auto gaussians = static_cast<Eigen::Index>(variances.size());
-  Eigen::MatrixXd a(count + 1, rungs), wanted(count + 1, gaussians);
+  Eigen::MatrixXd a(count + 1, scales), wanted(count + 1, gaussians);
   for (Eigen::Index j = 0; j <= count; ++j) {
     const double k =
         j == 0 ? 0.0 : std::numbers::pi * std::pow(lowest, 1.0 - static_cast<double>(j) / count);
@@ -141,56 +142,56 @@ std::vector<double> detail::fit_rungs(std::span<const double> variances, double 
     // in k is right.
     const double rise = 1.0 - std::cos(k), half_square = rise + rise * rise / 8.0;
     const std::vector<double> transfers = transfers_at(k);
-    for (Eigen::Index i = 0; i < rungs; ++i)
+    for (Eigen::Index i = 0; i < scales; ++i)
       a(j, i) = weight * transfers[static_cast<std::size_t>(i)];
     for (Eigen::Index i = 0; i < gaussians; ++i)
       wanted(j, i) = weight * std::exp(-variances[static_cast<std::size_t>(i)] * half_square);
   }
-  Eigen::MatrixXd all(count + 1 + rungs, rungs), of(count + 1 + rungs, gaussians);
-  all << a, ridge * std::sqrt(count + 1.0) * Eigen::MatrixXd::Identity(rungs, rungs);
-  of << wanted, Eigen::MatrixXd::Zero(rungs, gaussians);
+  Eigen::MatrixXd all(count + 1 + scales, scales), of(count + 1 + scales, gaussians);
+  all << a, ridge * std::sqrt(count + 1.0) * Eigen::MatrixXd::Identity(scales, scales);
+  of << wanted, Eigen::MatrixXd::Zero(scales, gaussians);
   Eigen::MatrixXd weights = all.householderQr().solve(of);
   for (Eigen::Index i = 0; i < gaussians; ++i) weights.col(i) /= weights.col(i).sum();
   return {weights.data(), weights.data() + weights.size()};
 }
 
-std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
-                                       std::span<const double> variances) {
-  return detail::fit_rungs(variances, 1.0 / std::max(ladder.width, ladder.height),
-                           ladder.variances.size(),
-                           [&](double k) { return rung_transfers(ladder, k); });
+std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
+                                        std::span<const double> variances) {
+  return detail::fit_scales(variances, 1.0 / std::max(pyramid.width, pyramid.height),
+                            pyramid.variances.size(),
+                            [&](double k) { return scale_transfers(pyramid, k); });
 }
 
-std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input, const Plane& coordinate,
+std::vector<Plane> apply(const BlurPyramid& pyramid, const Plane& input, const Plane& coordinate,
                          std::span<const MappedOperator* const> operators) {
-  assert(input.width == ladder.width && input.height == ladder.height);
-  assert(coordinate.width == ladder.width && coordinate.height == ladder.height);
-  const std::size_t rungs = ladder.variances.size();
-  const auto width = static_cast<std::size_t>(ladder.width);
+  assert(input.width == pyramid.width && input.height == pyramid.height);
+  assert(coordinate.width == pyramid.width && coordinate.height == pyramid.height);
+  const std::size_t scales = pyramid.variances.size();
+  const auto width = static_cast<std::size_t>(pyramid.width);
   std::vector<Plane> results;
   for (std::size_t o = 0; o < operators.size(); ++o)
-    results.push_back(make_plane(ladder.width, ladder.height));
+    results.push_back(make_plane(pyramid.width, pyramid.height));
   std::vector<float> coefficients;
-  const auto add = [&](std::size_t rung, int y, const float* row) {
+  const auto add = [&](std::size_t scale, int y, const float* row) {
     for (std::size_t o = 0; o < operators.size(); ++o) {
       coefficients.clear();
       for (std::size_t p = 0; p < operators[o]->powers; ++p)
-        coefficients.push_back(operators[o]->weights[p * rungs + rung]);
+        coefficients.push_back(operators[o]->weights[p * scales + scale]);
       detail::add_times_polynomial(row, row_of(coordinate, y), coefficients, row_of(results[o], y),
                                    width);
     }
   };
   for (int y = 0; y < input.height; ++y) add(0, y, row_of(input, y));
   Plane last;
-  for (std::size_t rung = 1; rung < finest_rungs; ++rung) {
-    const auto taps = detail::gaussian_taps(finest_variances[rung] - finest_variances[rung - 1]);
-    last = blurred(rung == 1 ? input : last, taps, taps,
-                   [&](int y, const float* row) { add(rung, y, row); });
+  for (std::size_t scale = 1; scale < finest_scales; ++scale) {
+    const auto taps = detail::gaussian_taps(finest_variances[scale] - finest_variances[scale - 1]);
+    last = blurred(scale == 1 ? input : last, taps, taps,
+                   [&](int y, const float* row) { add(scale, y, row); });
   }
 
-  const CoarseGrids grids = {detail::coarse_sides(ladder.width, ladder.levels),
-                             detail::coarse_sides(ladder.height, ladder.levels)};
-  const auto coarse = coarse_rungs(grids, last);
+  const CoarseGrids grids = {detail::coarse_sides(pyramid.width, pyramid.levels),
+                             detail::coarse_sides(pyramid.height, pyramid.levels)};
+  const auto coarse = coarse_scales(grids, last);
   const double sum = std::accumulate(input.values.begin(), input.values.end(), 0.0);
   const auto mean = static_cast<float>(sum / static_cast<double>(input.values.size()));
   FramedRow between(grids.x[0].step.coarse);
@@ -200,10 +201,10 @@ std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input, const Pla
     std::vector<const float*> rows;
     for (std::size_t p = 0; p < operators[o]->powers; ++p) {
       sums.push_back(
-          sum_of_rungs(grids, coarse, &operators[o]->weights[p * rungs + finest_rungs], mean));
+          sum_of_scales(grids, coarse, &operators[o]->weights[p * scales + finest_scales], mean));
       rows.push_back(finer[p].data());
     }
-    for (int y = 0; y < ladder.height; ++y) {
+    for (int y = 0; y < pyramid.height; ++y) {
       for (std::size_t p = 0; p < sums.size(); ++p)
         detail::make_finer_row(sums[p], grids.x[0].step, grids.y[0].step, y, between,
                                finer[p].data());
@@ -213,10 +214,10 @@ std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input, const Pla
   return results;
 }
 
-std::vector<Plane> apply_reciprocally(const BlurLadder& ladder, const Plane& input,
+std::vector<Plane> apply_reciprocally(const BlurPyramid& pyramid, const Plane& input,
                                       const Plane& coordinate,
                                       std::span<const MappedOperator* const> operators) {
-  const std::size_t rungs = ladder.variances.size();
+  const std::size_t scales = pyramid.variances.size();
   std::size_t most_powers = 1;
   for (const MappedOperator* each : operators) most_powers = std::max(most_powers, each->powers);
   std::vector<Plane> sums;
@@ -235,13 +236,13 @@ std::vector<Plane> apply_reciprocally(const BlurLadder& ladder, const Plane& inp
         const double p = static_cast<double>(q + m);
         if (m > 0) choose *= p / static_cast<double>(m);
         const auto share = static_cast<float>(choose * std::exp2(-p));
-        for (std::size_t j = 0; j < rungs; ++j)
-          rest[o].weights.push_back(share * whole.weights[(q + m) * rungs + j]);
+        for (std::size_t j = 0; j < scales; ++j)
+          rest[o].weights.push_back(share * whole.weights[(q + m) * scales + j]);
       }
       used.push_back(&rest[o]);
       index.push_back(o);
     }
-    std::vector<Plane> parts = apply(ladder, light, coordinate, used);
+    std::vector<Plane> parts = apply(pyramid, light, coordinate, used);
     if (q == 0) {
       sums = std::move(parts);
     } else {

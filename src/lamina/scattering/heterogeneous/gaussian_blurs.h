@@ -31,56 +31,57 @@ struct Plane {
 /// that are too short for a coarser grid: of white noise those are 1e-3.
 ///
 /// Source: [Lindeberg1990] for the discrete Gaussian.
-struct BlurLadder {
+struct BlurPyramid {
   int width, height;  ///< of the plane
   int levels;         ///< coarser grids, each of half the width and height, rounded up
-  /// [rung] in texel²: 0 and doubling, six on the finest grid, two on each coarser one; and
+  /// [scale] in texel²: 0 and doubling, six on the finest grid, two on each coarser one; and
   /// infinity, the mean of the plane.
   std::vector<double> variances;
 };
 
-inline constexpr std::size_t finest_rungs = 6;
+inline constexpr std::size_t finest_scales = 6;
 
-/// The smallest ladder that holds a variance [texel²], as far as the plane is not smaller than the
+/// The smallest pyramid that holds a variance [texel²], as far as the plane is not smaller than the
 /// Gaussian.
-[[nodiscard]] BlurLadder make_blur_ladder(int width, int height, double largest_variance);
+[[nodiscard]] BlurPyramid make_blur_pyramid(int width, int height, double largest_variance);
 
-/// A matrix, [variance][rung]: each Gaussian as the sum of rungs that comes next to it, for
+/// A matrix, [variance][scale]: each Gaussian as the sum of scales that comes next to it, for
 /// frequencies that the grid has. Largest error of a sharp edge's blur: .003 of its height, near a
 /// variance of 8 texel², and .01 where sides are odd; what is narrower than a texel is that of a
 /// Gaussian on the grid.
 ///
 /// @param variances  [texel²], >= 0.
-[[nodiscard]] std::vector<double> rungs_of_gaussians(const BlurLadder& ladder,
-                                                     std::span<const double> variances);
+[[nodiscard]] std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
+                                                      std::span<const double> variances);
 
 namespace detail {
 
-/// Transfer of each rung at a spatial frequency [1/texel].
-using RungTransfers = std::function<std::vector<double>(double k)>;
+/// Transfer of each scale at a spatial frequency [1/texel].
+using ScaleTransfers = std::function<std::vector<double>(double k)>;
 
-/// A matrix, [variance][rung], by least squares over frequencies from `lowest` times pi to pi.
-[[nodiscard]] std::vector<double> fit_rungs(std::span<const double> variances, double lowest,
-                                            std::size_t rung_count, const RungTransfers& transfers);
+/// A matrix, [variance][scale], by least squares over frequencies from `lowest` times pi to pi.
+[[nodiscard]] std::vector<double> fit_scales(std::span<const double> variances, double lowest,
+                                             std::size_t scale_count,
+                                             const ScaleTransfers& transfers);
 
 }  // namespace detail
 
 /// An operator with a profile of its own at each texel where light comes out: the weights of the
-/// rungs are polynomials in a coordinate in [-1, 1] that each texel has.
+/// scales are polynomials in a coordinate in [-1, 1] that each texel has.
 struct MappedOperator {
   std::size_t powers = 0;
-  std::vector<float> weights;  ///< [power][rung]
-  std::vector<float> totals;   ///< [power]: sums over the rungs
+  std::vector<float> weights;  ///< [power][scale]
+  std::vector<float> totals;   ///< [power]: sums over the scales
 };
 
 /// What several operators make of a plane: operator o gives at texel x
 ///
-///     sum over rungs and powers of weights_o[power][rung] coordinate(x)^power (blur_rung
+///     sum over scales and powers of weights_o[power][scale] coordinate(x)^power (blur_scale
 ///     input)(x).
 ///
-/// @param coordinate  of the ladder's size, as the input.
+/// @param coordinate  of the pyramid's size, as the input.
 /// @return            [operator].
-[[nodiscard]] std::vector<Plane> apply(const BlurLadder& ladder, const Plane& input,
+[[nodiscard]] std::vector<Plane> apply(const BlurPyramid& pyramid, const Plane& input,
                                        const Plane& coordinate,
                                        std::span<const MappedOperator* const> operators);
 
@@ -88,7 +89,7 @@ struct MappedOperator {
 /// so that they exchange as much in either direction: what the binomial theorem makes of
 /// ((coordinate(x) + coordinate(x')) / 2)^power. Costs as many sets of blurs as there are powers.
 [[nodiscard]] std::vector<Plane> apply_reciprocally(
-    const BlurLadder& ladder, const Plane& input, const Plane& coordinate,
+    const BlurPyramid& pyramid, const Plane& input, const Plane& coordinate,
     std::span<const MappedOperator* const> operators);
 
 }  // namespace lamina

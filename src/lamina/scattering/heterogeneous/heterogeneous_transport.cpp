@@ -20,7 +20,7 @@ using enum detail::LayerOperator;
 using RowTotals = std::vector<std::array<std::vector<float>, 4>>;
 
 RowTotals row_totals(const HeterogeneousLayers& model, int y) {
-  const auto width = static_cast<std::size_t>(model.ladder.width);
+  const auto width = static_cast<std::size_t>(model.pyramid.width);
   const std::vector<float> ones(width, 1.0f);
   RowTotals totals(model.layers.size());
   for (std::size_t i = 0; i < totals.size(); ++i)
@@ -90,8 +90,8 @@ std::array<double, most_junctions> sum_of_sweeps(Local sweep, std::size_t n,
 /// stays.
 void close(const HeterogeneousLayers& model, std::vector<Plane>& down) {
   const std::size_t n = down.size();
-  const auto width = static_cast<std::size_t>(model.ladder.width);
-  for (int y = 0; y < model.ladder.height; ++y) {
+  const auto width = static_cast<std::size_t>(model.pyramid.width);
+  for (int y = 0; y < model.pyramid.height; ++y) {
     const RowTotals totals = row_totals(model, y);
     const std::size_t row = static_cast<std::size_t>(y) * width;
     std::vector<const float*> junctions;
@@ -116,8 +116,8 @@ void close(const HeterogeneousLayers& model, std::vector<Plane>& down) {
 /// Adds to the light on the last layer what the light that goes up brings there when it turns
 /// round, as if all texels were like the one at hand.
 void turn_round(const HeterogeneousLayers& model, const std::vector<Plane>& up, Plane& arriving) {
-  const auto width = static_cast<std::size_t>(model.ladder.width);
-  for (int y = 0; y < model.ladder.height; ++y) {
+  const auto width = static_cast<std::size_t>(model.pyramid.width);
+  for (int y = 0; y < model.pyramid.height; ++y) {
     const RowTotals totals = row_totals(model, y);
     for (std::size_t x = 0; x < width; ++x) {
       const std::size_t at = static_cast<std::size_t>(y) * width + x;
@@ -175,11 +175,11 @@ class PlaneField {
     const TransportLayer& at = model_.layers[layer];
     std::array<const MappedOperator*, K> operators;
     for (std::size_t k = 0; k < K; ++k) operators[k] = &at.operators[which[k]];
-    return apply_(model_.ladder, light, at.coordinate, operators);
+    return apply_(model_.pyramid, light, at.coordinate, operators);
   }
 
   const HeterogeneousLayers& model_;
-  std::vector<Plane> (*apply_)(const BlurLadder&, const Plane&, const Plane&,
+  std::vector<Plane> (*apply_)(const BlurPyramid&, const Plane&, const Plane&,
                                std::span<const MappedOperator* const>);
 };
 
@@ -192,15 +192,15 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
   assert(sigma_a.size() == tables.layers.size() && absorbance.size() + 1 == sigma_a.size());
   assert(absorbance.size() <= most_junctions && mm_per_texel > 0.0);
   const double texel = mm_per_texel * mm_per_texel;
-  // Gaussians beyond 13 mm² hold the tail of a dermis without blood; the widest rung serves them.
+  // Gaussians beyond 13 mm² hold the tail of a dermis without blood; the widest scale serves them.
   constexpr double widest = 13.2;
   HeterogeneousLayers model{
-      .ladder = make_blur_ladder(sigma_a[0].width, sigma_a[0].height, widest / texel),
+      .pyramid = make_blur_pyramid(sigma_a[0].width, sigma_a[0].height, widest / texel),
       .layers = {},
       .junctions = {}};
   std::vector<double> variances = tables.variances;
   for (double& v : variances) v /= texel;
-  const std::vector<double> rungs = rungs_of_gaussians(model.ladder, variances);
+  const std::vector<double> scales = scales_of_gaussians(model.pyramid, variances);
   for (std::size_t i = 0; i < sigma_a.size(); ++i) {
     const AbsorptionRange range = absorption_range(sigma_a[i], tables.grid);
     TransportLayer layer{absorption_coordinate(sigma_a[i], range), {}};
@@ -209,7 +209,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
     for (std::size_t which = 0; which < 4; ++which)
       if (!each[which]->weights.empty())
         layer.operators[which] =
-            make_mapped_operator(tables, *each[which], range, rungs, tolerance);
+            make_mapped_operator(tables, *each[which], range, scales, tolerance);
     model.layers.push_back(std::move(layer));
   }
   for (const Plane& sheet : absorbance) {
@@ -222,7 +222,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
 
 TransportResult transport(const HeterogeneousLayers& model, const Plane& irradiance,
                           const TransportOptions& options) {
-  assert(irradiance.width == model.ladder.width && irradiance.height == model.ladder.height);
+  assert(irradiance.width == model.pyramid.width && irradiance.height == model.pyramid.height);
   constexpr int most_bounces = 100;
   TransportResult result;
   double all_down = 0.0;
@@ -239,7 +239,7 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
                                               options.has_local_closure, is_last);
   result.reflected = std::move(light.reflected);
   result.transmitted = light.transmitted.values.empty()
-                           ? make_plane(model.ladder.width, model.ladder.height)
+                           ? make_plane(model.pyramid.width, model.pyramid.height)
                            : std::move(light.transmitted);
   return result;
 }

@@ -20,7 +20,7 @@ struct TransportLayer {
 
 /// Layers whose absorption varies over the surface, with absorbing sheets between them; one band.
 struct HeterogeneousLayers {
-  BlurLadder ladder;
+  BlurPyramid pyramid;
   std::vector<TransportLayer> layers;  ///< from the lit surface downward
   std::vector<Plane> junctions;        ///< [layer - 1] what a crossing leaves, in [0, 1]
 };

@@ -90,7 +90,7 @@ Plane absorption_coordinate(const Plane& sigma_a, const AbsorptionRange& range) 
 }
 
 MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTable& table,
-                                    const AbsorptionRange& range, std::span<const double> rungs,
+                                    const AbsorptionRange& range, std::span<const double> scales,
                                     double tolerance) {
   const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
   Rows at_points;
@@ -105,17 +105,17 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
   series.resize(needed_degrees(series, tables.variances, tolerance * largest_total));
   const Rows powers = powers_of(series);
 
-  const std::size_t rung_count = rungs.size() / tables.variances.size();
+  const std::size_t scale_count = scales.size() / tables.variances.size();
   MappedOperator result{.powers = powers.size(),
-                        .weights = std::vector<float>(powers.size() * rung_count),
+                        .weights = std::vector<float>(powers.size() * scale_count),
                         .totals = {}};
   for (std::size_t p = 0; p < powers.size(); ++p) {
     double total = 0.0;
-    for (std::size_t j = 0; j < rung_count; ++j) {
+    for (std::size_t j = 0; j < scale_count; ++j) {
       double weight = 0.0;
       for (std::size_t i = 0; i < tables.variances.size(); ++i)
-        weight += powers[p][i] * rungs[i * rung_count + j];
-      result.weights[p * rung_count + j] = static_cast<float>(weight);
+        weight += powers[p][i] * scales[i * scale_count + j];
+      result.weights[p * scale_count + j] = static_cast<float>(weight);
       total += weight;
     }
     result.totals.push_back(static_cast<float>(total));

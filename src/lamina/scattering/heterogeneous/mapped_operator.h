@@ -24,11 +24,11 @@ struct AbsorptionRange {
 /// the least degree that keeps the error of the transform below `tolerance` times the largest total
 /// in the range.
 ///
-/// @param rungs  of the table's Gaussians, as rungs_of_gaussians gives them.
+/// @param scales  of the table's Gaussians, as scales_of_gaussians gives them.
 [[nodiscard]] MappedOperator make_mapped_operator(const StackTables& tables,
                                                   const GaussianTable& table,
                                                   const AbsorptionRange& range,
-                                                  std::span<const double> rungs,
+                                                  std::span<const double> scales,
                                                   double tolerance = 5e-5);
 
 }  // namespace lamina

@@ -26,20 +26,20 @@ void for_cells(std::size_t count, const Body& body) {
 
 /// One band of an operator, in the lane of that band.
 template <int N>
-void add_operator(int band, const MappedOperator& from, std::size_t rungs, CellOperator<N>& to) {
+void add_operator(int band, const MappedOperator& from, std::size_t scales, CellOperator<N>& to) {
   to.powers = std::max(to.powers, from.powers);
-  to.weights.resize(to.powers * rungs);
+  to.weights.resize(to.powers * scales);
   to.totals.resize(to.powers);
   for (std::size_t p = 0; p < from.powers; ++p) {
-    for (std::size_t j = 0; j < rungs; ++j)
-      to.weights[p * rungs + j][band] = from.weights[p * rungs + j];
+    for (std::size_t j = 0; j < scales; ++j)
+      to.weights[p * scales + j][band] = from.weights[p * scales + j];
     to.totals[p][band] = from.totals[p];
   }
 }
 
 template <int N>
 void add_layer(int band, const StackTables& tables, const LayerTables& from,
-               const std::vector<float>& sigma_a, std::span<const double> rungs, double tolerance,
+               const std::vector<float>& sigma_a, std::span<const double> scales, double tolerance,
                typename SurfaceLayers<N>::Layer& layer) {
   const Plane values{static_cast<int>(sigma_a.size()), 1, sigma_a};
   const AbsorptionRange range = absorption_range(values, tables.grid);
@@ -48,8 +48,8 @@ void add_layer(int band, const StackTables& tables, const LayerTables& from,
   const auto each = operator_tables(from);
   for (std::size_t which = 0; which < 4; ++which)
     if (!each[which]->weights.empty())
-      add_operator(band, make_mapped_operator(tables, *each[which], range, rungs, tolerance),
-                   rungs.size() / tables.variances.size(), layer.operators[which]);
+      add_operator(band, make_mapped_operator(tables, *each[which], range, scales, tolerance),
+                   scales.size() / tables.variances.size(), layer.operators[which]);
 }
 
 /// An operator's total where the coordinate is such.
@@ -141,9 +141,9 @@ template <int N>
 void SurfaceLayers<N>::add_band(int band, const StackTables& tables,
                                 const CellAbsorption& absorption, double tolerance) {
   assert(tables.layers.size() == 2 && absorption.upper.size() == junction.size());
-  const std::vector<double> rungs = cell_rungs_of_gaussians(*graph, tables.variances);
-  add_layer<N>(band, tables, tables.layers[0], absorption.upper, rungs, tolerance, upper);
-  add_layer<N>(band, tables, tables.layers[1], absorption.lower, rungs, tolerance, lower);
+  const std::vector<double> scales = cell_scales_of_gaussians(*graph, tables.variances);
+  add_layer<N>(band, tables, tables.layers[0], absorption.upper, scales, tolerance, upper);
+  add_layer<N>(band, tables, tables.layers[1], absorption.lower, scales, tolerance, lower);
   for (std::size_t i = 0; i < junction.size(); ++i)
     junction[i][band] = std::exp(-absorption.absorbance[i]);
 }

@@ -39,7 +39,7 @@ struct SurfaceLayers {
 template <int N>
 [[nodiscard]] SurfaceLayers<N> make_surface_layers(const CellGraph& graph);
 
-/// Share of the light that has entered that leaves, at each cell as if all skin were like it.
+/// Fraction of the light that has entered that leaves, at each cell as if all skin were like it.
 template <int N>
 [[nodiscard]] CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers);
 

@@ -44,7 +44,7 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
   thin.reflectance.assign(thin.far.size(), BandValues<N>::filled(1.0f));
   std::array<double, variances.size()> halves{};
   std::ranges::transform(variances, halves.begin(), [](double variance) { return 0.5 * variance; });
-  thin.rungs = cell_rungs_of_gaussians(graph, halves);
+  thin.scales = cell_scales_of_gaussians(graph, halves);
   return thin;
 }
 
@@ -103,7 +103,7 @@ CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin) 
   std::ranges::sort(cells);
   CellField<N> of_cells;
   for (const std::uint32_t cell : cells) of_cells.push_back(place[cell]);
-  return make_cell_mixture(graph, std::move(cells), std::move(of_cells), thin.rungs);
+  return make_cell_mixture(graph, std::move(cells), std::move(of_cells), thin.scales);
 }
 
 template <int N>

@@ -34,7 +34,7 @@ struct ThinParts {
   CellField<N> spread;         ///< place of the Gaussian among six
   CellField<N> transmittance;  ///< of the lower layer where it is a slab; 0 where it is thick
   CellField<N> reflectance;    ///< of it, over that of a half-space; 1 where it is thick
-  std::vector<double> rungs;   ///< of half of each, as cell_rungs_of_gaussians gives them
+  std::vector<double> scales;  ///< of half of each, as cell_scales_of_gaussians gives them
 };
 
 /// Thin parts of a graph's cells without any band; empty if nothing is thinner than light reaches.

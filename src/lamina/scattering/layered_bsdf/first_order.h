@@ -16,13 +16,13 @@ namespace lamina {
 /// What becomes of light that a boundary inside the stack reflects.
 enum class InternalReflections {
   lost,   ///< as printed by [HanrahanKrueger1993]: every boundary only weakens what crosses it
-  ladder  ///< all reflections before and after the event are summed; nothing of order 1 is missing
+  summed  ///< all reflections before and after the event are summed; nothing of order 1 is missing
 };
 
 /// One kind of particle in a layer.
 template <class V>
 struct PhaseLobe {
-  V weight{};  ///< share of the layer's sigma_s
+  V weight{};  ///< fraction of the layer's sigma_s
   V g{};
   bool is_rayleigh = false;
 };
@@ -59,7 +59,7 @@ struct FirstOrderStack {
   bool has_one_ior = true;        ///< for all bands: they share all directions
   bool is_semi_infinite = false;
   bool has_ground = false;
-  InternalReflections reflections = InternalReflections::ladder;
+  InternalReflections reflections = InternalReflections::summed;
 
   /// Whether a boundary does nothing, in all bands; that of index k lies on layer k.
   [[nodiscard]] bool is_matched_at(std::size_t k) const {
@@ -72,16 +72,16 @@ struct FirstOrderStack {
 /// @throws InvalidInput if a boundary inside the stack is rough. A rough top is taken as a smooth
 ///         one: who has a model of it scales what crosses.
 [[nodiscard]] FirstOrderStack<double> make_first_order(
-    const LayerStack& stack, InternalReflections reflections = InternalReflections::ladder);
+    const LayerStack& stack, InternalReflections reflections = InternalReflections::summed);
 
 /// The bands of a material in one, at most N and all of one build. Lanes beyond repeat the last.
 template <int N>
 [[nodiscard]] FirstOrderStack<BandValues<N>> make_first_order(
     std::span<const LayerStack> bands,
-    InternalReflections reflections = InternalReflections::ladder);
+    InternalReflections reflections = InternalReflections::summed);
 
 /// Unscattered light of one direction in one layer, for unit flux from outside. By reciprocity also
-/// the share of light inside, going the other way, that leaves there unscattered.
+/// the fraction of light inside, going the other way, that leaves there unscattered.
 template <class V>
 struct LayerBeam {
   V mu, inverse_mu;  ///< |cosine| inside
@@ -106,7 +106,8 @@ struct StackBeam {
 ///                is below, for stacks that transmit.
 ///
 /// Source: [HanrahanKrueger1993] Eq. 11 with the path length of the refracted ray, which the print
-/// has at normal incidence only; the ladder is a geometric series at each boundary.
+/// has at normal incidence only; the sum of interreflections is a geometric series at each
+/// boundary.
 template <class V>
 [[nodiscard]] StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward);
 

@@ -21,8 +21,8 @@ struct Patch {
   /// [layer] absorption coefficient [1/mm], >= 0, in place of the layer's own.
   std::vector<std::vector<double>> sigma_a;
 
-  /// [layer] share of the light that passes each crossing of the layer's lower boundary, in [0, 1]:
-  /// ink or basal melanin in a thin sheet. Empty: all.
+  /// [layer] fraction of the light that passes each crossing of the layer's lower boundary, in [0,
+  /// 1]: ink or basal melanin in a thin sheet. Empty: all.
   std::vector<std::vector<double>> junction;
 
   std::vector<double> irradiance;  ///< >= 0, not all 0; empty: 1

@@ -64,7 +64,7 @@ struct MonteCarloOptions {
   double roulette_weight = 0.1;
 
   /// As MCML does: light enters the first layer that interacts with the deterministic transmittance
-  /// of a clear first layer, whose ladder of reflections then counts as specular. Needs normal
+  /// of a clear first layer, whose interreflections then count as specular. Needs normal
   /// incidence and smooth boundaries.
   bool clear_top_is_specular = false;
 

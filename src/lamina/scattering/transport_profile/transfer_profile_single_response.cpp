@@ -33,8 +33,8 @@ struct Course {
 
 /// What leaves of the light emitted in all layers, with all its reflections.
 ///
-/// By reciprocity the shares that leave are the unscattered light inside, going the other way, for
-/// unit flux that enters where the light leaves.
+/// By reciprocity the fractions that leave are the unscattered light inside, going the other way,
+/// for unit flux that enters where the light leaves.
 ///
 /// @param r         [interface] reflectance for the direction, from the side where it leaves.
 /// @param is_above  where it leaves.

@@ -6,7 +6,7 @@
 
 namespace lamina::detail {
 
-/// Heights of light between facets, as Gauss nodes in u, the share of facets that are lower.
+/// Heights of light between facets, as Gauss nodes in u, the fraction of facets that are lower.
 inline constexpr std::size_t heights = 10;
 using HeightShares = std::array<double, heights>;
 

@@ -10,9 +10,9 @@
 namespace lamina::detail {
 namespace {
 
-constexpr double too_weak = 2e-3;  // share of light between the boundaries that is passed over
+constexpr double too_weak = 2e-3;  // fraction of light between the boundaries that is passed over
 
-/// Share of light that is not scattered aside between interfaces a < b.
+/// Fraction of light that is not scattered aside between interfaces a < b.
 double passes(const LayerStack& stack, std::size_t a, std::size_t b) {
   double depth = 0.0;
   for (std::size_t l = a; l < b; ++l) {

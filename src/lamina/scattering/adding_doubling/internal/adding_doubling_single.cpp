@@ -34,7 +34,7 @@ std::vector<LayerFlux> unscattered_from_above(const GridStack& stack, std::size_
 }
 
 std::vector<LayerFlux> unscattered_from_below(const GridStack& stack, std::size_t node) {
-  // The same ladder in the order that this light meets it: its "down" is up.
+  // The same interreflections in the order that this light meets it: its "down" is up.
   const UnscatteredFlux flux = unscattered_flux(turned_over(stack), node, Unscattered::on_grid);
   std::vector<LayerFlux> layers;
   const std::size_t count = stack.layers.size();

@@ -22,7 +22,7 @@ struct LayerFlux {
 };
 
 /// For light that enters from above, or from below; extinction as the grid has it. By reciprocity
-/// also the share of light inside, going the other way, that leaves unscattered on that side.
+/// also the fraction of light inside, going the other way, that leaves unscattered on that side.
 [[nodiscard]] std::vector<LayerFlux> unscattered_from_above(const GridStack& stack,
                                                             std::size_t node);
 [[nodiscard]] std::vector<LayerFlux> unscattered_from_below(const GridStack& stack,

@@ -33,7 +33,7 @@ struct GridStep {
 /// A side of a coarser grid.
 struct CoarseSide {
   GridStep step;  ///< from the next finer grid
-  /// Taps of what blurs to the grid's first rung and on to its second: whatever the ratios of
+  /// Taps of what blurs to the grid's first scale and on to its second: whatever the ratios of
   /// sizes, both have their variance.
   std::array<std::vector<float>, 2> taps;
 };
@@ -46,8 +46,8 @@ struct CoarseSide {
 
 /// Variances on the finest grid, and further ones on a coarser grid in texel² of a grid that is
 /// coarser by exactly two per level.
-inline constexpr std::array<double, finest_rungs> finest_variances = {0.0, 0.25, 0.5,
-                                                                      1.0, 2.0,  4.0};
+inline constexpr std::array<double, finest_scales> finest_variances = {0.0, 0.25, 0.5,
+                                                                       1.0, 2.0,  4.0};
 inline constexpr std::array<double, 2> coarse_variances = {2.0, 4.0};
 
 /// What a step to a grid `ratio` times as coarse, or back, adds to the variance, in finer texel²:

@@ -107,7 +107,7 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
   const std::size_t count = stack.layers.size();
   const bool is_above = toward.z >= 0.0;
   assert(is_above || stack.is_transmissive());
-  const bool has_ladder = stack.reflections == InternalReflections::ladder;
+  const bool has_interreflections = stack.reflections == InternalReflections::summed;
   const V one = all<V>(1.0), zero = all<V>(0.0);
   StackBeam<V> beam;
   beam.layers.reset(count);
@@ -142,7 +142,7 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
     const FirstOrderLayer<V>& medium = media[at(i - 1)];
     layer.decay = medium.sigma_t * layer.inverse_mu;
     layer.pass = exp_minus(layer.decay * medium.thickness);
-    has_behind = has_ladder && crossing.has_back;
+    has_behind = has_interreflections && crossing.has_back;
     n = has_behind ? crossing.back * layer.pass * layer.pass : zero;
     d = has_behind ? crossing.loss : one;
   }
@@ -158,7 +158,7 @@ StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
     const V entering = way * crossed[i].behind_loss;
     way *= layer.pass;
     const Crossing<V>& next = crossed[i + 1];
-    const V returning = has_ladder && next.has_back ? way * next.back : zero;
+    const V returning = has_interreflections && next.has_back ? way * next.back : zero;
     layer.down = is_above ? entering : returning;
     layer.up = is_above ? returning : entering;
   }

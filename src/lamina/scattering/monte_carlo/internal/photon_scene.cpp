@@ -70,7 +70,7 @@ void add_phase_functions(const LayerStack& stack, Scene& scene) {
   }
 }
 
-/// MCML's deterministic entry through a clear first layer: its ladder of reflections is specular.
+/// MCML's deterministic entry through a clear first layer: its interreflections are specular.
 void enter_below_clear_top(const LayerStack& stack, Scene& scene) {
   const Layer& top = stack.layers()[0];
   if (sigma_t(top.medium) > 0.0 || stack.layers().size() < 2) return;

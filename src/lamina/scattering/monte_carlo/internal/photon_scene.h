@@ -28,7 +28,7 @@ struct Scene {
 
   // Phase functions that are not one Henyey-Greenstein lobe: [layer * lobes + lobe]
   int lobes = 0;                ///< 0: all layers are Henyey-Greenstein
-  std::vector<float> lobe_end;  ///< cumulative share, the last is 2
+  std::vector<float> lobe_end;  ///< cumulative fraction, the last is 2
   std::vector<float> lobe_g;    ///< 2 stands for Rayleigh
   bool has_rough = false;
   float ground = 0.0f;  ///< reflectance of a Lambertian ground

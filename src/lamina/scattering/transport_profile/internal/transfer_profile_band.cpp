@@ -49,7 +49,7 @@ constexpr double earlier_end = 0.7, left_of_tail = 0.5;
 /// this of what the last one did.
 constexpr double no_progress = 0.9;
 
-/// The share of the accuracy asked that each may use, if the others use all of theirs.
+/// The fraction of the accuracy asked that each may use, if the others use all of theirs.
 constexpr double frequency_share = 0.15, node_share = 0.5, mode_share = 0.35;
 
 /// Rings of equal width in log r that hold less than this of the fullest ring's flux do not count.

@@ -13,7 +13,7 @@ namespace {
 constexpr double beam_per_sigma_t = 8.0;
 constexpr double highest_by_thickness = 12.0;  ///< times the thickness of a scattering slab
 constexpr double most_per_sigma_t = 250.0;
-constexpr double tail_start = 0.35;  ///< share of the highest frequency from which to fit
+constexpr double tail_start = 0.35;  ///< fraction of the highest frequency from which to fit
 constexpr double handover = 0.6;     ///< where both forms count alike
 constexpr double bend = 0.25;        ///< k0 over the highest frequency
 
