@@ -80,7 +80,8 @@ void one_operator(benchmark::State& state) {
   const Plane light = make_plane(layers.pyramid.width, layers.pyramid.height, 1.0f);
   const MappedOperator* operators[] = {&layers.layers[0].operators[1]};
   for (auto _ : state)
-    benchmark::DoNotOptimize(apply(layers.pyramid, light, layers.layers[0].coordinate, operators));
+    benchmark::DoNotOptimize(
+        apply_operators(layers.pyramid, light, layers.layers[0].coordinate, operators));
 }
 BENCHMARK(one_operator)->Name("one operator, 1024 x 1024")->Unit(benchmark::kMillisecond);
 

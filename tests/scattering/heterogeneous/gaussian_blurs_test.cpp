@@ -19,7 +19,7 @@ MappedOperator constant_operator(std::vector<float> weights) {
 Plane apply_scales(const BlurPyramid& pyramid, const Plane& input, std::vector<float> weights) {
   const MappedOperator blur = constant_operator(std::move(weights));
   const MappedOperator* operators[] = {&blur};
-  return apply(pyramid, input, make_plane(pyramid.width, pyramid.height), operators)[0];
+  return apply_operators(pyramid, input, make_plane(pyramid.width, pyramid.height), operators)[0];
 }
 
 Plane one_scale(const BlurPyramid& pyramid, const Plane& input, std::size_t scale) {
@@ -128,7 +128,7 @@ TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
   std::mt19937 random(5);
   for (float& w : both.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
   const MappedOperator* operators[] = {&both};
-  const Plane seen = apply(pyramid, light, coordinate, operators)[0];
+  const Plane seen = apply_operators(pyramid, light, coordinate, operators)[0];
   std::vector<Plane> powers;
   for (std::size_t p = 0; p < 3; ++p)
     powers.push_back(
@@ -154,15 +154,15 @@ TEST(GaussianBlurs, ProfilesOfBothEndsExchangeAlike) {
   const auto dot = [](const Plane& p, const Plane& q) {
     return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
   };
-  const Plane of_a = apply_reciprocally(pyramid, a, coordinate, operators)[0];
-  const Plane of_b = apply_reciprocally(pyramid, b, coordinate, operators)[0];
+  const Plane of_a = apply_operators_reciprocally(pyramid, a, coordinate, operators)[0];
+  const Plane of_b = apply_operators_reciprocally(pyramid, b, coordinate, operators)[0];
   EXPECT_NEAR(dot(b, of_a), dot(a, of_b), 1e-5 * std::abs(dot(b, of_a)));
-  const double one_way = dot(b, apply(pyramid, a, coordinate, operators)[0]);
-  const double other_way = dot(a, apply(pyramid, b, coordinate, operators)[0]);
+  const double one_way = dot(b, apply_operators(pyramid, a, coordinate, operators)[0]);
+  const double other_way = dot(a, apply_operators(pyramid, b, coordinate, operators)[0]);
   EXPECT_GT(std::abs(one_way - other_way), 1e-4 * std::abs(one_way));
   const Plane uniform = make_plane(48, 32, 0.3f);
-  const Plane exit = apply(pyramid, a, uniform, operators)[0];
-  const Plane both = apply_reciprocally(pyramid, a, uniform, operators)[0];
+  const Plane exit = apply_operators(pyramid, a, uniform, operators)[0];
+  const Plane both = apply_operators_reciprocally(pyramid, a, uniform, operators)[0];
   for (std::size_t i = 0; i < exit.values.size(); ++i)
     ASSERT_NEAR(exit.values[i], both.values[i], 1e-4);
 }

@@ -61,7 +61,7 @@ TEST(CellBlurs, KeepTheLightAndExchangeItBothWaysAlike) {
     const auto spread = [&](std::size_t from) {
       CellField<4> light(n);
       light[from] = BandValues<4>::filled(1.0f);
-      return apply<4>(graph, light, coordinate, blurs)[0];
+      return apply_cell_operators<4>(graph, light, coordinate, blurs)[0];
     };
     const std::size_t a = 9 + 7 * 21, b = 12 + 9 * 21;  // on either side of the cut
     const CellField<4> of_a = spread(a), of_b = spread(b);
@@ -140,7 +140,7 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
     for (std::size_t j = 0; j < count; ++j)
       blur.weights.push_back(BandValues<4>::filled(static_cast<float>(scales[v * count + j])));
     const std::array<const CellOperator<4>*, 1> blurs = {&blur};
-    alone.push_back(apply<4>(graph, light, CellField<4>(n), blurs)[0]);
+    alone.push_back(apply_cell_operators<4>(graph, light, CellField<4>(n), blurs)[0]);
   }
   std::vector<std::uint32_t> cells;
   CellField<4> place;
@@ -151,7 +151,7 @@ TEST(CellBlurs, AMixtureGivesEachCellWhatLiesBetweenTwoBlurs) {
     place.back()[1] = 1.0f;
   }
   const CellMixture<4> mixture = make_cell_mixture<4>(graph, cells, place, scales);
-  const auto both = apply<4>(graph, light, CellField<4>(n), {}, &mixture);
+  const auto both = apply_cell_operators<4>(graph, light, CellField<4>(n), {}, &mixture);
   ASSERT_EQ(both.size(), 1u);
   double change = 0.0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -263,7 +263,7 @@ TEST(SurfaceTransport, LightThroughThinPartsHasNoEdgeWhereTheyEnd) {
   add_band<4>(0, green_stack.layers[1], std::vector<float>(n, 0.05f), 0.25, 1.4, thin);
   const CellMixture<4> halves = spread_through(graph, thin);
   const auto spread = [&](const CellField<4>& light) {
-    return apply<4>(graph, light, CellField<4>(n), {}, &halves)[0];
+    return apply_cell_operators<4>(graph, light, CellField<4>(n), {}, &halves)[0];
   };
   CellField<4> down(n);
   for (auto& value : down) value[0] = 1.0f;

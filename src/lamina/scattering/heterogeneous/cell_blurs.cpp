@@ -8,10 +8,12 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/scattering/heterogeneous/internal/for_cells.h"
 
 namespace lamina {
 namespace {
+
+using detail::for_cells;
 
 /// Steps in time, each a variance in typical areas of the level. A step of variance t weakens a
 /// wave by 1 - t (1 - cos k); their product falls about as a Gaussian does, with fewer steps than
@@ -28,15 +30,6 @@ constexpr std::array<Steps, 5> finest = {{{{0.25f}, 1},
 constexpr std::array<Steps, 2> coarser = {{{{0.25f, 0.44f}, 2}, {{0.35f, 0.45f, 0.55f, 0.65f}, 4}}};
 /// After light of a coarse level has been handed to its children, all alike.
 constexpr Steps smoothing = {{0.25f, 0.5f}, 2};
-
-constexpr std::size_t chunk = 8192;
-
-template <class Body>
-void for_cells(std::size_t count, const Body& body) {
-  parallel_for((count + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) body(i);
-  });
-}
 
 template <int N>
 BandValues<N> stepped(const CellLevel& level, const CellField<N>& from, float variance,
@@ -184,10 +177,10 @@ std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
 }
 
 template <int N>
-std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& input,
-                                const CellField<N>& coordinate,
-                                std::span<const CellOperator<N>* const> operators,
-                                const CellMixture<N>* mixture) {
+std::vector<CellField<N>> apply_cell_operators(const CellGraph& graph, const CellField<N>& input,
+                                               const CellField<N>& coordinate,
+                                               std::span<const CellOperator<N>* const> operators,
+                                               const CellMixture<N>* mixture) {
   const CellLevel& fine = graph.levels.front();
   assert(input.size() == fine.area.size() && coordinate.size() == input.size());
   const std::size_t scales = scale_count(graph);
@@ -262,7 +255,7 @@ CellMixture<N> make_cell_mixture(const CellGraph& graph, std::vector<std::uint32
 }
 
 #define LAMINA_INSTANTIATE(N)                                                             \
-  template std::vector<CellField<N>> apply<N>(                                            \
+  template std::vector<CellField<N>> apply_cell_operators<N>(                             \
       const CellGraph&, const CellField<N>&, const CellField<N>&,                         \
       std::span<const CellOperator<N>* const>, const CellMixture<N>*);                    \
   template CellMixture<N> make_cell_mixture(const CellGraph&, std::vector<std::uint32_t>, \

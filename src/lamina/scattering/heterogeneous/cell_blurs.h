@@ -51,15 +51,14 @@ template <int N>
                                                std::vector<std::uint32_t> cells, CellField<N> place,
                                                std::span<const double> scales);
 
-/// What several operators make of light: as `apply` does on a grid.
+/// What several operators make of light: as `apply_operators` does on a grid.
 ///
 /// @param coordinate  [cell], in [-1, 1] for each band.
 /// @param mixture     of blurs of the same light, if not null.
 /// @return            [operator], and behind them that of the mixture, 0 at cells that take none
 template <int N>
-[[nodiscard]] std::vector<CellField<N>> apply(const CellGraph& graph, const CellField<N>& input,
-                                              const CellField<N>& coordinate,
-                                              std::span<const CellOperator<N>* const> operators,
-                                              const CellMixture<N>* mixture = nullptr);
+[[nodiscard]] std::vector<CellField<N>> apply_cell_operators(
+    const CellGraph& graph, const CellField<N>& input, const CellField<N>& coordinate,
+    std::span<const CellOperator<N>* const> operators, const CellMixture<N>* mixture = nullptr);
 
 }  // namespace lamina

@@ -162,8 +162,9 @@ std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
                             [&](double k) { return scale_transfers(pyramid, k); });
 }
 
-std::vector<Plane> apply(const BlurPyramid& pyramid, const Plane& input, const Plane& coordinate,
-                         std::span<const MappedOperator* const> operators) {
+std::vector<Plane> apply_operators(const BlurPyramid& pyramid, const Plane& input,
+                                   const Plane& coordinate,
+                                   std::span<const MappedOperator* const> operators) {
   assert(input.width == pyramid.width && input.height == pyramid.height);
   assert(coordinate.width == pyramid.width && coordinate.height == pyramid.height);
   const std::size_t scales = pyramid.variances.size();
@@ -214,9 +215,9 @@ std::vector<Plane> apply(const BlurPyramid& pyramid, const Plane& input, const P
   return results;
 }
 
-std::vector<Plane> apply_reciprocally(const BlurPyramid& pyramid, const Plane& input,
-                                      const Plane& coordinate,
-                                      std::span<const MappedOperator* const> operators) {
+std::vector<Plane> apply_operators_reciprocally(const BlurPyramid& pyramid, const Plane& input,
+                                                const Plane& coordinate,
+                                                std::span<const MappedOperator* const> operators) {
   const std::size_t scales = pyramid.variances.size();
   std::size_t most_powers = 1;
   for (const MappedOperator* each : operators) most_powers = std::max(most_powers, each->powers);
@@ -242,7 +243,7 @@ std::vector<Plane> apply_reciprocally(const BlurPyramid& pyramid, const Plane& i
       used.push_back(&rest[o]);
       index.push_back(o);
     }
-    std::vector<Plane> parts = apply(pyramid, light, coordinate, used);
+    std::vector<Plane> parts = apply_operators(pyramid, light, coordinate, used);
     if (q == 0) {
       sums = std::move(parts);
     } else {

@@ -81,14 +81,14 @@ struct MappedOperator {
 ///
 /// @param coordinate  of the pyramid's size, as the input.
 /// @return            [operator].
-[[nodiscard]] std::vector<Plane> apply(const BlurPyramid& pyramid, const Plane& input,
-                                       const Plane& coordinate,
-                                       std::span<const MappedOperator* const> operators);
+[[nodiscard]] std::vector<Plane> apply_operators(const BlurPyramid& pyramid, const Plane& input,
+                                                 const Plane& coordinate,
+                                                 std::span<const MappedOperator* const> operators);
 
 /// The same with the profile at the mean of the coordinates of the two points that exchange light,
 /// so that they exchange as much in either direction: what the binomial theorem makes of
 /// ((coordinate(x) + coordinate(x')) / 2)^power. Costs as many sets of blurs as there are powers.
-[[nodiscard]] std::vector<Plane> apply_reciprocally(
+[[nodiscard]] std::vector<Plane> apply_operators_reciprocally(
     const BlurPyramid& pyramid, const Plane& input, const Plane& coordinate,
     std::span<const MappedOperator* const> operators);
 

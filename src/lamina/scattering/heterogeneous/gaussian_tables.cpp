@@ -19,7 +19,7 @@ namespace lamina {
 namespace {
 
 using Eigen::Index;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using MatrixOfRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Frequencies in a geometric series, and 0. Every second one is used for the fit, all for its
 /// error.
@@ -31,8 +31,8 @@ std::vector<double> test_frequencies(const std::vector<double>& variances) {
   return k;
 }
 
-Rows gaussians_at(const std::vector<double>& k, const std::vector<double>& variances) {
-  Rows g(static_cast<Index>(k.size()), static_cast<Index>(variances.size()));
+MatrixOfRows gaussians_at(const std::vector<double>& k, const std::vector<double>& variances) {
+  MatrixOfRows g(static_cast<Index>(k.size()), static_cast<Index>(variances.size()));
   for (Index j = 0; j < g.rows(); ++j)
     for (Index i = 0; i < g.cols(); ++i) {
       const double at = k[static_cast<std::size_t>(j)];
@@ -42,28 +42,29 @@ Rows gaussians_at(const std::vector<double>& k, const std::vector<double>& varia
 }
 
 /// The matrix that turns a spectrum at every second frequency into weights.
-Rows fitting_matrix(const Rows& all, double ridge) {
+MatrixOfRows fitting_matrix(const MatrixOfRows& all, double ridge) {
   constexpr double weight_of_total = 30.0;
-  Rows a((all.rows() + 1) / 2, all.cols());
+  MatrixOfRows a((all.rows() + 1) / 2, all.cols());
   for (Index j = 0; j < a.rows(); ++j) a.row(j) = all.row(2 * j);
   a.row(0) *= weight_of_total;
   const double size = static_cast<double>(a.rows());
   const Eigen::MatrixXd normal =
       a.transpose() * a + ridge * ridge * size * Eigen::MatrixXd::Identity(all.cols(), all.cols());
-  Rows fit = normal.ldlt().solve(Eigen::MatrixXd(a.transpose()));
+  MatrixOfRows fit = normal.ldlt().solve(Eigen::MatrixXd(a.transpose()));
   fit.col(0) *= weight_of_total;
   return fit;
 }
 
 /// Spectra of one operator, [row][k], as weights with the same totals.
-GaussianTable fit(const Rows& spectra, const Rows& gaussians, const Rows& fitting) {
-  Rows shapes = spectra;
+GaussianTable fit(const MatrixOfRows& spectra, const MatrixOfRows& gaussians,
+                  const MatrixOfRows& fitting) {
+  MatrixOfRows shapes = spectra;
   for (Index row = 0; row < shapes.rows(); ++row)
     if (shapes(row, 0) > 0.0) shapes.row(row) /= shapes(row, 0);
-  Rows fitted((shapes.cols() + 1) / 2, shapes.rows());
+  MatrixOfRows fitted((shapes.cols() + 1) / 2, shapes.rows());
   for (Index j = 0; j < fitted.rows(); ++j) fitted.row(j) = shapes.col(2 * j).transpose();
-  Rows weights = (fitting * fitted).transpose();
-  const Rows error = (weights * gaussians.transpose() - shapes).cwiseAbs();
+  MatrixOfRows weights = (fitting * fitted).transpose();
+  const MatrixOfRows error = (weights * gaussians.transpose() - shapes).cwiseAbs();
   GaussianTable table;
   for (Index row = 0; row < shapes.rows(); ++row) {
     table.error.push_back(error.row(row).maxCoeff());
@@ -75,14 +76,15 @@ GaussianTable fit(const Rows& spectra, const Rows& gaussians, const Rows& fittin
 }
 
 /// R+, T+, R-, T- of a layer by the closed form, each [row][k].
-using LayerSpectra = std::array<Rows, 4>;
+using LayerSpectra = std::array<MatrixOfRows, 4>;
 
 LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const GaussianTableGrid& grid,
                          const std::vector<double>& k) {
   const MappedLayer& layer = stack.layers[i];
   const auto [top, bottom] = detail::boundary_reflectances(stack, i);
   LayerSpectra spectra;
-  for (Rows& s : spectra) s.resize(static_cast<Index>(grid.rows), static_cast<Index>(k.size()));
+  for (MatrixOfRows& s : spectra)
+    s.resize(static_cast<Index>(grid.rows), static_cast<Index>(k.size()));
   for (std::size_t row = 0; row < grid.rows; ++row) {
     const Medium medium{.sigma_a = row_absorption(grid, static_cast<double>(row)),
                         .sigma_s = layer.sigma_s,
@@ -163,8 +165,8 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
       .variances = doubling_variances(grid.first_variance, static_cast<int>(grid.gaussians)),
       .layers = {}};
   const std::vector<double> k = test_frequencies(result.variances);
-  const Rows gaussians = gaussians_at(k, result.variances);
-  const Rows fitting = fitting_matrix(gaussians, grid.ridge);
+  const MatrixOfRows gaussians = gaussians_at(k, result.variances);
+  const MatrixOfRows fitting = fitting_matrix(gaussians, grid.ridge);
   std::vector<LayerSpectra> spectra;
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     spectra.push_back(closed_form(stack, i, grid, k));

@@ -138,7 +138,8 @@ class PlaneField {
   using Light = Plane;
 
   PlaneField(const HeterogeneousLayers& model, ProfileAt profile)
-      : model_(model), apply_(profile == ProfileAt::exit ? apply : apply_reciprocally) {}
+      : model_(model),
+        apply_(profile == ProfileAt::exit ? apply_operators : apply_operators_reciprocally) {}
 
   [[nodiscard]] std::size_t junctions() const { return model_.junctions.size(); }
   [[nodiscard]] bool has_bottom() const {

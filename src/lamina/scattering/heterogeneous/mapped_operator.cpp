@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::size_t most_powers = 20;
 
-using Rows = std::vector<std::vector<double>>;
+using ValuesOfRows = std::vector<std::vector<double>>;
 
 /// Coefficients of Chebyshev polynomials, [degree][column], of a function known at Chebyshev
 /// points.
-Rows chebyshev_series(const Rows& at_points) {
+ValuesOfRows chebyshev_series(const ValuesOfRows& at_points) {
   const std::size_t n = at_points.size(), columns = at_points[0].size();
-  Rows series(n, std::vector<double>(columns, 0.0));
+  ValuesOfRows series(n, std::vector<double>(columns, 0.0));
   for (std::size_t degree = 0; degree < n; ++degree)
     for (std::size_t i = 0; i < n; ++i) {
       const double angle =
@@ -29,9 +29,9 @@ Rows chebyshev_series(const Rows& at_points) {
 }
 
 /// The same function as coefficients of powers.
-Rows powers_of(const Rows& series) {
+ValuesOfRows powers_of(const ValuesOfRows& series) {
   const std::size_t n = series.size(), columns = series[0].size();
-  Rows powers(n, std::vector<double>(columns, 0.0));
+  ValuesOfRows powers(n, std::vector<double>(columns, 0.0));
   std::vector<double> before, current = {1.0};  // T_(degree-1), T_degree by powers
   for (std::size_t degree = 0; degree < n; ++degree) {
     for (std::size_t p = 0; p < current.size(); ++p)
@@ -60,7 +60,7 @@ double largest_transform(const std::vector<double>& weights, const std::vector<d
 }
 
 /// Degrees needed for the rest of the series to stay below the tolerance, at least 1.
-std::size_t needed_degrees(const Rows& series, const std::vector<double>& variances,
+std::size_t needed_degrees(const ValuesOfRows& series, const std::vector<double>& variances,
                            double tolerance) {
   double rest = 0.0;
   for (std::size_t degree = series.size(); degree-- > 1;) {
@@ -93,7 +93,7 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
                                     const AbsorptionRange& range, std::span<const double> scales,
                                     double tolerance) {
   const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
-  Rows at_points;
+  ValuesOfRows at_points;
   double largest_total = 0.0;
   for (std::size_t i = 0; i < most_powers; ++i) {
     const double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / most_powers);
@@ -101,9 +101,9 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
     at_points.push_back(weights_at(tables, table, root * root));
     largest_total = std::max(largest_total, largest_transform(at_points.back(), tables.variances));
   }
-  Rows series = chebyshev_series(at_points);
+  ValuesOfRows series = chebyshev_series(at_points);
   series.resize(needed_degrees(series, tables.variances, tolerance * largest_total));
-  const Rows powers = powers_of(series);
+  const ValuesOfRows powers = powers_of(series);
 
   const std::size_t scale_count = scales.size() / tables.variances.size();
   MappedOperator result{.powers = powers.size(),

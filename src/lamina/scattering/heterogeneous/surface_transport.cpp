@@ -6,23 +6,16 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/scattering/heterogeneous/internal/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 
 namespace lamina {
 namespace {
 
+using detail::for_cells;
 using detail::LayerOperator;
 using enum detail::LayerOperator;
-
-template <class Body>
-void for_cells(std::size_t count, const Body& body) {
-  constexpr std::size_t chunk = 8192;
-  parallel_for((count + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) body(i);
-  });
-}
 
 /// One band of an operator, in the lane of that band.
 template <int N>
@@ -75,7 +68,7 @@ class SurfaceField {
     const auto& at = layer == 0 ? layers_.upper : layers_.lower;
     const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
     if (layer == 0 || !has_thin_parts())
-      return std::move(apply<N>(*layers_.graph, light, at.coordinate, operators)[0]);
+      return std::move(apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators)[0]);
     return blur_thin(operators, light);
   }
   [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
@@ -83,7 +76,7 @@ class SurfaceField {
     const auto& at = layer == 0 ? layers_.upper : layers_.lower;
     const std::array<const CellOperator<N>*, 2> operators = {&at.operators[first],
                                                              &at.operators[second]};
-    auto both = apply<N>(*layers_.graph, light, at.coordinate, operators);
+    auto both = apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators);
     return {std::move(both[0]), std::move(both[1])};
   }
   void multiply(Light& light, std::size_t) const {
@@ -112,9 +105,11 @@ class SurfaceField {
   /// What the lower layer returns, and what comes through it from the far sides.
   [[nodiscard]] Light blur_thin(std::span<const CellOperator<N>* const> operators,
                                 const Light& light) const {
-    auto returned = apply<N>(*layers_.graph, light, layers_.lower.coordinate, operators, &halves_);
-    const Light through = apply<N>(*layers_.graph, pass_through(layers_.thin, returned[1]),
-                                   layers_.lower.coordinate, {}, &halves_)[0];
+    auto returned = apply_cell_operators<N>(*layers_.graph, light, layers_.lower.coordinate,
+                                            operators, &halves_);
+    const Light through =
+        apply_cell_operators<N>(*layers_.graph, pass_through(layers_.thin, returned[1]),
+                                layers_.lower.coordinate, {}, &halves_)[0];
     Light up = std::move(returned[0]);
     for_cells(up.size(),
               [&](std::size_t i) { up[i] = up[i] * layers_.thin.reflectance[i] + through[i]; });
