@@ -200,6 +200,26 @@ TEST(SceneFile, OpacityIsTheAlphaOfAnImageThatHasIt) {
   EXPECT_EQ(scene.images[1].pixels, (std::vector<float>{0.0F, 1.0F}));
 }
 
+TEST(SceneFile, ANumberTakesTheChannelOfAnImageThatIsNamed) {
+  const fs::path folder = fs::path(testing::TempDir()) / "scene_channel";
+  fs::create_directories(folder);
+  Image oil = make_image(1, 1, {"R", "G", "B"});
+  oil.pixels = {0.0F, 1.0F, 0.2F};
+  save_png(oil, folder / "oil.png");
+  std::string text = scene_text("1", R"({"shape": "rectangle", "material": "wall"})", "");
+  const std::string matte = R"({"diffuse": 0.5})";
+  text.replace(text.find(matte), matte.size(),
+               R"({"diffuse": 0.5,
+                   "coat": {"weight": {"map": "oil.png", "channel": "G"},
+                            "roughness": {"map": "oil.png", "channel": "G", "scale": 0.3}}})");
+  const Scene scene = load_text(text, "channel");
+  ASSERT_EQ(scene.images.size(), 2U);  // the whole, and its green once
+  EXPECT_EQ(scene.images[1].pixels, std::vector<float>{1.0F});
+  const Coat& coat = *scene.materials[0].coat;
+  EXPECT_EQ(std::get<ImageMap>(coat.weight.map->source).image, 1U);
+  EXPECT_EQ(std::get<ImageMap>(coat.roughness.map->source).image, 1U);
+}
+
 TEST(SceneFile, TheUnitScalesWhatLiesInSpaceAndNothingElse) {
   const std::string meshes = R"({"shape": "box", "size": 2, "material": "wall",
       "transform": {"translate": [0, 3, 0]}})";

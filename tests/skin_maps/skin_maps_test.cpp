@@ -59,6 +59,15 @@ TEST_F(SkinMapFiles, AreScaledAndNamed) {
   EXPECT_TRUE(maps.warnings.empty());
 }
 
+TEST_F(SkinMapFiles, AreKeptWithinClampAndMultiplied) {
+  save("m.exr", {0.0f, 0.5f, 1.0f});
+  const SkinMaps maps =
+      decode(R"({"melanin": {"map": "m.exr", "value": 0.2, "scale": 2, "clamp": [0.1, 1.5]}})");
+  EXPECT_FLOAT_EQ(maps.maps[0].values.pixels[0], 0.02f);
+  EXPECT_FLOAT_EQ(maps.maps[0].values.pixels[1], 0.2f);
+  EXPECT_FLOAT_EQ(maps.maps[0].values.pixels[2], 0.3f);
+}
+
 TEST_F(SkinMapFiles, AreClampedToTheRangeWithACount) {
   save("m.exr", {-0.1f, 0.2f, 0.9f, 0.7f});
   const SkinMaps maps = decode(R"({"melanin": {"map": "m.exr"}})");

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <span>
 
+#include "lamina/image/map_description.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/scene/internal/scene_file.h"
@@ -14,7 +15,7 @@ namespace {
 /// What the numbers of an image are for.
 enum class Use { color, scalar, coverage };
 
-constexpr double largest_factor = 1e6;  // of a map; beyond, taken for a mistake
+constexpr double largest_factor = 1e6;  // of a quantity; beyond, taken for a mistake
 
 NoiseMap decode_noise(const JsonInput& value) {
   const JsonObject object = value.object({"kind", "size", "octaves", "seed"});
@@ -67,17 +68,16 @@ class MaterialDecoder {
     SurfaceMaterial& material = result_.material;
     if (const auto coat = object.optional("coat")) material.coat = decode_coat(*coat);
     if (const auto bump = object.optional("bump")) {
-      const JsonObject map =
-          bump->object({"map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
-      material.bump = decode_map(map, Use::scalar);
+      const MapDescription map = decode_map_description(*bump);
+      if (map.value) map.value->fail("\"scale\" and \"offset\" of a bump map are its heights [mm]");
+      material.bump = texture_map(map, Use::scalar);
     }
     if (const auto normals = object.optional("normal_map")) {
-      if (normals->is_string()) {
-        material.normal_map = ImageMap{.image = image(*normals, ColorEncoding::linear)};
-      } else {
-        const JsonObject map = normals->object({"map", "repeat"});
-        material.normal_map = decode_image_map(map, ColorEncoding::linear);
-      }
+      if (normals->is_object()) (void)normals->object({"map", "repeat"});  // no quantity to scale
+      material.normal_map =
+          image_map(normals->is_object() ? decode_map_description(*normals)
+                                         : MapDescription{.self = *normals, .file = *normals},
+                    Use::scalar);
     }
   }
 
@@ -249,11 +249,9 @@ class MaterialDecoder {
       parameter.value = decode_color(value, closed_interval(0.0, 1.0));
       return parameter;
     }
-    const JsonObject object =
-        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
-    if (const auto factor = object.optional("value"))
-      parameter.value = decode_color(*factor, closed_interval(0.0, 1.0));
-    parameter.map = decode_map(object, Use::color);
+    const MapDescription map = decode_map_description(value);
+    if (map.value) parameter.value = decode_color(*map.value, closed_interval(0.0, 1.0));
+    parameter.map = texture_map(map, Use::color);
     return parameter;
   }
 
@@ -264,61 +262,34 @@ class MaterialDecoder {
       parameter.value = static_cast<float>(value.number(range));
       return parameter;
     }
-    const JsonObject object =
-        value.object({"value", "map", "encoding", "repeat", "noise", "scale", "offset", "clamp"});
-    if (const auto factor = object.optional("value"))
-      parameter.value = static_cast<float>(factor->number(range));
-    parameter.map = decode_map(object, use);
+    const MapDescription map = decode_map_description(value);
+    if (map.value) parameter.value = static_cast<float>(map.value->number(range));
+    parameter.map = texture_map(map, use);
     return parameter;
   }
 
-  TextureMap decode_map(const JsonObject& object, Use use) {
-    const bool has_image = object.has("map"), has_noise = object.has("noise");
-    if (has_image == has_noise)
-      object.value().fail(has_image ? "must have \"map\" or \"noise\", but has both"
-                                    : "must have \"map\" or \"noise\", but has neither");
-    TextureMap map;
-    if (has_image) {
-      map.source = decode_image_map(object, decode_encoding(object, use), use);
-    } else {
-      for (const std::string_view key : {"encoding", "repeat"})
-        if (const auto given = object.optional(key)) given->fail("is for a \"map\" only");
-      map.source = decode_noise(object.required("noise"));
-    }
-    const NumberRange range = closed_interval(-largest_factor, largest_factor);
-    if (const auto scale = object.optional("scale"))
-      map.scale = static_cast<float>(scale->number(range));
-    if (const auto offset = object.optional("offset"))
-      map.offset = static_cast<float>(offset->number(range));
-    if (const auto clamp = object.optional("clamp")) {
-      const std::vector<double> ends = clamp->numbers(2, range);
-      map.low = static_cast<float>(ends[0]);
-      map.high = static_cast<float>(ends[1]);
-      if (!(map.low <= map.high)) clamp->refuse("must be two numbers, the lower one first");
-    }
-    return map;
+  TextureMap texture_map(const MapDescription& map, Use use) {
+    TextureMap texture{.scale = static_cast<float>(map.scale),
+                       .offset = static_cast<float>(map.offset),
+                       .low = static_cast<float>(map.low),
+                       .high = static_cast<float>(map.high)};
+    if (map.noise)
+      texture.source = decode_noise(*map.noise);
+    else
+      texture.source = image_map(map, use);
+    return texture;
   }
 
-  /// Colours must say how they are encoded; other quantities are linear unless they say otherwise.
-  static ColorEncoding decode_encoding(const JsonObject& object, Use use) {
-    if (use != Use::color && !object.has("encoding")) return ColorEncoding::linear;
-    return object.required("encoding").choice<ColorEncoding>();
-  }
-
-  ImageMap decode_image_map(const JsonObject& object, ColorEncoding encoding,
-                            Use use = Use::color) {
-    ImageMap map{.image = image(object.required("map"), encoding, use)};
-    if (const auto repeat = object.optional("repeat")) {
-      const auto times = repeat->number_or_numbers(2, closed_interval(-1e4, 1e4));
-      map.repeat = {static_cast<float>(times[0]), static_cast<float>(times[1])};
-    }
-    return map;
-  }
-
-  std::size_t image(const JsonInput& file, ColorEncoding encoding, Use use = Use::color) {
+  ImageMap image_map(const MapDescription& map, Use use) {
+    const ColorEncoding encoding = encoding_of(map, use == Use::color);
+    if (map.channel && use == Use::color)
+      map.channel->fail("is for quantities: a color takes red, green and blue");
+    const JsonInput& file = *map.file;
     if (result_.mapped.empty()) result_.mapped = file.path();
-    return use == Use::coverage ? images_.load_coverage(file, encoding)
-                                : images_.load(file, encoding);
+    const std::size_t image = map.channel ? images_.load_channel(file, encoding, *map.channel)
+                              : use == Use::coverage ? images_.load_coverage(file, encoding)
+                                                     : images_.load(file, encoding);
+    return {.image = image, .repeat = repeat_of(map)};
   }
 
   Images& images_;

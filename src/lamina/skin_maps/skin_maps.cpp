@@ -9,40 +9,37 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/map_description.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina {
 namespace {
 
+constexpr double largest_factor = 1e6;  // beyond, taken for a mistake
+
 /// One channel of an image file, scaled.
 Image decode_values(const JsonInput& value) {
-  const JsonObject object = value.object({"map", "scale", "offset", "channel", "encoding"});
-  ColorEncoding encoding = ColorEncoding::linear;
-  if (const auto given = object.optional("encoding")) encoding = given->choice<ColorEncoding>();
-  const JsonInput file = object.required("map");
+  const MapDescription map = decode_map_description(value);
+  if (map.noise)
+    map.noise->fail(
+        "maps of what skin is made of are images: give \"map\", which `lamina maps` makes");
+  if (map.repeat) map.repeat->fail("maps of what skin is made of cover the surface once");
   Image image;
   try {
-    image = load_image(file.file_path(), encoding, file.memory());
-    require_finite(image, file.file_path());
+    image = load_image(map.file->file_path(), encoding_of(map, false), map.file->memory());
+    require_finite(image, map.file->file_path());
   } catch (const FileError& error) {
-    file.fail(error.what());
+    map.file->fail(error.what());
   }
-  std::size_t channel = 0;
-  if (const auto name = object.optional("channel")) {
-    const auto found = channel_index(image, name->string());
-    if (!found) name->fail("the image has no channel \"" + name->string() + "\"");
-    channel = *found;
-  }
-  constexpr double most = 1e6;
-  const auto factor = [&](std::string_view key, double otherwise) {
-    const auto given = object.optional(key);
-    return given ? given->number(closed_interval(-most, most)) : otherwise;
-  };
-  const double scale = factor("scale", 1.0), offset = factor("offset", 0.0);
+  const std::size_t channel = map.channel ? named_channel(image, *map.channel) : 0;
+  const double factor =
+      map.value ? map.value->number(closed_interval(-largest_factor, largest_factor)) : 1.0;
   Image values = make_image(image.width, image.height, {"Y"});
-  for (std::size_t i = 0; i < values.pixels.size(); ++i)
-    values.pixels[i] = static_cast<float>(
-        offset + scale * static_cast<double>(image.pixels[i * image.channel_count() + channel]));
+  for (std::size_t i = 0; i < values.pixels.size(); ++i) {
+    const auto x = static_cast<double>(image.pixels[i * image.channel_count() + channel]);
+    values.pixels[i] =
+        static_cast<float>(factor * std::clamp(map.offset + map.scale * x, map.low, map.high));
+  }
   return values;
 }
 

@@ -32,9 +32,8 @@ struct SkinMaps {
   std::vector<std::string> warnings;  ///< what was clamped, in the user's words
 };
 
-/// Decodes the recipe; lengths are in mm. A map is `{"map": FILE, "scale": 1, "offset": 0}` and
-/// means offset + scale * pixel; colours of 8 or 16 bits are linear unless "encoding" says "srgb",
-/// and the "channel" is the first one unless named. Only what colours the layers may be a map:
+/// Decodes the recipe; lengths are in mm. A map is an image that
+/// image/map_description.h has the syntax of, of its first channel unless one is named. Only what colours the layers may be a map:
 /// scattering, thickness and oiliness are numbers.
 ///
 /// Values outside the parameter's range are clamped, with a warning that counts them.

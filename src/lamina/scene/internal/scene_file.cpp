@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "lamina/image/map_description.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
 
@@ -42,15 +43,24 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
 
 std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding) {
   const std::size_t whole = load(file, encoding);
-  if (!channel_index(images_[whole], "A")) return whole;
-  const auto found = coverage_of_.find(whole);
-  if (found != coverage_of_.end()) return found->second;
+  return channel_index(images_[whole], "A") ? select(file, whole, "A") : whole;
+}
+
+std::size_t Images::load_channel(const JsonInput& file, ColorEncoding encoding,
+                                 const JsonInput& channel) {
+  const std::size_t whole = load(file, encoding);
+  return select(file, whole, images_[whole].channels[named_channel(images_[whole], channel)]);
+}
+
+std::size_t Images::select(const JsonInput& file, std::size_t whole, const std::string& channel) {
+  const auto found = channel_of_.find({whole, channel});
+  if (found != channel_of_.end()) return found->second;
   const Image& image = images_[whole];
   lamina::take_memory(
       file.memory(),
       image.pixels.size() / image.channel_count() * sizeof(float) + bytes_of_smaller_copies(image),
-      file.where() + ": its alpha");
-  return coverage_of_[whole] = add(select_channels(image, {"A"}));
+      file.where() + ": its channel " + channel);
+  return channel_of_[{whole, channel}] = add(select_channels(image, {channel}));
 }
 
 std::size_t Images::add(Image image) {

@@ -43,6 +43,10 @@ class Images {
   /// The same of its alpha channel, or of the whole image if it has none.
   [[nodiscard]] std::size_t load_coverage(const JsonInput& file, ColorEncoding encoding);
 
+  /// The same of the channel of that name.
+  [[nodiscard]] std::size_t load_channel(const JsonInput& file, ColorEncoding encoding,
+                                         const JsonInput& channel);
+
   /// The index of an image that is made, not loaded.
   [[nodiscard]] std::size_t add(Image image);
 
@@ -52,7 +56,10 @@ class Images {
  private:
   std::vector<Image> images_;
   std::map<std::pair<std::filesystem::path, ColorEncoding>, std::size_t> index_of_;
-  std::map<std::size_t, std::size_t> coverage_of_;  ///< by index of the whole image
+  [[nodiscard]] std::size_t select(const JsonInput& file, std::size_t whole,
+                                   const std::string& channel);
+  /// By index of the whole image.
+  std::map<std::pair<std::size_t, std::string>, std::size_t> channel_of_;
 };
 
 /// A material and whether an image varies it, which takes texture coordinates.
