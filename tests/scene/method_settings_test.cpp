@@ -203,6 +203,17 @@ TEST(MethodSettings, KeysOfMaterialsChangeThePictureOrAreRefused) {
     }
 }
 
+TEST(MethodSettings, LayeredBsdfTakesMapsOfSkinFromTheRecipeAsFromItsOwn) {
+  const std::string map = R"("melanin": {"map": "checker.png", "channel": "R", "scale": 0.5})";
+  EXPECT_EQ(picture(in_file(recipe + map + "}"), "", Method::layered_bsdf),
+            picture(skin + R"(, "maps": {)" + map + "}", "", Method::layered_bsdf));
+  const std::string both = in_file(recipe + map + "}") + R"(, "maps": {)" + map + "}";
+  EXPECT_NE(message_of([&] {
+              (void)scene_of(both, "", Method::layered_bsdf);
+            }).find("is a map in the recipe \"skin\" already"),
+            std::string::npos);
+}
+
 TEST(MethodSettings, KeysOfRenderChangeThePictureOrAreRefused) {
   for (const auto& [name, method] : named_methods)
     for (const Sample& sample : render_samples()) {

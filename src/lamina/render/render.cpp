@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "lamina/core/error.h"
@@ -35,6 +36,7 @@
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/scene/skin_layer_maps.h"
 
 namespace lamina {
 namespace {
@@ -280,7 +282,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
   require_honoured(scene);
   const BandSet bands = common_bands(scene);
-  RenderScene prepared(scene);
+  const std::optional<Scene> with_layer_maps = with_skin_maps_as_layer_maps(scene);
+  RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;

@@ -92,7 +92,7 @@ inline constexpr auto material_settings = [] {
         "its layers are the same all over",
         [](const Surface& s) { return !s.maps.empty(); }},
        {"subsurface.skin",  // of which a parameter is a map
-        {texture_space},
+        {texture_space, layered_bsdf},
         "maps in the recipe of skin are not for it",
         [](const Surface& s) { return !s.skin_maps.empty(); }},
        {"subsurface.skin.dermis_thickness",

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
@@ -41,6 +42,10 @@ struct NoiseMap {
   int octaves = 1;    ///< each half the size of the last
   std::uint32_t seed = 0;
 };
+
+template <>
+inline constexpr auto enum_names<NoiseMap::Kind> = std::to_array<EnumName<NoiseMap::Kind>>(
+    {{"smooth", NoiseMap::Kind::smooth}, {"cellular", NoiseMap::Kind::cellular}});
 
 /// A source of texture values, mapped as offset + scale * value.
 struct TextureMap {
@@ -89,8 +94,14 @@ struct SubsurfaceSurface {
   ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
                                              ///< taken from geometry
   std::vector<LayerMap> maps;                ///< for method layered_bsdf
-  std::vector<SkinMap> skin_maps;            ///< of the recipe, for method texture_space
+  std::vector<SkinMap> skin_maps;            ///< of the recipe, for texture_space and layered_bsdf
 };
+
+template <>  // "none" is where there is no color
+inline constexpr auto enum_names<SubsurfaceSurface::ColorUse> =
+    std::to_array<EnumName<SubsurfaceSurface::ColorUse>>(
+        {{"scale", SubsurfaceSurface::ColorUse::scale},
+         {"invert", SubsurfaceSurface::ColorUse::invert}});
 
 struct DiffuseSurface {
   ColorParameter color{.value = {0.5f, 0.5f, 0.5f}};  ///< reflectance
@@ -102,6 +113,12 @@ enum class FacetScattering {
   multiple,  ///< light that meets any number of them, so none is lost: [Heitz2016]
   xu_sun,    ///< one facet, with the visibility of [XuSun2008] Eq. 24
 };
+
+template <>
+inline constexpr auto enum_names<FacetScattering> =
+    std::to_array<EnumName<FacetScattering>>({{"single", FacetScattering::single},
+                                              {"multiple", FacetScattering::multiple},
+                                              {"xu_sun", FacetScattering::xu_sun}});
 
 /// Smooth or rough dielectric: glass, a wet eye. Light inside it has the radiance that its lights
 /// state; a single sheet of it parts two half-spaces, of which the one behind is the dielectric.

@@ -20,9 +20,7 @@ constexpr double largest_factor = 1e6;  // of a quantity; beyond, taken for a mi
 NoiseMap decode_noise(const JsonInput& value) {
   const JsonObject object = value.object({"kind", "size", "octaves", "seed"});
   NoiseMap noise;
-  if (const auto kind = object.optional("kind"))
-    noise.kind = kind->choice<NoiseMap::Kind>(
-        {{"smooth", NoiseMap::Kind::smooth}, {"cellular", NoiseMap::Kind::cellular}});
+  if (const auto kind = object.optional("kind")) noise.kind = kind->choice<NoiseMap::Kind>();
   noise.size = static_cast<float>(object.required("size").number(closed_interval(1e-6, 1e6, "mm")));
   if (const auto octaves = object.optional("octaves"))
     noise.octaves = static_cast<int>(octaves->integer(1, 16));
@@ -121,8 +119,7 @@ class MaterialDecoder {
       surface.color_use = ColorUse::scale;
     }
     if (const auto use = object.optional("color_use")) {
-      surface.color_use =
-          use->choice<ColorUse>({{"scale", ColorUse::scale}, {"invert", ColorUse::invert}});
+      surface.color_use = use->choice<ColorUse>();
       if (!object.has("color")) use->fail("there is no \"color\" that it could be the use of");
     }
     surface.thickness.value = 0.0F;
@@ -136,6 +133,8 @@ class MaterialDecoder {
     if (const auto maps = object.optional("maps"))
       for (const auto& [key, given] : maps->entries()) {
         LayerMap map = find_quantity(given, key, surface.material);
+        if (std::ranges::find(surface.skin_maps, key, &SkinMap::name) != surface.skin_maps.end())
+          given.fail("is a map in the recipe \"skin\" already; say it there only");
         if (given.is_array())
           for (const JsonInput& term : given.array(1, 16))
             map.terms.push_back(
@@ -195,10 +194,7 @@ class MaterialDecoder {
     if (const auto distribution = inner.optional("distribution"))
       surface.distribution = decode_distribution(*distribution);
     if (const auto scattering = inner.optional("scattering")) {
-      surface.scattering =
-          scattering->choice<FacetScattering>({{"single", FacetScattering::single},
-                                               {"multiple", FacetScattering::multiple},
-                                               {"xu_sun", FacetScattering::xu_sun}});
+      surface.scattering = scattering->choice<FacetScattering>();
       if (surface.scattering == FacetScattering::xu_sun &&
           surface.distribution == MicrofacetDistribution::ggx)
         scattering->fail("\"xu_sun\" has Gaussian slopes, which is \"beckmann\"");
