@@ -313,9 +313,9 @@ void add_render_command(CLI::App& app) {
   options->seed = command.option("--seed");
   command.footer(
       "What is not given is as the scene says. Ctrl-C keeps the image as far as it got.\n"
-      "Examples:\n"
-      "  lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256\n"
-      "  lamina render scenes/sphere_skin.json -o near.png --set camera.horizontal_fov=20");
+      "Example: lamina render scenes/sphere_skin.json -o sphere.png --samples 16 --width 256\n"
+      "  the same from near: lamina render scenes/sphere_skin.json -o near.png --set "
+      "camera.horizontal_fov=20");
   command.callback([options] { run_render(*options); });
 }
 
