@@ -3,6 +3,7 @@
 // Adding-doubling and exact profiles on the three-layer skin of [DonnerJensen2005] Table 3, red:
 // time beside error. Run with --benchmark_min_time=0.5; times are CPU time of one thread.
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <limits>
@@ -10,7 +11,6 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace {
@@ -38,7 +38,7 @@ void totals(benchmark::State& state) {
       std::abs(result.totals.diffuse_reflectance - fine.totals.diffuse_reflectance);
   state.counters["estimated"] = result.estimated_error;
   state.counters["nodes"] = result.nodes;
-  state.SetLabel(detail::matrix_kernels().name);
+  state.SetLabel(hwy::TargetName(hwy::SupportedAndGeneratedTargets().front()));
 }
 BENCHMARK(totals)->Arg(3)->Arg(5)->Arg(8)->Unit(benchmark::kMillisecond);
 

@@ -7,6 +7,12 @@ target_compile_options(lamina_flags INTERFACE
   $<$<BOOL:${LAMINA_WARNINGS_AS_ERRORS}>:-Werror>
   -fno-math-errno -fno-trapping-math)  # without these, loops over exp, sqrt and floor do not vectorize
 
+# Highway, for sources that are compiled once per instruction set. Those left out help no loop of
+# lamina, and cost time to compile.
+add_library(lamina_simd INTERFACE)
+target_link_libraries(lamina_simd INTERFACE hwy::hwy)
+target_compile_definitions(lamina_simd INTERFACE HWY_DISABLED_TARGETS=\(HWY_SSSE3|HWY_AVX3_DL\))
+
 # Fast builds: sources of a room are compiled a few at a time, and what most of them include is parsed
 # once for all rooms. Only for speed: every file names what it needs, and no two sources of a room
 # have the same name for different things, which builds without this option check.

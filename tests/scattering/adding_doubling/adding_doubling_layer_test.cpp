@@ -2,11 +2,13 @@
 #include "lamina/scattering/adding_doubling/adding_doubling_layer.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
+#include "scattering/only_target.h"
 
 namespace lamina::detail {
 namespace {
@@ -70,14 +72,8 @@ TEST(LayerOperators, TwoHalvesMakeTheWhole) {
     const GridLayer half = make_grid_layer(scattering_layer(g, 0.35), 1.0, 1.0, matched_grid);
     for (const int m : {0, 1, 4}) {
       const LayerOperators a = layer_operators(whole, m), b = layer_operators(half, m);
-      const int n = static_cast<int>(a.reflection.rows);
-      Matrix joint(b.reflection.rows, b.reflection.rows), pass = joint, sent = joint, up = joint;
-      const MatrixKernels& kernels = matrix_kernels();
-      kernels.joint(n, b.reflection.values.data(), b.reflection.values.data(), joint.values.data());
-      kernels.multiply(n, n, n, joint.values.data(), b.transmission.values.data(),
-                       pass.values.data());
-      kernels.multiply(n, n, n, b.reflection.values.data(), pass.values.data(), sent.values.data());
-      kernels.multiply(n, n, n, b.transmission.values.data(), sent.values.data(), up.values.data());
+      const Matrix pass = product(between(b.reflection, b.reflection), b.transmission);
+      const Matrix up = product(b.transmission, product(b.reflection, pass));
       for (std::size_t k = 0; k < up.values.size(); ++k)
         EXPECT_NEAR(b.reflection.values[k] + up.values[k], a.reflection.values[k], 1e-12);
     }
@@ -109,44 +105,13 @@ TEST(LayerOperators, ThinLayerScattersOnce) {
     }
 }
 
-TEST(MatrixKernels, AllProcessorsAgree) {
-  const GridLayer layer = make_grid_layer(scattering_layer(0.8, 2.0), 1.0, 1.0, matched_grid);
-  const LayerOperators best = layer_operators(layer, 0);
-  const auto n = best.reflection.rows;
-  for (const MatrixKernels* kernels : runnable_matrix_kernels()) {
-    Matrix a(n, n), b(n, n), r(n, n), t(n, n);
-    for (std::size_t i = 0; i < n; ++i) {
-      a(i, i) = -1.0 - 0.1 * static_cast<double>(i);
-      for (std::size_t j = 0; j < n; ++j) {
-        a(i, j) += 0.04;
-        b(i, j) = 0.03;
-      }
-    }
-    const SlabProblem problem{.size = static_cast<int>(n),
-                              .even = static_cast<int>(n),
-                              .forward = a.values.data(),
-                              .backward = b.values.data(),
-                              .step = 0.3,
-                              .doublings = 4};
-    EXPECT_EQ(kernels->slab(problem, r.values.data(), t.values.data()), 4);
-    static Matrix first_r, first_t;
-    if (kernels == runnable_matrix_kernels().front()) {
-      first_r = r;
-      first_t = t;
-    }
-    for (std::size_t k = 0; k < n * n; ++k) {
-      EXPECT_NEAR(r.values[k], first_r.values[k], 1e-14) << kernels->name;
-      EXPECT_NEAR(t.values[k], first_t.values[k], 1e-14) << kernels->name;
-    }
-  }
-}
-
 // One slab per lane of a vector, or a few too few for all lanes: the same as one by one, however
 // many doublings its neighbours need.
-TEST(MatrixKernels, SlabsAreTheSameTogetherAndAlone) {
+TEST(SlabDoubling, SlabsAreTheSameTogetherAndAlone) {
   constexpr std::size_t n = 17, even = 10, count = 11;
-  for (const MatrixKernels* kernels : runnable_matrix_kernels())
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
     for (const double opaque : {0.0, 1e-9}) {
+      const OnlyTarget only(target);
       std::vector<Matrix> a, b;
       for (std::size_t l = 0; l < count; ++l) {
         Matrix& forward = a.emplace_back(n, n);
@@ -175,13 +140,13 @@ TEST(MatrixKernels, SlabsAreTheSameTogetherAndAlone) {
         r_of.push_back(r[l].values.data());
         t_of.push_back(t[l].values.data());
       }
-      kernels->slabs(problems.data(), count, r_of.data(), t_of.data());
+      double_slabs(problems, r_of.data(), t_of.data());
       for (std::size_t l = 0; l < count; ++l) {
         Matrix alone_r(n, n), alone_t(n, n);
-        kernels->slab(problems[l], alone_r.values.data(), alone_t.values.data());
+        double_slab(problems[l], alone_r.values.data(), alone_t.values.data());
         for (std::size_t k = 0; k < n * n; ++k) {
-          EXPECT_NEAR(r[l].values[k], alone_r.values[k], 1e-14) << kernels->name;
-          EXPECT_NEAR(t[l].values[k], alone_t.values[k], opaque + 1e-14) << kernels->name;
+          EXPECT_NEAR(r[l].values[k], alone_r.values[k], 1e-14) << hwy::TargetName(target);
+          EXPECT_NEAR(t[l].values[k], alone_t.values[k], opaque + 1e-14) << hwy::TargetName(target);
         }
       }
     }
@@ -189,7 +154,7 @@ TEST(MatrixKernels, SlabsAreTheSameTogetherAndAlone) {
 
 // The states of odd azimuthal modes change sign under reciprocity. Witness: the same slab by small
 // steps of its differential equations, R' = B + A R + R A + R B R and T' = (A + R B) T.
-TEST(MatrixKernels, SlabSolvesTheRiccatiEquationWithOddStates) {
+TEST(SlabDoubling, SlabSolvesTheRiccatiEquationWithOddStates) {
   constexpr int n = 4, even = 2;
   const double A[n][n] = {{-1.0, 0.2, 0.3, 0.1},
                           {0.2, -1.4, 0.05, 0.2},
@@ -203,13 +168,13 @@ TEST(MatrixKernels, SlabSolvesTheRiccatiEquationWithOddStates) {
       a(i, j) = A[i][j];
       b(i, j) = B[i][j];
     }
-  matrix_kernels().slab({.size = n,
-                         .even = even,
-                         .forward = a.values.data(),
-                         .backward = b.values.data(),
-                         .step = 0.25,
-                         .doublings = 3},
-                        reflection.values.data(), transmission.values.data());
+  double_slab({.size = n,
+               .even = even,
+               .forward = a.values.data(),
+               .backward = b.values.data(),
+               .step = 0.25,
+               .doublings = 3},
+              reflection.values.data(), transmission.values.data());
   const auto times = [](const Matrix& x, const Matrix& y) {
     Matrix z(n, n);
     for (std::size_t i = 0; i < n; ++i)

@@ -6,20 +6,12 @@
 #include <numbers>
 
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "scattering/monte_carlo/scalar_photons.h"
 #include "literal/stack_table.h"
+#include "scattering/monte_carlo/scalar_photons.h"
+#include "scattering/only_target.h"
 
 namespace lamina {
 namespace {
-
-/// Runs with one instruction set only, as long as it lives.
-class OnlyTarget {
- public:
-  explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
-  ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
-  OnlyTarget(const OnlyTarget&) = delete;
-  OnlyTarget& operator=(const OnlyTarget&) = delete;
-};
 
 /// Sum of squared deviations in units of their errors, of all bins that hold enough light for the
 /// central limit; and their number.

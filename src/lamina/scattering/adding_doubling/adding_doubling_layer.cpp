@@ -171,8 +171,7 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
     problem.conserved = root_etendue.data();
   }
   LayerOperators operators{Matrix(n, n), Matrix(n, n)};
-  matrix_kernels().slab(problem, operators.reflection.values.data(),
-                        operators.transmission.values.data());
+  double_slab(problem, operators.reflection.values.data(), operators.transmission.values.data());
   if (!has_bottom)
     std::fill(operators.transmission.values.begin(), operators.transmission.values.end(), 0.0);
   return operators;

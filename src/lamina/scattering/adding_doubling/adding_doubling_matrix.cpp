@@ -1,198 +1,257 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-
-// Compiled several times, for one kind of processor each: LAMINA_KERNELS names the table made here,
-// and Eigen's namespace is renamed by a macro so that no symbol is shared between the versions.
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 
-#ifndef LAMINA_KERNELS
-#define LAMINA_KERNELS matrix_kernels_baseline
-#define LAMINA_KERNELS_NAME "baseline"
-#endif
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+#include <vector>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
-#include <Eigen/LU>
-#pragma GCC diagnostic pop
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lamina/scattering/adding_doubling/adding_doubling_matrix.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once per instruction set
+#include <hwy/highway.h>
+//
+#include "lamina/scattering/adding_doubling/internal/linear_solve-inl.h"
+#include "lamina/scattering/adding_doubling/internal/slab_doubling-inl.h"
 
-#include "lamina/scattering/adding_doubling/internal/adding_doubling_lanes.h"
+HWY_BEFORE_NAMESPACE();
+namespace lamina::detail::HWY_NAMESPACE {
 
-namespace lamina::detail {
+using Batch = Dense<AcrossMatrices>;
 
-extern const MatrixKernels LAMINA_KERNELS;
+Single padded(const double* values, std::size_t rows, std::size_t columns) {
+  Single m(rows, columns);
+  for (std::size_t j = 0; j < columns; ++j) std::copy_n(values + j * rows, rows, m.element(0, j));
+  return m;
+}
 
-namespace {
+void unpad(const Single& m, double* values) {
+  for (std::size_t j = 0; j < m.columns(); ++j)
+    std::copy_n(m.element(0, j), m.rows(), values + j * m.rows());
+}
 
-using Dense = Eigen::MatrixXd;
-using View = Eigen::Map<const Dense>;
-using Lower = Eigen::SelfAdjointView<Dense, Eigen::Lower>;
+Single times(const Single& a, const Single& b) {
+  Single out(a.rows(), b.columns());
+  add_product<AlongRows>(target(out), source(a), factors(b), a.vectors(), a.columns(), b.columns(),
+                         replace);
+  return out;
+}
+
+/// A sum of multiples.
+Single combined(std::initializer_list<std::pair<double, const Single*>> terms) {
+  const D d;
+  Single out(terms.begin()->second->rows(), terms.begin()->second->columns());
+  for (std::size_t k = 0; k < out.size(); k += lanes()) {
+    V sum = hn::Zero(d);
+    for (const auto& [factor, m] : terms)
+      sum = hn::MulAdd(hn::Set(d, factor), hn::Load(d, m->data() + k), sum);
+    hn::Store(sum, d, out.data() + k);
+  }
+  return out;
+}
+
+Single transpose(const Single& m) {
+  Single out(m.columns(), m.rows());
+  for (std::size_t j = 0; j < m.rows(); ++j) {
+    double* const column = out.element(0, j);
+    for (std::size_t i = 0; i < m.columns(); ++i) column[i] = *m.element(j, i);
+  }
+  return out;
+}
+
+/// Changes the sign of part of a column.
+void flip(Single& m, std::size_t j, std::size_t first, std::size_t last) {
+  for (double* value = m.element(first, j); value != m.element(last, j); ++value) *value = -*value;
+}
 
 /// The even and odd solutions of a thin layer, which need no matrix of twice the size.
-///
-/// With U = A + B, V = A - B, x half the thickness, C = cosh(x sqrt(VU)) and S = U sinh(x
-/// sqrt(VU)) / sqrt(VU), reflection plus transmission is (C + S) (C - S)^-1; the same with U and V
-/// exchanged is transmission minus reflection. Both are returned times the signs, so symmetric.
-void thin_slab(const SlabProblem& problem, Dense& H, Dense& K) {
-  const int n = problem.size, even = problem.even;
-  const View A(problem.forward, n, n), B(problem.backward, n, n);
-  const double x = 0.5 * problem.step;
-  const Dense U = (A + B) * x, V = (A - B) * x;
-  Dense G(n, n), G2(n, n), G3(n, n), C(n, n), s(n, n), high(n, n);
-  G.noalias() = V * U;
-  G2.noalias() = G * G;
-  G3.noalias() = G2 * G;
-  // cosh(y) = sum y^2j / (2j)!, sinh(y) / y = sum y^2j / (2j + 1)! in y^2 = G, up to G^6.
-  high = G / 40320.0 + G2 / 3628800.0 + G3 / 479001600.0;
-  high.diagonal().array() += 1.0 / 720.0;
-  C.noalias() = G3 * high;
-  C += G / 2.0 + G2 / 24.0;
-  C.diagonal().array() += 1.0;
-  high = G / 362880.0 + G2 / 39916800.0 + G3 / 6227020800.0;
-  high.diagonal().array() += 1.0 / 5040.0;
-  s.noalias() = G3 * high;
-  s += G / 6.0 + G2 / 120.0;
-  s.diagonal().array() += 1.0;
-
-  const auto flip_odd_rows = [&](Dense& m) { m.bottomRows(n - even) *= -1.0; };
-  const auto flip_odd_columns = [&](Dense& m) { m.rightCols(n - even) *= -1.0; };
-  Dense S(n, n);
-  // Solves for the transpose of (C + S)(C - S)^-1, which is it but for the signs.
-  const auto quotient = [&](const Dense& cosh_part, const Dense& sinh_part) {
-    const Dense below = (cosh_part - sinh_part).transpose();
-    const Dense above = (cosh_part + sinh_part).transpose();
-    Dense q = below.partialPivLu().solve(above);
-    flip_odd_rows(q);
-    return Dense(0.5 * (q + q.transpose()));
-  };
-  S.noalias() = U * s;
-  const Dense sum = quotient(C, S);
-  // Reciprocity: f(UV) is the transpose of f(VU) but for the signs.
-  const auto other_order = [&](const Dense& m) {
-    Dense t = m.transpose();
-    flip_odd_rows(t);
-    flip_odd_columns(t);
-    return t;
-  };
-  S.noalias() = V * other_order(s);
-  const Dense difference = quotient(other_order(C), S);  // transmission - reflection
-  H = 0.5 * (sum - difference);
-  K = 0.5 * (sum + difference);
-}
-
-/// Space for `sandwich`.
-struct Work {
-  Dense first, second, Y, W, Z;
+struct ThinSlab {
+  Single H, K;  ///< reflection and transmission, times the signs and so symmetric
 };
 
-/// K (J + sign H)^-1 K for symmetric H, K and the diagonal matrix J of the signs; lower triangle.
-///
-/// The matrix is quasi-definite: positive on the even states, negative on the odd ones, since no
-/// reflector returns more than it gets. So two Cholesky factors do, without pivoting.
-void sandwich(const Dense& H, const Dense& K, double sign, int even, Work& work, Dense& out) {
-  const int n = static_cast<int>(H.rows()), odd = n - even;
-  work.first.noalias() = sign * H.topLeftCorner(even, even);
-  work.first.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::Ref<Dense>> first_factor(work.first);
-  work.Y = K.leftCols(even);
-  first_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.Y);
-  out.setZero();
-  out.selfadjointView<Eigen::Lower>().rankUpdate(work.Y);
-  if (odd == 0) return;
-  work.W.noalias() = sign * H.bottomLeftCorner(odd, even);
-  first_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.W);
-  work.second.noalias() = -sign * H.bottomRightCorner(odd, odd);
-  work.second.diagonal().array() += 1.0;
-  work.second.selfadjointView<Eigen::Lower>().rankUpdate(work.W);
-  const Eigen::LLT<Eigen::Ref<Dense>> second_factor(work.second);
-  work.Z = K.rightCols(odd);
-  work.Z.noalias() -= work.Y * work.W.transpose();
-  second_factor.matrixU().solveInPlace<Eigen::OnTheRight>(work.Z);
-  out.selfadjointView<Eigen::Lower>().rankUpdate(work.Z, -1.0);
+/// With U = A + B, V = A - B, x half the thickness, C = cosh(x sqrt(VU)) and S = U sinh(x
+/// sqrt(VU)) / sqrt(VU), reflection plus transmission is (C + S) (C - S)^-1; the same with U and V
+/// exchanged is transmission minus reflection.
+ThinSlab thin_slab(const SlabProblem& problem) {
+  const auto n = static_cast<std::size_t>(problem.size);
+  const auto even = static_cast<std::size_t>(problem.even);
+  const Single A = padded(problem.forward, n, n), B = padded(problem.backward, n, n);
+  const double x = 0.5 * problem.step;
+  const Single plus = combined({{x, &A}, {x, &B}}), minus = combined({{x, &A}, {-x, &B}});
+  const Single G = times(minus, plus), G2 = times(G, G), G3 = times(G2, G);
+  // cosh(y) = sum y^2j / (2j)!, sinh(y) / y = sum y^2j / (2j + 1)! in y^2 = G, up to G^6.
+  const auto series = [&](double c1, double c2, double c3, double c4, double c5, double c6) {
+    Single high = combined({{1.0 / c4, &G}, {1.0 / c5, &G2}, {1.0 / c6, &G3}});
+    add_to_diagonal(high, 1.0 / c3);
+    Single sum = combined({{1.0 / c1, &G}, {1.0 / c2, &G2}});
+    add_product<AlongRows>(target(sum), source(G3), factors(high), sum.vectors(), n, n, add);
+    add_to_diagonal(sum, 1.0);
+    return sum;
+  };
+  const Single cosh_part = series(2.0, 24.0, 720.0, 40320.0, 3628800.0, 479001600.0);
+  const Single sinh_over_y = series(6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0);
+
+  // Solves for the transpose of (C + S)(C - S)^-1, which is it but for the signs.
+  const auto quotient = [&](const Single& C, const Single& S) {
+    Single below = transpose(combined({{1.0, &C}, {-1.0, &S}}));
+    Single above = transpose(combined({{1.0, &C}, {1.0, &S}}));
+    Elimination(below, above).solve();
+    for (std::size_t j = 0; j < n; ++j) flip(above, j, even, n);
+    const Single other = transpose(above);
+    return combined({{0.5, &above}, {0.5, &other}});
+  };
+  const Single sum = quotient(cosh_part, times(plus, sinh_over_y));
+  // Reciprocity: f(UV) is the transpose of f(VU) but for the signs.
+  const auto other_order = [&](const Single& m) {
+    Single turned = transpose(m);
+    for (std::size_t j = 0; j < n; ++j)
+      j < even ? flip(turned, j, even, n) : flip(turned, j, 0, even);
+    return turned;
+  };
+  const Single difference =  // transmission - reflection
+      quotient(other_order(cosh_part), times(minus, other_order(sinh_over_y)));
+  return {.H = combined({{0.5, &sum}, {-0.5, &difference}}),
+          .K = combined({{0.5, &sum}, {0.5, &difference}})};
 }
 
-void restore_energy(const double* root_etendue, const Dense& H, Dense& K) {
-  const Eigen::Map<const Eigen::VectorXd> root(root_etendue, H.rows());
-  const Eigen::VectorXd left = H * root + K * root;  // symmetric: also what leaves per state
-  K.diagonal().array() += 1.0 - left.array() / root.array();
+void restore_energy(const double* root_etendue, const Single& H, Single& K) {
+  const Single root = padded(root_etendue, H.rows(), 1), both = combined({{1.0, &H}, {1.0, &K}});
+  const Single left = times(both, root);  // symmetric: also what leaves per state
+  for (std::size_t j = 0; j < K.columns(); ++j)
+    *K.element(j, j) += 1.0 - *left.element(j, 0) / root_etendue[j];
 }
 
-/// Two equal slabs on one another: lit alike from both sides, each sees a mirror at the joint, and
-/// lit with opposite signs a mirror of reflectance -1.
-///
-///     R' + T' = R + T (1 - R)^-1 T,    R' - T' = R - T (1 + R)^-1 T
-int slab(const SlabProblem& problem, double* reflection, double* transmission) {
-  const int n = problem.size, even = problem.even;
-  Dense H(n, n), K(n, n), P(n, n), Q(n, n);
-  Work work;
-  thin_slab(problem, H, K);
+int double_slab(const SlabProblem& problem, double* reflection, double* transmission) {
+  const auto n = static_cast<std::size_t>(problem.size);
+  const auto even = static_cast<std::size_t>(problem.even);
+  auto [H, K] = thin_slab(problem);
+  Doubling<AlongRows> double_once(n, even);
   int done = 0;
   while (done < problem.doublings) {
-    sandwich(H, K, -1.0, even, work, P);
-    sandwich(H, K, 1.0, even, work, Q);
-    H.triangularView<Eigen::Lower>() += 0.5 * (P - Q);
-    K.triangularView<Eigen::Lower>() = 0.5 * (P + Q);
-    H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
-    K.triangularView<Eigen::StrictlyUpper>() = K.transpose();
+    double_once(H, K);
     if (problem.conserved != nullptr) restore_energy(problem.conserved, H, K);
     ++done;
-    if (problem.opaque > 0.0 && K.cwiseAbs().maxCoeff() < problem.opaque) break;
+    if (problem.opaque > 0.0 && all_less(K, problem.opaque)) break;
   }
-  H.rightCols(n - even) *= -1.0;
-  K.rightCols(n - even) *= -1.0;
-  Eigen::Map<Dense>(reflection, n, n) = H;
-  Eigen::Map<Dense>(transmission, n, n) = K;
+  unpad(H, reflection);
+  unpad(K, transmission);
+  for (std::size_t k = even * n; k < n * n; ++k) {
+    reflection[k] *= -1.0;
+    transmission[k] *= -1.0;
+  }
   return done;
 }
 
-/// Slabs of the same states, `lanes` at a time. All are doubled as often as the one that needs it
-/// most: the others start thinner.
-void slabs(const SlabProblem* problems, int count, double* const* reflection,
-           double* const* transmission) {
-  const int n = problems[0].size, even = problems[0].even;
-  Dense start_H(n, n), start_K(n, n);
-  Batch H(n, n), K(n, n);
-  for (int first = 0; first < count; first += lanes) {
-    const int last = std::min(count, first + lanes);
-    int doublings = 0;
-    for (int l = first; l < last; ++l) doublings = std::max(doublings, problems[l].doublings);
-    for (int lane = 0; lane < lanes; ++lane) {
-      if (first + lane < last) {
-        SlabProblem problem = problems[first + lane];
-        problem.step = std::ldexp(problem.step, problem.doublings - doublings);
-        thin_slab(problem, start_H, start_K);
-      }
-      for (int j = 0; j < n; ++j)  // a lane too many repeats the last
-        for (int i = 0; i < n; ++i) {
-          H(i, j)[lane] = start_H(i, j);
-          K(i, j)[lane] = start_K(i, j);
-        }
-    }
-    double_slabs(H, K, even, doublings, problems[first].opaque);
-    for (int l = first; l < last; ++l)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) {
-          const double sign = j < even ? 1.0 : -1.0;
-          reflection[l][j * n + i] = sign * H(i, j)[l - first];
-          transmission[l][j * n + i] = sign * K(i, j)[l - first];
-        }
+/// All of a batch are doubled as often as the one that needs it most: the others start thinner. In
+/// half-spaces until the most transparent one lets through no more than `opaque`.
+void double_batch(std::span<const SlabProblem> problems, double* const* reflection,
+                  double* const* transmission) {
+  const auto n = static_cast<std::size_t>(problems[0].size);
+  const auto even = static_cast<std::size_t>(problems[0].even);
+  int doublings = 0;
+  for (const SlabProblem& problem : problems) doublings = std::max(doublings, problem.doublings);
+  std::vector<ThinSlab> thin;
+  for (SlabProblem problem : problems) {
+    problem.step = std::ldexp(problem.step, problem.doublings - doublings);
+    thin.push_back(thin_slab(problem));
   }
+  Batch H(n, n), K(n, n);
+  for (std::size_t l = 0; l < lanes(); ++l) {
+    const ThinSlab& of_lane = thin[std::min(l, thin.size() - 1)];  // a lane too many repeats it
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) {
+        H.element(i, j)[l] = *of_lane.H.element(i, j);
+        K.element(i, j)[l] = *of_lane.K.element(i, j);
+      }
+  }
+  Doubling<AcrossMatrices> double_once(n, even);
+  for (int done = 0; done < doublings; ++done) {
+    double_once(H, K);
+    if (problems[0].opaque > 0.0 && all_less(K, problems[0].opaque)) break;
+  }
+  for (std::size_t l = 0; l < problems.size(); ++l)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) {
+        const double sign = j < even ? 1.0 : -1.0;
+        reflection[l][j * n + i] = sign * H.element(i, j)[l];
+        transmission[l][j * n + i] = sign * K.element(i, j)[l];
+      }
 }
 
-void joint(int size, const double* a, const double* b, double* out) {
-  Dense m(size, size);
-  m.noalias() = -(View(a, size, size) * View(b, size, size));
-  m.diagonal().array() += 1.0;
-  Eigen::Map<Dense>(out, size, size) = m.partialPivLu().inverse();
+void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
+                  double* const* transmission) {
+  for (std::size_t first = 0; first < problems.size(); first += lanes())
+    double_batch(problems.subspan(first, std::min(lanes(), problems.size() - first)),
+                 reflection + first, transmission + first);
 }
 
-void multiply(int rows, int inner, int columns, const double* a, const double* b, double* out) {
-  Eigen::Map<Dense>(out, rows, columns).noalias() = View(a, rows, inner) * View(b, inner, columns);
+std::size_t slabs_at_once() { return lanes(); }
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix out(a.rows, b.columns);
+  const Single wide = padded(a.values.data(), a.rows, a.columns);
+  const Factors by = {b.values.data(), 1, b.rows};
+  // Whole vectors to where they belong, what is left by way of a strip.
+  const std::size_t whole = a.rows / lanes(), rest = whole * lanes();
+  add_product<AlongRows>({out.values.data(), out.rows}, source(wide), by, whole, a.columns,
+                         b.columns, replace);
+  if (rest == a.rows) return out;
+  Single strip(a.rows - rest, b.columns);
+  add_product<AlongRows>(target(strip), source(wide).at(whole, 0), by, 1, a.columns, b.columns,
+                         replace);
+  for (std::size_t j = 0; j < b.columns; ++j)
+    std::copy_n(strip.element(0, j), strip.rows(), &out(rest, j));
+  return out;
 }
 
-}  // namespace
+Matrix between(const Matrix& a, const Matrix& b) {
+  const std::size_t n = a.rows;
+  Single m(n, n), inverse(n, n);
+  add_product<AlongRows>(target(m), source(padded(a.values.data(), n, n)), {b.values.data(), 1, n},
+                         m.vectors(), n, n, {To::replace, -1.0});
+  add_to_diagonal(m, 1.0);
+  inverse.fill(0.0);
+  add_to_diagonal(inverse, 1.0);
+  Elimination(m, inverse).solve();
+  Matrix out(n, n);
+  unpad(inverse, out.values.data());
+  return out;
+}
 
-const MatrixKernels LAMINA_KERNELS = {LAMINA_KERNELS_NAME, slab, lanes, slabs, joint, multiply};
+}  // namespace lamina::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lamina::detail {
+
+HWY_EXPORT(double_slab);
+HWY_EXPORT(double_slabs);
+HWY_EXPORT(slabs_at_once);
+HWY_EXPORT(product);
+HWY_EXPORT(between);
+
+int double_slab(const SlabProblem& problem, double* reflection, double* transmission) {
+  return HWY_DYNAMIC_DISPATCH(double_slab)(problem, reflection, transmission);
+}
+
+void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
+                  double* const* transmission) {
+  HWY_DYNAMIC_DISPATCH(double_slabs)(problems, reflection, transmission);
+}
+
+std::size_t slabs_at_once() { return HWY_DYNAMIC_DISPATCH(slabs_at_once)(); }
+
+Matrix product(const Matrix& a, const Matrix& b) { return HWY_DYNAMIC_DISPATCH(product)(a, b); }
+
+Matrix between(const Matrix& a, const Matrix& b) { return HWY_DYNAMIC_DISPATCH(between)(a, b); }
+
+std::vector<double> product(const Matrix& m, const std::vector<double>& x) {
+  std::vector<double> y(m.rows, 0.0);
+  for (std::size_t j = 0; j < m.columns; ++j)
+    for (std::size_t i = 0; i < m.rows; ++i) y[i] += m(i, j) * x[j];
+  return y;
+}
 
 }  // namespace lamina::detail
+#endif

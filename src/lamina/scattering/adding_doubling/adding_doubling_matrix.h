@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace lamina::detail {
@@ -39,31 +40,15 @@ struct SlabProblem {
   double opaque = 0.0;  ///< doubling stops early once no transmission exceeds this
 };
 
-/// The heavy matrix work of adding-doubling, compiled once for each kind of processor.
-struct MatrixKernels {
-  const char* name;  ///< "x86-64-v4", "x86-64-v3" or "baseline"
+/// Reflection and transmission of a slab, each [size x size]. Returns the doublings done.
+int double_slab(const SlabProblem& problem, double* reflection, double* transmission);
 
-  /// Reflection and transmission of a slab, each [size x size]. Returns the doublings done.
-  int (*slab)(const SlabProblem& problem, double* reflection, double* transmission);
-
-  /// Several slabs of the same states and signs, without `conserved`, `lanes` of them at once; some
-  /// two times faster each. In half-spaces all are doubled until each is opaque.
-  int lanes;
-  void (*slabs)(const SlabProblem* problems, int count, double* const* reflection,
-                double* const* transmission);
-
-  /// out = inverse of (1 - a b), all [size x size]: light between two reflectors.
-  void (*joint)(int size, const double* a, const double* b, double* out);
-
-  /// out = a b for a [rows x inner] and b [inner x columns].
-  void (*multiply)(int rows, int inner, int columns, const double* a, const double* b, double* out);
-};
-
-/// The kernels for the processor that runs this.
-[[nodiscard]] const MatrixKernels& matrix_kernels();
-
-/// All that this processor can run, the best one first.
-[[nodiscard]] std::vector<const MatrixKernels*> runnable_matrix_kernels();
+/// Several slabs of the same states and signs, without `conserved`; some two times faster each in
+/// groups of `slabs_at_once`, which depends on the processor. In half-spaces all of a group are
+/// doubled until each is opaque.
+void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
+                  double* const* transmission);
+[[nodiscard]] std::size_t slabs_at_once();
 
 [[nodiscard]] Matrix product(const Matrix& a, const Matrix& b);
 [[nodiscard]] std::vector<double> product(const Matrix& m, const std::vector<double>& x);

@@ -153,7 +153,7 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
   if (is_diffuse_) paths = unscattered_paths(solver.stack);
   std::vector<double> reflected(frequencies), transmitted(frequencies);
   // Neighbours share the lanes of the processor; the same ones, however many threads there are.
-  const auto lanes = static_cast<std::size_t>(matrix_kernels().lanes);
+  const auto lanes = slabs_at_once();
   const auto respond = [&](std::size_t group) {
     const std::size_t first = group * lanes, count = std::min(lanes, frequencies - first);
     const auto at = std::span(grid.k).subspan(first, count);

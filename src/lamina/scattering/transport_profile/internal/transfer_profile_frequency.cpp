@@ -134,10 +134,9 @@ std::vector<LayerOperators> layer_operators(const FrequencySolver& solver, std::
     transmission.push_back(operators[i].transmission.values.data());
   }
   if (problems.size() == 1)
-    matrix_kernels().slab(problems[0], reflection[0], transmission[0]);
+    double_slab(problems[0], reflection[0], transmission[0]);
   else if (!problems.empty())
-    matrix_kernels().slabs(problems.data(), static_cast<int>(problems.size()), reflection.data(),
-                           transmission.data());
+    double_slabs(problems, reflection.data(), transmission.data());
   for (LayerOperators& of_frequency : operators) {
     if (!has_bottom) std::ranges::fill(of_frequency.transmission.values, 0.0);
     keep_out_of_reach(layer, states, of_frequency.transmission);

@@ -34,7 +34,7 @@ struct FrequencyResponse {
 /// All orders of scattering. At k = 0 the diffuse totals on the same grid.
 [[nodiscard]] FrequencyResponse response(const FrequencySolver& solver, double k);
 
-/// The same at several frequencies, best as many as `matrix_kernels().lanes` and neighbours.
+/// The same at several frequencies, best as many as `slabs_at_once` and neighbours.
 [[nodiscard]] std::vector<FrequencyResponse> responses(const FrequencySolver& solver,
                                                        std::span<const double> frequencies);
 
