@@ -4,13 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
+#include <cstddef>
 #include <numbers>
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <Eigen/Eigenvalues>
-#pragma GCC diagnostic pop
+#include <utility>
 
 namespace lamina::detail {
 namespace {
@@ -34,6 +31,48 @@ constexpr std::array<ChainEnd, 11> chain_ends = {{
     {0.5213, 0.7384, 0.9692},
 }};
 
+using Complex = std::complex<double>;
+
+/// The characteristic polynomial of the chain at x over its derivative, by the recurrence of
+/// tridiagonal matrices.
+Complex newton_step(const AzimuthChain& chain, Complex x) {
+  const std::size_t last = chain.coupling.size();
+  Complex before = 1.0, p = x, slope_before = 0.0, slope = 1.0;
+  for (std::size_t m = 1; m <= last; ++m) {
+    const Complex along = x + (m == last ? chain.damping : 0.0);
+    const double c2 = chain.coupling[m - 1] * chain.coupling[m - 1];
+    const Complex next = along * p + c2 * before;
+    const Complex next_slope = p + along * slope + c2 * slope_before;
+    before = std::exchange(p, next);
+    slope_before = std::exchange(slope, next_slope);
+  }
+  return p / slope;
+}
+
+/// All rates of decay, by [Aberth1973]'s simultaneous iteration: they are simple.
+std::vector<Complex> rates_of_waves(const AzimuthChain& chain) {
+  const std::size_t n = chain.coupling.size() + 1;
+  std::vector<Complex> rates;
+  for (std::size_t q = 0; q < n; ++q)  // near those of a chain cut off
+    rates.emplace_back(-0.1, std::cos((static_cast<double>(q) + 0.45) * std::numbers::pi /
+                                      static_cast<double>(n)));
+  constexpr int most_rounds = 200;  // some ten do
+  double moved = 1.0;
+  for (int round = 0; round < most_rounds && moved > 1e-15; ++round) {
+    moved = 0.0;
+    for (std::size_t q = 0; q < n; ++q) {
+      Complex others = 0.0;
+      for (std::size_t j = 0; j < n; ++j)
+        if (j != q) others += 1.0 / (rates[q] - rates[j]);
+      const Complex step = newton_step(chain, rates[q]);
+      const Complex by = step / (1.0 - step * others);
+      rates[q] -= by;
+      moved = std::max(moved, std::abs(by));
+    }
+  }
+  return rates;
+}
+
 }  // namespace
 
 AzimuthChain make_azimuth_chain(int modes, AzimuthEnd end_kind) {
@@ -51,26 +90,24 @@ AzimuthChain make_azimuth_chain(int modes, AzimuthEnd end_kind) {
 }
 
 AzimuthWaves azimuth_waves(const AzimuthChain& chain) {
-  const auto n = static_cast<Eigen::Index>(chain.coupling.size()) + 1;
-  Eigen::MatrixXd flow = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index m = 0; m + 1 < n; ++m) {
-    flow(m + 1, m) = chain.coupling[static_cast<std::size_t>(m)];
-    flow(m, m + 1) = -flow(m + 1, m);
-  }
-  flow(n - 1, n - 1) = -chain.damping;
-  const Eigen::EigenSolver<Eigen::MatrixXd> waves(flow);
-  const Eigen::MatrixXcd shapes = waves.eigenvectors();
-  const Eigen::VectorXcd start =
-      shapes.partialPivLu().solve(Eigen::VectorXcd(Eigen::VectorXcd::Unit(n, 0)));
+  const std::size_t n = chain.coupling.size() + 1;
   AzimuthWaves result;
-  result.weight.resize(static_cast<std::size_t>(n));
-  for (Eigen::Index q = 0; q < n; ++q) {
-    const std::complex<double> rate = waves.eigenvalues()[q];
-    if (rate.imag() < 0.0) continue;  // the conjugate of another
+  result.weight.resize(n);
+  for (Complex rate : rates_of_waves(chain)) {
+    constexpr double rounding = 1e-9;       // rates are real or one of two, far apart
+    if (rate.imag() < -rounding) continue;  // the conjugate of another
+    const bool is_real = rate.imag() <= rounding;
+    if (is_real) rate = rate.real();
+    // The wave's shape, row by row; that of light which goes back through the chain differs by the
+    // signs of its odd modes, so that both give the norm.
+    std::vector<Complex> shape = {1.0, -rate / chain.coupling[0]};
+    for (std::size_t m = 1; m + 1 < n; ++m)
+      shape.push_back((chain.coupling[m - 1] * shape[m - 1] - rate * shape[m]) / chain.coupling[m]);
+    Complex norm = 0.0;
+    for (std::size_t m = 0; m < n; ++m) norm += (m % 2 == 0 ? 1.0 : -1.0) * shape[m] * shape[m];
     result.rate.push_back(rate);
-    for (Eigen::Index m = 0; m < n; ++m)
-      result.weight[static_cast<std::size_t>(m)].push_back((rate.imag() > 0.0 ? 2.0 : 1.0) *
-                                                           shapes(m, q) * start[q]);
+    for (std::size_t m = 0; m < n; ++m)
+      result.weight[m].push_back((is_real ? 1.0 : 2.0) * shape[m] / norm);
   }
   return result;
 }
