@@ -9,7 +9,7 @@
 
 #include "lamina/core/lazy_values.h"
 #include "lamina/render/geometry/ray_geometry.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_field.h"
+#include "lamina/render/subsurface/random_walk/internal/distance_field.h"
 
 namespace lamina {
 

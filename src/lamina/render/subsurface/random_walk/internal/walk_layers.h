@@ -8,8 +8,8 @@
 #include "lamina/materials/material.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/random_walk/internal/depth_layers.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_space.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 

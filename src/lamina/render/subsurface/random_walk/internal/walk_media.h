@@ -8,10 +8,10 @@
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_bodies.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_lamps.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
+#include "lamina/render/subsurface/random_walk/internal/nested_dielectrics.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_layers.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_space.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/optics/phase_function.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_space.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

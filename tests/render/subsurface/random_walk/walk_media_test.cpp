@@ -1,6 +1,4 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/media_walk.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 #include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/random_walk/media_walk.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"

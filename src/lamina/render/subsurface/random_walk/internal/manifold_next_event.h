@@ -9,7 +9,7 @@
 #include "lamina/core/lazy_values.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_space.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 

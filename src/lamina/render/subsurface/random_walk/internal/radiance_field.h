@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lamina/core/progress.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_lamps.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_space.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 #include "lamina/spectrum/band_values.h"
 #include "lamina/spectrum/brief_bands.h"
 

@@ -10,7 +10,7 @@
 #include "lamina/core/random.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_field.h"
+#include "lamina/render/subsurface/random_walk/internal/distance_field.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
