@@ -92,16 +92,30 @@ inline double mean_of(const Image& image, std::size_t channel) {
   return total / (image.width * image.height);
 }
 
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// By RGB [1/mm, mm].
+inline MaterialLayer layer_of(std::vector<double> sigma_a, std::vector<double> sigma_s, double g,
+                              double thickness, double ior = 1.4) {
+  return {.name = "layer",
+          .sigma_a = std::move(sigma_a),
+          .sigma_s = std::move(sigma_s),
+          .g = {g, g, g},
+          .ior = {ior, ior, ior},
+          .thickness = thickness};
+}
+
+/// In air, over the medium of its last layer.
+inline Material material_of(std::vector<MaterialLayer> layers) {
+  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = layers.back().ior};
+  material.layers = std::move(layers);
+  return material;
+}
+
 /// One layer, isotropic and infinitely thick, by RGB [1/mm].
 inline Material half_space(std::vector<double> sigma_a, double sigma_s, double ior) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
-  material.layers = {{.name = "layer",
-                      .sigma_a = std::move(sigma_a),
-                      .sigma_s = {sigma_s, sigma_s, sigma_s},
-                      .g = {0, 0, 0},
-                      .ior = {ior, ior, ior},
-                      .thickness = std::numeric_limits<double>::infinity()}};
-  return material;
+  return material_of(
+      {layer_of(std::move(sigma_a), {sigma_s, sigma_s, sigma_s}, 0.0, infinite, ior)});
 }
 
 /// A mesh of the material, seen from above as a square of half a millimetre; no light between

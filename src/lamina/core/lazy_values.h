@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// Values at points, each worked out by the first who asks for it, from any thread.
+/// Values at points, each computed when it is first asked for, from any thread.
 template <class Value>
 class LazyValues {
  public:
@@ -20,7 +20,7 @@ class LazyValues {
   [[nodiscard]] Value at(std::size_t i, const Make& make) {
     const Cell& cell = cells_[i];
     if (cell.state.load(std::memory_order_acquire) == known) return cell.value;
-    return find_out(i, make);
+    return compute(i, make);
   }
 
  private:
@@ -30,7 +30,7 @@ class LazyValues {
     std::atomic<std::uint8_t> state{unknown};
   };
   template <class Make>
-  [[gnu::noinline]] Value find_out(std::size_t i, const Make& make) {
+  [[gnu::noinline]] Value compute(std::size_t i, const Make& make) {
     Cell& cell = cells_[i];
     const Value value = make(i);
     std::uint8_t expected = unknown;

@@ -28,7 +28,6 @@
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profile/profile_transport.h"
 #include "lamina/render/subsurface/profile_maker.h"
-#include "lamina/render/subsurface/random_walk/media_walk.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/seen_surface.h"
 #include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
@@ -112,7 +111,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
   const ProfileMaker make_profile = profile_maker(scene.scene->render, of_unknown_length(progress));
   const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
   if (scene.scene->render.method == Method::layered_bsdf) return methods;
-  std::shared_ptr<const WalkMedia<N>> media;  // of all that share it
+  std::shared_ptr<WalkMedia<N>> media;  // of all random walks
   for (std::uint32_t i = 0; i < materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
     if (!surface) continue;
@@ -134,12 +133,8 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
         method = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
         break;
       case Method::random_walk:
-        if (is_for_media_walk(scene, i)) {
-          if (!media) media = std::make_shared<WalkMedia<N>>(scene, conversion);
-          method = std::make_unique<MediaWalk<N>>(media, i);
-        } else {
-          method = std::make_unique<RandomWalk<N>>(scene, conversion, i);
-        }
+        if (!media) media = make_walk_media<N>(scene, conversion);
+        method = std::make_unique<RandomWalk<N>>(media, i);
         break;
       case Method::layered_bsdf:
       case Method::automatic:

@@ -87,25 +87,14 @@ void light_by_rectangle(Scene& scene, const Square& square) {
                                  .radiance = {radiance, radiance, radiance}}};
 }
 
-MaterialLayer layer_of(double sigma_a, double sigma_s, double g, double ior, double thickness) {
-  return {.name = "layer",
-          .sigma_a = {sigma_a, 3.0 * sigma_a, 10.0 * sigma_a},
-          .sigma_s = {sigma_s, sigma_s, sigma_s},
-          .g = {g, g, g},
-          .ior = {ior, ior, ior},
-          .thickness = thickness};
+/// That absorbs blue most.
+MaterialLayer reddish(double sigma_a, double sigma_s, double g, double ior, double thickness) {
+  return layer_of({sigma_a, 3.0 * sigma_a, 10.0 * sigma_a}, {sigma_s, sigma_s, sigma_s}, g,
+                  thickness, ior);
 }
-
-Material material_of(std::vector<MaterialLayer> layers) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = layers.back().ior};
-  material.layers = std::move(layers);
-  return material;
-}
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Material homogeneous(double ior, double g = 0.0, double roughness = 0.0) {
-  Material material = material_of({layer_of(0.05, 2.0, g, ior, infinite)});
+  Material material = material_of({reddish(0.05, 2.0, g, ior, infinite)});
   if (roughness > 0.0)
     material.layers[0].top = {.roughness = roughness, .distribution = MicrofacetDistribution::ggx};
   return material;
@@ -113,7 +102,7 @@ Material homogeneous(double ior, double g = 0.0, double roughness = 0.0) {
 
 Material two_layers(double ior_above, double ior_below) {
   return material_of(
-      {layer_of(0.05, 6.0, 0.5, ior_above, 0.2), layer_of(0.02, 2.0, 0.0, ior_below, infinite)});
+      {reddish(0.05, 6.0, 0.5, ior_above, 0.2), reddish(0.02, 2.0, 0.0, ior_below, infinite)});
 }
 
 /// The top of a ball, so small a part of it that all pixels see about the same.

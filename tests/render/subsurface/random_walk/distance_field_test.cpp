@@ -67,23 +67,23 @@ TEST(RayGeometry, ClosestPointOfABallIsAlongItsRadius) {
   EXPECT_FALSE(geometry.closest_point({0, 0, 2.9f}, 2.0f, 1u).is_hit());  // no such material
 }
 
-TEST(SafeDistances, AreNoLongerThanThoseToTheSurface) {
+TEST(DistanceField, IsNoLongerThanTheDistanceToTheSurface) {
   const std::vector<Mesh> meshes = {make_sphere(3.0f, 64)};
   const RayGeometry geometry(meshes);
   const NodeLattice lattice({-3, -3, -3}, {3, 3, 3}, 0.3f, 1e6);
-  const SafeDistances safe(geometry, meshes, lattice);
+  const DistanceField field(geometry, meshes, lattice);
   Random random(7);
   double sum = 0.0, sum_of_true = 0.0;
   for (int i = 0; i < 2000; ++i) {
     const Vec3f p = random_point(random, 3);
     const float distance = std::abs(3.0f - length(p));
-    EXPECT_LE(safe.at(p), distance + 0.005f);
+    EXPECT_LE(field.at(p), distance + 0.005f);
     if (distance > 1.0f) continue;
-    sum += static_cast<double>(std::max(safe.at(p), 0.0f));
+    sum += static_cast<double>(std::max(field.at(p), 0.0f));
     sum_of_true += static_cast<double>(distance);
   }
   EXPECT_GT(sum, 0.4 * sum_of_true);  // and long enough to be of use
-  EXPECT_GT(dot(safe.nearest_normal({0, 0, 2.8f}), Vec3f{0, 0, 1}), 0.98f);
+  EXPECT_GT(dot(field.nearest_normal({0, 0, 2.8f}), Vec3f{0, 0, 1}), 0.98f);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,17 +16,10 @@
 namespace lamina {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 /// Equal in all bands, so that they share all paths.
 Material medium(double sigma_a, double sigma_s, double ior) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
-  material.layers = {{.name = "layer",
-                      .sigma_a = {sigma_a, sigma_a, sigma_a},
-                      .sigma_s = {sigma_s, sigma_s, sigma_s},
-                      .g = {0.3, 0.3, 0.3},
-                      .ior = {ior, ior, ior}}};
-  return material;
+  return material_of(
+      {layer_of({sigma_a, sigma_a, sigma_a}, {sigma_s, sigma_s, sigma_s}, 0.3, infinite, ior)});
 }
 
 Mesh with_material(Mesh mesh, std::uint32_t material) {
@@ -64,30 +56,30 @@ std::vector<Mesh> two_plates(float thickness, float depth, std::uint32_t lower_m
           with_material(moved(make_plate(60.0f, 10.0f), {0, 0, -depth}), lower_material)};
 }
 
-TEST(WalkBodies, InnerOneFillsAndCoincidingFacesAreOne) {
+TEST(NestedDielectrics, InnerOneHasPriorityAndCoincidingFacesAreOne) {
   const Scene scene =
       scene_of({with_material(make_sphere(3.0f), 0), with_material(make_sphere(1.0f), 1),
                 with_material(make_sphere(1.0f), 0)},
                {medium(0, 1, 1.4), medium(0, 1, 1.4)}, EnvironmentLight{}, 1);
   const RenderScene prepared(scene);
-  const WalkBodies bodies(prepared);
-  WalkHolders holders;
-  EXPECT_EQ(bodies.filling(holders), WalkBodies::none);
-  holders.add(0, 1);
+  const NestedDielectrics bodies(prepared);
+  InteriorList interior;
+  EXPECT_EQ(bodies.highest_priority(interior), NestedDielectrics::none);
+  interior.add(0, 1);
   const Ray ray{{2, 0.1f, 0.2f}, {-1, 0, 0}};
   const Hit hit = prepared.geometry.first_hit(ray, 0.0f);
   const SurfacePoint point = make_bare_surface_point(scene.meshes, hit);
-  const auto entry = bodies.cross(holders, point, ray.direction);
+  const auto entry = bodies.cross(interior, point, ray.direction);
   EXPECT_FALSE(entry.is_blocked);
   EXPECT_EQ(entry.beyond.count, 3);
-  EXPECT_EQ(bodies.filling(entry.beyond), 2u);  // of the two that are equal the later
+  EXPECT_EQ(bodies.highest_priority(entry.beyond), 2u);  // of the two that are equal the later
   const auto back = bodies.cross(entry.beyond, point, {1, 0, 0});
   EXPECT_EQ(back.beyond.count, 1);
-  EXPECT_EQ(bodies.filling(back.beyond), 0u);
+  EXPECT_EQ(bodies.highest_priority(back.beyond), 0u);
 }
 
 // Light of the sky, and of a lamp that shines straight through the inner boundary.
-TEST(WalkBodies, BallInABallOfTheSameMediumChangesNothing) {
+TEST(NestedDielectrics, BallInABallOfTheSameMediumChangesNothing) {
   const Material flesh = medium(0.3, 2.0, 1.4);
   for (const bool is_sky : {true, false}) {
     const Light light =
@@ -102,7 +94,7 @@ TEST(WalkBodies, BallInABallOfTheSameMediumChangesNothing) {
   }
 }
 
-TEST(WalkBodies, TouchingAndOverlappingPlatesOfTwoIndicesReflectAsLayersDo) {
+TEST(NestedDielectrics, TouchingAndOverlappingPlatesOfTwoIndicesReflectAsLayersDo) {
   const Material upper = medium(0.2, 4.0, 1.5), lower = medium(0.1, 2.0, 1.3);
   Material stack = upper;
   stack.layers[0].thickness = 0.3;
@@ -117,21 +109,19 @@ TEST(WalkBodies, TouchingAndOverlappingPlatesOfTwoIndicesReflectAsLayersDo) {
   }
 }
 
-TEST(WalkBodies, PlatesThatTouchAreOneUnderALamp) {
+TEST(NestedDielectrics, PlatesThatTouchAreOneUnderALamp) {
   const Material material = medium(0.3, 2.0, 1.4);
   const double mu = 0.6, zero[] = {0.0};
   const Scene scene =
       scene_of(two_plates(0.3f, 0.3f, 0), {material},
                DirectionalLight{.direction = {0.8, 0, mu}, .irradiance = {1, 1, 1}}, 64);
-  Material half_space = material;
-  half_space.layers[0].thickness = infinite;
   const double expected =
-      mu * stack_bsdf(layer_stack(half_space, 0), std::acos(mu), zero, zero).brdf[0];
+      mu * stack_bsdf(layer_stack(material, 0), std::acos(mu), zero, zero).brdf[0];
   EXPECT_NEAR(mean_inside(scene), expected, 0.015 * expected);
 }
 
 // A rough body of another index, a ball of glass and one that pokes out, none of which absorbs.
-TEST(WalkBodies, WhiteBodiesInEvenLightAreInvisible) {
+TEST(NestedDielectrics, WhiteBodiesInEvenLightAreInvisible) {
   Material rough = medium(0.0, 3.0, 1.7);
   rough.layers[0].top = {.roughness = 0.3, .distribution = MicrofacetDistribution::ggx};
   Scene scene = scene_of({with_material(make_sphere(2.0f), 0),
@@ -144,7 +134,32 @@ TEST(WalkBodies, WhiteBodiesInEvenLightAreInvisible) {
   EXPECT_NEAR(mean_of(render(scene).image, 1), 1.0, 0.008);
 }
 
-TEST(WalkBodies, RefuseTwoMediaInsideOneMesh) {
+// Glass within flesh is the same glass as anywhere: with its map of roughness, and its model of
+// facets, of which "single" loses the light that meets another.
+TEST(NestedDielectrics, GlassInsideHasItsOwnRoughnessMapAndFacets) {
+  const auto picture = [](const DielectricSurface& glass) {
+    Scene scene = scene_of({with_material(make_sphere(1.0f), 0),
+                            with_material(moved(make_sphere(0.6f), {0, 0, 0.2f}), 1)},
+                           {medium(0.0, 1.0, 1.4)}, EnvironmentLight{}, 16);
+    scene.materials.push_back({.name = "glass", .surface = glass});
+    return render(scene).image;
+  };
+  DielectricSurface glass{
+      .ior = 1.9f, .roughness = {.value = 0.8f}, .scattering = FacetScattering::multiple};
+  const Image all_facets = picture(glass);
+  EXPECT_NEAR(mean_of(all_facets, 1), 1.0, 0.01);
+
+  DielectricSurface mapped = glass;
+  mapped.roughness = {.map = TextureMap{.source = NoiseMap{}, .scale = 0.0f, .offset = 0.8f}};
+  EXPECT_EQ(picture(mapped).pixels, all_facets.pixels);
+  mapped.roughness.map->offset = 0.2f;
+  EXPECT_NE(picture(mapped).pixels, all_facets.pixels);
+
+  glass.scattering = FacetScattering::single;
+  EXPECT_LT(mean_of(picture(glass), 1), 0.97);
+}
+
+TEST(NestedDielectrics, RefuseTwoMediaInsideOneMesh) {
   Mesh mesh = with_material(make_sphere(1.0f), 0);
   mesh.material.back() = 1;
   const Material material = medium(0.1, 1.0, 1.4);

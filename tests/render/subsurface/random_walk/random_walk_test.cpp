@@ -23,13 +23,7 @@ namespace {
 
 Material homogeneous(std::vector<double> sigma_a, std::vector<double> sigma_s, double g,
                      double ior) {
-  Material material{.name = "test", .ior_above = {1, 1, 1}, .ior_below = {ior, ior, ior}};
-  material.layers = {{.name = "layer",
-                      .sigma_a = std::move(sigma_a),
-                      .sigma_s = std::move(sigma_s),
-                      .g = {g, g, g},
-                      .ior = {ior, ior, ior}}};
-  return material;
+  return material_of({layer_of(std::move(sigma_a), std::move(sigma_s), g, infinite, ior)});
 }
 
 Scene scene_of(Mesh mesh, Material material, Light light, int samples) {
@@ -209,9 +203,9 @@ TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
     const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
     double mean[3][3], error[3][3];
     for (std::size_t kind = 0; kind < 3; ++kind) {
-      RandomWalk<4> walk(prepared, conversion, 0);
+      RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
       if (kind > 0) {
-        ASSERT_TRUE(walk.prepare(NoLight{}, {}, kind == 2 ? 2.0f : 1.0f));
+        ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}, kind == 2 ? 2.0f : 1.0f));
       }
       double sum[3] = {}, squares[3] = {};
       constexpr int count = 4096;
@@ -269,14 +263,14 @@ TEST(RandomWalk, StopsPreparingWhenAsked) {
   const RenderScene prepared(scene);
   const auto conversion =
       make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  RandomWalk<4> walk(prepared, conversion, 0);
+  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
   std::atomic<int> reports = 0;
-  EXPECT_FALSE(walk.prepare(NoLight{}, [&](double finished) {
+  EXPECT_FALSE(walk.solve_radiance_field(NoLight{}, [&](double finished) {
     EXPECT_EQ(finished, 0.0);
     return ++reports < 3;
   }));
   EXPECT_LT(reports, 3 + thread_count());
-  EXPECT_TRUE(walk.prepare(NoLight{}, {}));
+  EXPECT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
 }
 
 TEST(RandomWalk, RefusesOpenMeshes) {

@@ -3,94 +3,75 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "lamina/optics/phase_function.h"
+#include "lamina/core/progress.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 
-/// The truth for curved objects: paths that scatter inside a closed mesh of one homogeneous medium
-/// until they leave it. No profile, no diffusion, no flatness.
+template <int N>
+class WalkMedia;
+template <int N>
+struct BodyMedium;
+
+/// Random walks over media, the reference for curved objects: volumetric path tracing inside closed
+/// meshes, through layers by depth, through rough boundaries and from body to body. No profile, no
+/// diffusion, no flatness.
 ///
-/// Lamps are sought from scattering events through the smooth boundary, on the way that Snell's law
-/// takes. A path that leaves by itself and meets a lamp counts only if that search would not have
-/// found the same way; so light that takes a second way, which the search misses on a wavy surface,
-/// is not lost. What is bright in the sky (LightSeen::next_event_share) is a lamp; the rest of it
-/// and other objects are found by paths that leave.
+/// Lights, and what is bright in the sky (LightSeen::next_event_share), are sampled by next-event
+/// estimation: from scattering events through a smooth boundary, on the path that Snell's law
+/// takes, also through bodies of the same index; from where a path meets a rough boundary. Paths
+/// that leave and meet a light share it by multiple importance sampling, so that light on a second
+/// way, which next-event estimation misses on a wavy surface, is not lost. The rest of the sky and
+/// other objects are found by paths that leave.
 ///
-/// About the light inside, straight from lamps and scattered more than once, something is known
-/// beforehand (WalkLamps, WalkLight). At each event a path adds what is known there, and at random
-/// finds out more, by a search or by going on, and corrects what it added: by the difference, over
-/// the chance of doing so. So the mean is that of complete paths, whatever was known, and few
-/// need to be.
+/// A closed body of one homogeneous medium with a smooth boundary, which no other body touches, has
+/// a precomputed radiance field: a control variate that spares most of the work. It is an optional
+/// part of the medium: paths follow the same rules with it and without, and have the same mean.
 ///
-/// The boundary is taken as smooth; a coat counts for the light that leaves towards the eye, not
-/// inside. MediaWalk has rough ones.
+/// A coat counts for the light that leaves towards the eye, not inside.
 template <int N>
 class RandomWalk final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
-  /// @throws InvalidInput if the material has layers, or a mesh of it is open
-  RandomWalk(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material);
+  /// @throws InvalidInput if a mesh of the material is open; if one has several media and the body
+  ///         is not homogeneous by itself; for lights without an area over layers of different
+  ///         indices
+  RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t material);
 
-  /// Finds out about the light inside. Without it the mean is the same, at more work.
-  ///
-  /// @param scale  of what is found out: 1, unless to show that the mean is the same with any
-  /// @return       false if `progress` asked to stop
-  [[nodiscard]] bool prepare(const LightGatherer<N>& light, const Progress& progress,
-                             float scale = 1.0f);
   [[nodiscard]] bool prepare(const Preparation<N>& with) override {
-    return prepare(with.light, with.progress);
+    return solve_radiance_field(with.light, with.progress);
   }
-  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& /*with*/) const override {
-    // A second for what is known of the light inside; a walk that knows what to expect takes so
-    // much of one that does not. Measured on one core of a Zen 4.
-    return {.preparation = 1.0, .lookup = {}, .prepared_fraction = 0.02};
-  }
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
+
+  /// Solves the radiance field, if the medium has one. Without it the mean is the same, at more
+  /// work.
+  ///
+  /// @param scale  of the field: 1, unless to show that the mean is the same with any
+  /// @return       false if `progress` asked to stop
+  [[nodiscard]] bool solve_radiance_field(const LightGatherer<N>& light, const Progress& progress,
+                                          float scale = 1.0f);
 
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override;
-  /// That of flat layers: for light on its way between objects.
-  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
-    (void)point;
-    return reflectance_;
-  }
+  /// That of flat layers: for indirect light between objects.
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
 
  private:
-  using Known = typename WalkLight<N>::Known;
-  [[nodiscard]] Known what_is_known(const Vec3f& place, bool in_detail,
-                                    const LightGatherer<N>& light) const;
-  [[nodiscard]] Bands walk(const ExitPoint& exit, const Vec3f& inward,
-                           const LightGatherer<N>& light, PixelSamples& samples) const;
-  [[nodiscard]] Bands phase(float one_minus_cos) const;
-  void scatter(WalkPath<N>& path, WalkNumbers& numbers) const;
-  [[nodiscard]] float weight_of_search(const typename WalkPath<N>::Event& event,
-                                       const RefractedEntry& entry, float pdf) const;
-
-  int bands_;
-  FirstOrderStack<Bands> stack_;
-  std::vector<PhaseFunction> phases_;  ///< [band]
-  bool is_same_phase_ = true;          ///< in all bands
-  bool is_isotropic_ = false;
-  Bands mean_cosine_;
-  Bands reflectance_;
-  float typical_radiance_;
-  WalkMedium<N> medium_, reduced_;
-  float reduced_free_path_;
-  Bands reduction_;  ///< of the extinction
-  std::unique_ptr<WalkSpace<N>> space_;
-  std::unique_ptr<WalkLamps<N>> lamps_;
-  WalkLight<N> light_;
+  std::shared_ptr<WalkMedia<N>> media_;
+  std::uint32_t material_;
+  BodyMedium<N>* medium_;
+  float least_reference_;
 };
+
+/// The media inside all closed bodies of a scene, shared by the walks of its materials.
+template <int N>
+[[nodiscard]] std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
+                                                            const BandConversion<N>& conversion);
 
 }  // namespace lamina

@@ -85,8 +85,8 @@ float SingleScattering<N>::depth_at(float optical_depth, int band) const {
 }
 
 template <int N>
-typename SingleScattering<N>::Event SingleScattering<N>::draw_event(const ExitPoint& exit,
-                                                                    Vec2f u) const {
+typename SingleScattering<N>::Event SingleScattering<N>::sample_event(const ExitPoint& exit,
+                                                                      Vec2f u) const {
   const SurfacePoint& point = exit.point;
   Event event{.to_exit = refract_inside(exit.to_eye, point.normal, ior_)};
   const float cos_exit = dot(event.to_exit, point.normal);
@@ -99,8 +99,8 @@ typename SingleScattering<N>::Event SingleScattering<N>::draw_event(const ExitPo
   const Bands chance = Bands::filled(1.0f) - exp_minus(whole);
   const int band = std::min(static_cast<int>(u.x * static_cast<float>(bands_)), bands_ - 1);
   if (!(chance[band] > 0.0f)) return event;
-  const float drawn = -std::log1p(-u.y * chance[band]) * cos_exit;
-  const float depth = std::min(depth_at(drawn, band), deepest);
+  const float optical_depth_of_event = -std::log1p(-u.y * chance[band]) * cos_exit;
+  const float depth = std::min(depth_at(optical_depth_of_event, band), deepest);
   event.layer = layer_at(depth);
   event.inside = ray.origin + (depth / cos_exit) * ray.direction;
   const auto& layer = layers_.layers[event.layer];
@@ -111,20 +111,20 @@ typename SingleScattering<N>::Event SingleScattering<N>::draw_event(const ExitPo
       density += layer.sigma_t[b] * decay[b] / (chance[b] * static_cast<float>(bands_));
   if (!(density > 0.0f)) return event;
   const float leaving = 1.0f - reflectance(exit.boundary, exit.cos_o);
-  event.weight = (leaving / density) * layer.sigma_s * decay;
+  event.throughput = (leaving / density) * layer.sigma_s * decay;
   return event;
 }
 
 template <int N>
-BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
-                                                    const LightGatherer<N>& light, float u_light,
-                                                    Vec2f u) const {
-  const LightSample lamp = scene_.lights.sample_light(event.inside, u_light, u);
-  if (!(lamp.pdf > 0.0f && lamp.next_event_share > 0.0f)) return {};
+BandValues<N> SingleScattering<N>::next_event_radiance(const Event& event,
+                                                       const LightGatherer<N>& light, float u_light,
+                                                       Vec2f u) const {
+  const LightSample sample = scene_.lights.sample_light(event.inside, u_light, u);
+  if (!(sample.pdf > 0.0f && sample.next_event_share > 0.0f)) return {};
   const auto entry =
       is_refracted_
-          ? find_refracted_entry(scene_, event.inside, material_, ior_, lamp, lamp.direction)
-          : find_straight_entry(scene_, event.inside, material_, ior_, lamp);
+          ? find_refracted_entry(scene_, event.inside, material_, ior_, sample, sample.direction)
+          : find_straight_entry(scene_, event.inside, material_, ior_, sample);
   if (!entry) return {};
   const float entering = 1.0f - reflectance(boundary_at(scene_, entry->point), entry->cos_outside);
   const Bands way_in =
@@ -135,19 +135,20 @@ BandValues<N> SingleScattering<N>::light_from_lamps(const Event& event,
   const Bands clear =
       light.shadow_transmittance({leave_surface(entry->point, entry->to_light), entry->to_light},
                                  0.9999f * entry->light_distance);
-  return (lamp.next_event_share * entering * entry->geometry_term / (ior_ * ior_ * lamp.pdf)) *
-         phase * way_in * clear * conversion_.from_rgb(lamp.radiance);
+  return (sample.next_event_share * entering * entry->geometry_term / (ior_ * ior_ * sample.pdf)) *
+         phase * way_in * clear * conversion_.from_rgb(sample.radiance);
 }
 
 template <int N>
-BandValues<N> SingleScattering<N>::light_from_sky(const Event& event, const LightGatherer<N>& light,
-                                                  Vec2f u, PixelSamples& samples) const {
+BandValues<N> SingleScattering<N>::phase_sampled_radiance(const Event& event,
+                                                          const LightGatherer<N>& light, Vec2f u,
+                                                          PixelSamples& samples) const {
   const double cosine = sample_cos_theta(phases_[event.layer], static_cast<double>(u.x), 0.5);
   const auto cos_turn = static_cast<float>(cosine),
              one_minus_cos = static_cast<float>(1.0 - cosine);
   const float sin_turn = std::sqrt(one_minus_cos * (1.0f + cos_turn));
   const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
-  // Against the light's way, from the event to the surface.
+  // Against the light, from the event to the surface.
   const Vec3f to_surface =
       make_frame(-event.to_exit)
           .to_world({sin_turn * std::cos(phi), sin_turn * std::sin(phi), cos_turn});
@@ -173,12 +174,12 @@ BandValues<N> SingleScattering<N>::light_from_sky(const Event& event, const Ligh
 template <int N>
 BandValues<N> SingleScattering<N>::once(const ExitPoint& exit, const LightGatherer<N>& light,
                                         PixelSamples& samples) const {
-  const Event event = draw_event(exit, samples.next_2d());
+  const Event event = sample_event(exit, samples.next_2d());
   const float u_light = samples.next_1d();
-  const Vec2f u_lamp = samples.next_2d(), u_sky = samples.next_2d();
-  if (!(largest(event.weight) > 0.0f)) return {};
-  return event.weight * (light_from_lamps(event, light, u_light, u_lamp) +
-                         light_from_sky(event, light, u_sky, samples));
+  const Vec2f u_sample = samples.next_2d(), u_sky = samples.next_2d();
+  if (!(largest(event.throughput) > 0.0f)) return {};
+  return event.throughput * (next_event_radiance(event, light, u_light, u_sample) +
+                             phase_sampled_radiance(event, light, u_sky, samples));
 }
 
 template class SingleScattering<4>;

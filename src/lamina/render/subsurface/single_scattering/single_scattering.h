@@ -14,11 +14,13 @@
 
 namespace lamina {
 
-/// Adds light that was scattered exactly once to a method that leaves it out, as diffusion does.
+/// Single scattering: adds light that was scattered exactly once to a method that leaves it out, as
+/// diffusion does.
 ///
-/// A ray is refracted into the object; on it a point is drawn, by the layers' extinction; from it
-/// lamps and what is bright in the sky (LightSeen::next_event_share) are sought through the
-/// surface, and the rest of it and other objects along a direction that the phase function draws.
+/// A ray of the eye is refracted into the object; on it an event is sampled, by the layers'
+/// extinction. Lights, and what is bright in the sky (LightSeen::next_event_share), are sampled by
+/// next-event estimation through the surface; the rest of the sky and other objects along a
+/// direction that samples the phase function.
 /// Layers follow the depth below the point where the ray enters, then below the point where the
 /// light does. Boundaries are taken as smooth for the path, with what the surface really lets
 /// through, and those between layers as matched.
@@ -31,7 +33,7 @@ class SingleScattering final : public SubsurfaceMethod<N> {
  public:
   using Bands = BandValues<N>;
 
-  /// @param is_refracted  find the way of the light by Snell's law, not on a straight line
+  /// @param is_refracted  connect events with lights by Snell's law, not on a straight line
   /// @param multiple      the method that finds light scattered more often
   SingleScattering(const RenderScene& scene, const BandConversion<N>& conversion,
                    std::uint32_t material, bool is_refracted,
@@ -63,13 +65,13 @@ class SingleScattering final : public SubsurfaceMethod<N> {
   struct Event {
     Vec3f inside, to_exit;
     std::size_t layer = 0;
-    Bands weight;  ///< on the light scattered there per solid angle, on its way to the eye
+    Bands throughput;  ///< of light scattered there per solid angle, to the eye
   };
-  [[nodiscard]] Event draw_event(const ExitPoint& exit, Vec2f u) const;
-  [[nodiscard]] Bands light_from_lamps(const Event& event, const LightGatherer<N>& light,
-                                       float u_light, Vec2f u) const;
-  [[nodiscard]] Bands light_from_sky(const Event& event, const LightGatherer<N>& light, Vec2f u,
-                                     PixelSamples& samples) const;
+  [[nodiscard]] Event sample_event(const ExitPoint& exit, Vec2f u) const;
+  [[nodiscard]] Bands next_event_radiance(const Event& event, const LightGatherer<N>& light,
+                                          float u_light, Vec2f u) const;
+  [[nodiscard]] Bands phase_sampled_radiance(const Event& event, const LightGatherer<N>& light,
+                                             Vec2f u, PixelSamples& samples) const;
   /// Optical thickness of the layers down to a depth [mm].
   [[nodiscard]] Bands optical_depth(float depth) const;
   [[nodiscard]] std::size_t layer_at(float depth) const;

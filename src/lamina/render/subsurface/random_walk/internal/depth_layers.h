@@ -9,7 +9,7 @@
 
 #include "lamina/core/lazy_values.h"
 #include "lamina/render/geometry/ray_geometry.h"
-#include "lamina/render/subsurface/random_walk/internal/distance_field.h"
+#include "lamina/render/subsurface/random_walk/internal/node_lattice.h"
 
 namespace lamina {
 
@@ -32,13 +32,13 @@ class DepthLayers {
   };
   [[nodiscard]] Place at(const Vec3f& p) const;
 
-  /// The parts that layers cut a straight way into, from its start on: calls `on_part(layer,
-  /// length)` until that returns false or the way ends. All of it must be inside.
+  /// The parts that layers cut a ray into, from its start on: calls `on_part(layer,
+  /// length)` until that returns false or the length ends. All of it must be inside.
   ///
-  /// Balls around points of the way, each within one layer; where such a ball gets too small,
-  /// a short step whose depth is taken as linear.
+  /// Sphere tracing: balls around points of the ray, each within one layer; where such a ball gets
+  /// too small, a short step whose depth is taken as linear.
   template <class OnPart>
-  void for_parts(const Ray& way, const Place& start, float length, const OnPart& on_part) const;
+  void for_parts(const Ray& ray, const Place& start, float length, const OnPart& on_part) const;
 
   /// Towards the surface, unit length: the normal of the boundary between layers.
   [[nodiscard]] Vec3f outward(const Vec3f& p) const;
@@ -74,7 +74,7 @@ class DepthLayers {
 };
 
 template <class OnPart>
-void DepthLayers::for_parts(const Ray& way, const Place& start, float length,
+void DepthLayers::for_parts(const Ray& ray, const Place& start, float length,
                             const OnPart& on_part) const {
   Place here = start;
   for (float t = 0.0f; t < length;) {
@@ -82,18 +82,18 @@ void DepthLayers::for_parts(const Ray& way, const Place& start, float length,
       const float step = std::min(here.clear, length - t);
       if (!on_part(here.layer, step)) return;
       t += step;
-      if (t < length) here = at(way.origin + t * way.direction);
+      if (t < length) here = at(ray.origin + t * ray.direction);
       continue;
     }
     const float step = std::min(short_step_, length - t);
-    const float before = here.is_exact ? here.depth : find_depth(way.origin + t * way.direction);
-    const float after = find_depth(way.origin + (t + step) * way.direction);
+    const float before = here.is_exact ? here.depth : find_depth(ray.origin + t * ray.direction);
+    const float after = find_depth(ray.origin + (t + step) * ray.direction);
     const std::size_t first = layer_at(before), second = layer_at(after);
     const float boundary = tops_[std::max(first, second)];
-    const float share =
+    const float fraction =
         first == second ? 1.0f : std::clamp((boundary - before) / (after - before), 0.0f, 1.0f);
-    if (!on_part(first, share * step)) return;
-    if (first != second && !on_part(second, (1.0f - share) * step)) return;
+    if (!on_part(first, fraction * step)) return;
+    if (first != second && !on_part(second, (1.0f - fraction) * step)) return;
     t += step;
     here = {second, clear_between(second, after, after), after, true};
   }

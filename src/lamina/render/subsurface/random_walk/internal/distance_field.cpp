@@ -11,20 +11,7 @@ constexpr int most_steps = 250;
 
 }  // namespace
 
-NodeLattice::NodeLattice(const Vec3f& low, const Vec3f& high, float spacing, double most) {
-  const Vec3f extent = high - low;
-  const double volume =
-      static_cast<double>(extent.x) * static_cast<double>(extent.y) * static_cast<double>(extent.z);
-  spacing_ = std::max({spacing, static_cast<float>(std::cbrt(volume / most)),
-                       1e-3f * std::max({extent.x, extent.y, extent.z, 1e-6f})});
-  per_spacing_ = 1.0f / spacing_;
-  // Half a spacing beyond the box, so that points on its border have nodes around them.
-  low_ = low - Vec3f{0.5f, 0.5f, 0.5f} * spacing_;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    size_[axis] = static_cast<int>(std::ceil(extent[static_cast<int>(axis)] / spacing_)) + 2;
-}
-
-SafeDistances::SafeDistances(const RayGeometry& geometry, const std::vector<Mesh>& meshes,
+DistanceField::DistanceField(const RayGeometry& geometry, const std::vector<Mesh>& meshes,
                              const NodeLattice& lattice)
     : geometry_(geometry),
       meshes_(meshes),
@@ -33,7 +20,7 @@ SafeDistances::SafeDistances(const RayGeometry& geometry, const std::vector<Mesh
       steps_(lattice.count()),
       normals_(lattice.count()) {}
 
-int SafeDistances::find_out(std::size_t node) const {
+int DistanceField::measure(std::size_t node) const {
   // Far inside, where all of the surface is as near, a query is slow and not needed.
   const float reach = reach_in_spacings * lattice_.spacing();
   const Hit hit = geometry_.closest_point(lattice_.position(node), reach);
@@ -50,7 +37,7 @@ int SafeDistances::find_out(std::size_t node) const {
   return steps + 1;
 }
 
-Vec3f SafeDistances::nearest_normal(const Vec3f& p) const {
+Vec3f DistanceField::nearest_normal(const Vec3f& p) const {
   const std::size_t node = lattice_.nearest(p).node;
   (void)steps_at(node);
   const std::uint32_t packed = normals_[node].load(std::memory_order_relaxed);

@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "lamina/core/lazy_values.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
@@ -15,154 +14,137 @@
 
 namespace lamina {
 
-/// About the light that comes to places inside straight from lamps, as paths need it to spare
-/// themselves the search for a lamp: they add what is known here and correct it at random.
-template <int N>
-struct LampLight {
-  BandValues<N> fluence;  ///< radiance integrated over directions
-  Vec3f direction;        ///< mean of those towards the light, length at most 1
-  float weight = 0.0f;    ///< 0: nothing is known
-  float spread = 0.0f;    ///< of single estimates around the mean, at most
-  BandValues<N> reduced;  ///< fluence if it were weakened by the reduced extinction
-};
+/// The power heuristic of multiple importance sampling: the MIS weight of the sample of one
+/// technique, where another finds the same light. Both densities per the same measure.
+///
+/// Source: [VeachGuibas1995] §3.2, with exponent 2.
+[[nodiscard]] inline float power_heuristic(float own, float other) {
+  return own > 0.0f ? 1.0f / (1.0f + (other / own) * (other / own)) : 0.0f;
+}
 
-/// Light of one point of a lamp at a place inside.
+/// Light of one point of a light source at a point inside.
 template <int N>
-struct FoundLamp {
+struct RefractedLight {
   RefractedEntry entry;
-  BandValues<N> unweakened;  ///< fluence there, if nothing were lost inside, over the density
-  float pdf = 0.0f;          ///< over directions inside [1/sr]; infinite if from one only
+  BandValues<N> unattenuated;  ///< fluence there without extinction, over the density
+  float pdf = 0.0f;            ///< over directions inside [1/sr]; infinite if from one only
 };
 
-/// Lamps, and what is bright in the sky (LightSeen::next_event_share), as seen from inside, through
-/// the refracting boundary.
+/// Manifold next-event estimation: connects points inside a body with lights, and with what is
+/// bright in the sky (LightSeen::next_event_share), through the refracting boundary, on the path
+/// that Snell's law takes.
 ///
-/// A lamp is sought on the way that Snell's law takes. What searches from around the nodes of a
-/// lattice found, each node when it is first asked for, is known from then on. Safe to use from any
-/// thread.
-///
-/// Source: the search follows [JakobMarschner2012] §4.
+/// Source: [Hanika2015] for one vertex; the solver is that of [JakobMarschner2012] §4.
 template <int N>
-class WalkLamps {
+class ManifoldNextEvent {
  public:
   using Bands = BandValues<N>;
 
-  /// @param reduced_sigma_t  by which LampLight::reduced decays
-  WalkLamps(const WalkSpace<N>& space, const Bands& sigma_t, const Bands& reduced_sigma_t,
-            float free_path);
+  explicit ManifoldNextEvent(const BodyInterior<N>& interior)
+      : interior_(interior), has_lights_(interior.scene().lights.has_next_event_light()) {}
 
-  [[nodiscard]] bool are_there() const { return are_there_; }
+  [[nodiscard]] bool has_lights() const { return has_lights_; }
 
-  /// What is known at a place: from the nodes around, along their beams.
-  [[nodiscard]] LampLight<N> known(const Vec3f& p, const LightGatherer<N>& light) const;
-
-  /// Light of one point of a lamp, drawn at random: `on_light(FoundLamp)` for each way.
+  /// Samples a point of a light: `on_light(RefractedLight)` for each path from there that is found.
   ///
-  /// @param find_boundary  from the place; null: what is met first, if it is of the material
+  /// @param find_boundary  from the point; null: what is met first, if it is of the material
   template <class OnLight>
-  void search(const Vec3f& inside, float u_light, Vec2f u, const LightGatherer<N>& light,
-              const OnLight& on_light, const FindBoundary* find_boundary = nullptr) const;
+  void sample_light(const Vec3f& inside, float u_light, Vec2f u, const LightGatherer<N>& light,
+                    const OnLight& on_light, const FindBoundary* find_boundary = nullptr) const;
 
-  /// Radiance from outside along a ray that leaves at a point, less what a search from the place of
-  /// the path's last event finds.
+  /// Radiance from outside along a ray on which a path leaves; light that next-event estimation at
+  /// the path's last event finds, too, is weighted by multiple importance sampling.
   ///
-  /// @param weight_of_search  (RefractedEntry, pdf) to its share of the light that both find
-  /// @param find_boundary     as `search` has it
-  template <class WeightOfSearch>
-  [[nodiscard]] Bands light_from_outside(const WalkPath<N>& path, const WalkExit& leaving,
-                                         const LightGatherer<N>& light, PixelSamples& samples,
-                                         const WeightOfSearch& weight_of_search,
-                                         const FindBoundary* find_boundary = nullptr) const;
+  /// @param mis_weight     (RefractedEntry, pdf) to the MIS weight of next-event estimation
+  /// @param find_boundary  as in `sample_light`
+  template <class MisWeight>
+  [[nodiscard]] Bands escaping_radiance(const WalkPath<N>& path, const WalkExit& exit,
+                                        const LightGatherer<N>& light, PixelSamples& samples,
+                                        const MisWeight& mis_weight,
+                                        const FindBoundary* find_boundary = nullptr) const;
 
  private:
-  /// At a point of reference among the places where light was sought.
-  struct Node {
-    LampLight<N> light;
-    Vec3f place;
-  };
-  /// Ways of light from a point of a lamp to a place inside, through the boundary. Calls
-  /// `on_way(RefractedEntry)` for each that is found, the same ones for the same arguments.
-  template <class OnWay>
-  void for_ways_in(const Vec3f& inside, const LightSample& lamp, const FindBoundary* find_boundary,
-                   const OnWay& on_way) const;
-  [[nodiscard]] Node search_around(std::size_t node, const LightGatherer<N>& light) const;
-  /// What a search from the last event finds of a path's way to a lamp.
-  struct SameWay {
+  /// Paths from a point of a light to a point inside, through the boundary. Calls
+  /// `on_connection(RefractedEntry)` for each that is found, the same ones for the same arguments.
+  template <class OnConnection>
+  void for_connections(const Vec3f& inside, const LightSample& sample,
+                       const FindBoundary* find_boundary, const OnConnection& on_connection) const;
+  /// What next-event estimation at the last event finds of the path on which light is met.
+  struct SameConnection {
     RefractedEntry entry;
     float pdf;
   };
-  [[nodiscard]] std::optional<SameWay> find_same_way(const WalkPath<N>& path,
-                                                     const SurfacePoint& exit, const Ray& outside,
-                                                     const LightSeen& lamp,
-                                                     const FindBoundary* find_boundary) const;
+  [[nodiscard]] std::optional<SameConnection> find_same_connection(
+      const WalkPath<N>& path, const SurfacePoint& exit, const Ray& outside, const LightSeen& met,
+      const FindBoundary* find_boundary) const;
 
-  const WalkSpace<N>& space_;
-  Bands sigma_t_, reduced_sigma_t_;
-  bool are_there_;
-  bool is_reduced_ = false;  ///< the extinction differs from the reduced one
-  NodeLattice lattice_;
-  mutable LazyValues<Node> nodes_;
+  const BodyInterior<N>& interior_;
+  bool has_lights_;
 };
 
 template <int N>
-template <class OnWay>
-void WalkLamps<N>::for_ways_in(const Vec3f& inside, const LightSample& lamp,
-                               const FindBoundary* find_boundary, const OnWay& on_way) const {
-  const auto enters = [&](const Vec3f& first) {
-    const auto entry = find_boundary
-                           ? find_refracted_entry(space_.scene(), inside, *find_boundary,
-                                                  space_.ior(), lamp, first)
-                           : find_refracted_entry(space_.scene(), inside, space_.material(),
-                                                  space_.ior(), lamp, first);
-    if (entry) on_way(*entry);
+template <class OnConnection>
+void ManifoldNextEvent<N>::for_connections(const Vec3f& inside, const LightSample& sample,
+                                           const FindBoundary* find_boundary,
+                                           const OnConnection& on_connection) const {
+  const BodyInterior<N>& body = interior_;
+  const auto connects = [&](const Vec3f& first) {
+    const auto entry = find_boundary ? find_refracted_entry(body.scene(), inside, *find_boundary,
+                                                            body.ior(), sample, first)
+                                     : find_refracted_entry(body.scene(), inside, body.material(),
+                                                            body.ior(), sample, first);
+    if (entry) on_connection(*entry);
     return entry.has_value();
   };
-  // As if the nearest surface went on flat, which is often near the way; then the straight way.
-  const Vec3f n = space_.safe().nearest_normal(inside);
-  if (dot(n, lamp.direction) > 0.0f && enters(refract_inside(lamp.direction, n, space_.ior())))
+  // Start as if the nearest surface went on flat, which is often close; then straight to the light.
+  const Vec3f n = body.distance().nearest_normal(inside);
+  if (dot(n, sample.direction) > 0.0f && connects(refract_inside(sample.direction, n, body.ior())))
     return;
-  (void)enters(lamp.direction);
+  (void)connects(sample.direction);
 }
 
 template <int N>
 template <class OnLight>
-void WalkLamps<N>::search(const Vec3f& inside, float u_light, Vec2f u,
-                          const LightGatherer<N>& light, const OnLight& on_light,
-                          const FindBoundary* find_boundary) const {
-  const LightSample lamp = space_.scene().lights.sample_light(inside, u_light, u);
-  if (!(lamp.pdf > 0.0f && lamp.next_event_share > 0.0f)) return;
-  for_ways_in(inside, lamp, find_boundary, [&](const RefractedEntry& entry) {
-    const float ior = space_.ior();
+void ManifoldNextEvent<N>::sample_light(const Vec3f& inside, float u_light, Vec2f u,
+                                        const LightGatherer<N>& light, const OnLight& on_light,
+                                        const FindBoundary* find_boundary) const {
+  const LightSample sample = interior_.scene().lights.sample_light(inside, u_light, u);
+  if (!(sample.pdf > 0.0f && sample.next_event_share > 0.0f)) return;
+  for_connections(inside, sample, find_boundary, [&](const RefractedEntry& entry) {
+    const float ior = interior_.ior();
     const float entering =
         1.0f - static_cast<float>(fresnel(std::min(entry.cos_outside, 1.0f), ior));
     const Bands clear =
         light.shadow_transmittance({leave_surface(entry.point, entry.to_light), entry.to_light},
                                    0.9999f * entry.light_distance);
     if (!(largest(clear) > 0.0f)) return;
-    const float widening = entry.geometry_term / (ior * ior);  // of solid angles
-    on_light(FoundLamp<N>{
+    // The Jacobian of solid angles inside with respect to those outside, inverted.
+    const float jacobian = entry.geometry_term / (ior * ior);
+    on_light(RefractedLight<N>{
         .entry = entry,
-        .unweakened = (lamp.next_event_share * entering * widening / lamp.pdf) * clear *
-                      space_.conversion().from_rgb(lamp.radiance),
-        .pdf = lamp.is_delta ? std::numeric_limits<float>::infinity() : lamp.pdf / widening});
+        .unattenuated = (sample.next_event_share * entering * jacobian / sample.pdf) * clear *
+                        interior_.conversion().from_rgb(sample.radiance),
+        .pdf = sample.is_delta ? std::numeric_limits<float>::infinity() : sample.pdf / jacobian});
   });
 }
 
 template <int N>
-template <class WeightOfSearch>
-BandValues<N> WalkLamps<N>::light_from_outside(const WalkPath<N>& path, const WalkExit& leaving,
-                                               const LightGatherer<N>& light, PixelSamples& samples,
-                                               const WeightOfSearch& weight_of_search,
-                                               const FindBoundary* find_boundary) const {
-  const Ray ray{leave_surface(leaving.point, leaving.outside), leaving.outside};
+template <class MisWeight>
+BandValues<N> ManifoldNextEvent<N>::escaping_radiance(const WalkPath<N>& path, const WalkExit& exit,
+                                                      const LightGatherer<N>& light,
+                                                      PixelSamples& samples,
+                                                      const MisWeight& mis_weight,
+                                                      const FindBoundary* find_boundary) const {
+  const Ray ray{leave_surface(exit.point, exit.outside), exit.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
-  space_.scene().lights.for_lights_seen(
+  interior_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
         if (!(seen.next_event_share > 0.0f)) return;
-        const auto found = find_same_way(path, leaving.point, ray, seen, find_boundary);
-        const float weight = found ? 1.0f - weight_of_search(found->entry, found->pdf) : 1.0f;
+        const auto found = find_same_connection(path, exit.point, ray, seen, find_boundary);
+        const float weight = found ? 1.0f - mis_weight(found->entry, found->pdf) : 1.0f;
         if (weight > 0.0f)
-          radiance += weight * seen.next_event_share * space_.conversion().from_rgb(seen.radiance) *
+          radiance += weight * seen.next_event_share *
+                      interior_.conversion().from_rgb(seen.radiance) *
                       light.shadow_transmittance(ray, 0.9999f * seen.distance);
       });
   return radiance;

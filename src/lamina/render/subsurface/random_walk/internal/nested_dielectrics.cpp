@@ -63,19 +63,19 @@ bool meet(const Box& a, const Box& b) {
 
 }  // namespace
 
-void WalkHolders::add(std::uint32_t mesh, int times) {
+void InteriorList::add(std::uint32_t mesh, int times) {
   for (int i = 0; i < count; ++i) {
-    Holder& holder = each[static_cast<std::size_t>(i)];
-    if (holder.mesh != mesh) continue;
-    holder.times += times;
-    if (holder.times <= 0) holder = each[static_cast<std::size_t>(--count)];
+    Body& body = bodies[static_cast<std::size_t>(i)];
+    if (body.mesh != mesh) continue;
+    body.times += times;
+    if (body.times <= 0) body = bodies[static_cast<std::size_t>(--count)];
     return;
   }
-  if (times > 0 && count < static_cast<int>(each.size()))
-    each[static_cast<std::size_t>(count++)] = {mesh, times};
+  if (times > 0 && count < static_cast<int>(bodies.size()))
+    bodies[static_cast<std::size_t>(count++)] = {mesh, times};
 }
 
-WalkBodies::WalkBodies(const RenderScene& scene)
+NestedDielectrics::NestedDielectrics(const RenderScene& scene)
     : scene_(scene),
       material_(scene.scene->meshes.size(), none),
       volume_(scene.scene->meshes.size(), 0.0) {
@@ -91,10 +91,10 @@ WalkBodies::WalkBodies(const RenderScene& scene)
   }
 }
 
-std::uint32_t WalkBodies::filling(const WalkHolders& holders) const {
+std::uint32_t NestedDielectrics::highest_priority(const InteriorList& interior) const {
   std::uint32_t best = none;
-  for (int i = 0; i < holders.count; ++i) {
-    const std::uint32_t mesh = holders.each[static_cast<std::size_t>(i)].mesh;
+  for (int i = 0; i < interior.count; ++i) {
+    const std::uint32_t mesh = interior.bodies[static_cast<std::size_t>(i)].mesh;
     if (best == none || volume_[mesh] < volume_[best] ||
         (volume_[mesh] == volume_[best] && mesh > best))
       best = mesh;
@@ -102,15 +102,22 @@ std::uint32_t WalkBodies::filling(const WalkHolders& holders) const {
   return best;
 }
 
-WalkBodies::Crossing WalkBodies::cross(const WalkHolders& before, const SurfacePoint& point,
-                                       const Vec3f& direction) const {
-  const std::vector<Mesh>& meshes = scene_.scene->meshes;
+ProbeHits NestedDielectrics::coincident_hits(const SurfacePoint& point,
+                                             const Vec3f& direction) const {
   const Vec3f& p = point.position;
   const float size = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), 1e-3f});
   const float half =
       coincident * size / std::max(std::abs(dot(point.geometric_normal, direction)), least_cosine);
   ProbeHits hits;
   scene_.geometry.all_hits({p - half * direction, direction}, 2.0f * half, std::nullopt, hits);
+  return hits;
+}
+
+NestedDielectrics::Crossing NestedDielectrics::cross(const InteriorList& before,
+                                                     const SurfacePoint& point,
+                                                     const Vec3f& direction) const {
+  const std::vector<Mesh>& meshes = scene_.scene->meshes;
+  const ProbeHits hits = coincident_hits(point, direction);
   Crossing crossing{before};
   struct Met {
     std::uint32_t mesh;
@@ -141,7 +148,7 @@ WalkBodies::Crossing WalkBodies::cross(const WalkHolders& before, const SurfaceP
   return crossing;
 }
 
-bool WalkBodies::is_near_others(std::uint32_t material) const {
+bool NestedDielectrics::is_near_others(std::uint32_t material) const {
   const std::vector<Mesh>& meshes = scene_.scene->meshes;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (material_[m] != material) continue;

@@ -11,42 +11,46 @@
 
 namespace lamina {
 
-/// The bodies that a place lies in, with how often: a mesh may overlap itself. Those beyond the
-/// eighth are left out.
-struct WalkHolders {
-  struct Holder {
+/// The interior list of nested dielectrics: the bodies that a point lies in, with how often: a mesh
+/// may overlap itself. Those beyond the eighth are left out.
+struct InteriorList {
+  struct Body {
     std::uint32_t mesh;
     int times;
   };
-  std::array<Holder, 8> each;
+  std::array<Body, 8> bodies;
   int count = 0;
   /// @param times  how often more, or less
   void add(std::uint32_t mesh, int times);
 };
 
-/// The closed meshes of translucent or dielectric materials, as bodies that may touch, overlap and
-/// hold one another. Where several hold a place, the one with the least volume fills it, so
-/// the inner one; of equal ones the later in the scene.
-class WalkBodies {
+/// Nested dielectrics: the closed meshes of translucent or dielectric materials, as bodies that may
+/// touch, overlap and lie in one another. Where several overlap, the one of highest priority fills
+/// the point: that with the least volume, so the inner one; of equal ones the later in the scene.
+///
+/// Source: [SchmidtBudge2002], where priorities are given by the user.
+class NestedDielectrics {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
   /// `scene` must outlive it.
-  explicit WalkBodies(const RenderScene& scene);
+  explicit NestedDielectrics(const RenderScene& scene);
 
   /// Of the medium inside a mesh; `none` if it is not a body.
   [[nodiscard]] std::uint32_t material_of(std::uint32_t mesh) const { return material_[mesh]; }
-  /// The mesh that fills a place; `none` if no body holds it.
-  [[nodiscard]] std::uint32_t filling(const WalkHolders& holders) const;
+  /// The mesh of highest priority; `none` if the list is empty.
+  [[nodiscard]] std::uint32_t highest_priority(const InteriorList& interior) const;
 
-  /// What holds the places just beyond a surface.
+  /// What lies just beyond a surface.
   struct Crossing {
-    WalkHolders beyond;
+    InteriorList beyond;
     bool is_blocked = false;  ///< by a surface that is not that of a body's medium
   };
   /// Takes all faces that coincide with that which a ray meets as one: none is met again.
-  [[nodiscard]] Crossing cross(const WalkHolders& before, const SurfacePoint& point,
+  [[nodiscard]] Crossing cross(const InteriorList& before, const SurfacePoint& point,
                                const Vec3f& direction) const;
+  /// The hits of a ray on all faces that coincide with one that it meets at a point.
+  [[nodiscard]] ProbeHits coincident_hits(const SurfacePoint& point, const Vec3f& direction) const;
 
   /// Whether the box of a mesh of the material meets that of another body.
   [[nodiscard]] bool is_near_others(std::uint32_t material) const;

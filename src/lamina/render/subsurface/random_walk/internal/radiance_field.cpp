@@ -22,32 +22,45 @@ constexpr int most_sweeps = 60;
 constexpr float over_relaxation = 1.4f;
 constexpr float tolerance = 2e-3f;  // of a sweep's change, over the brightest node
 
-/// Places inside from where the segments of a node start.
-struct Places {
+/// Isotropic scattering in place of anisotropic, by similarity.
+template <int N>
+WalkMedium<N> make_reduced_medium(const WalkMedium<N>& medium, const BandValues<N>& mean_cosine,
+                                  int bands) {
+  const BandValues<N> sigma_s = medium.sigma_s - mean_cosine * medium.sigma_s;
+  return make_walk_medium(sigma_s, sigma_s + (medium.sigma_t - medium.sigma_s), bands);
+}
+
+template <int N>
+float shortest_free_path(const BandValues<N>& extinction) {
+  return 1.0f / std::max(largest(extinction), 1e-6f);
+}
+
+/// Points inside from where the segments of a node start.
+struct StartPoints {
   std::array<Vec3f, 8> at;
   std::size_t count = 0;
 };
 
 template <int N>
-Places places_around(const WalkSpace<N>& space, const NodeLattice& lattice, std::size_t node,
-                     Random& random) {
+StartPoints points_around(const BodyInterior<N>& interior, const NodeLattice& lattice,
+                          std::size_t node, Random& random) {
   const Vec3f middle = lattice.position(node);
   const float spacing = lattice.spacing();
-  Places places;
-  const bool is_deep = space.safe().at(middle) > 0.87f * spacing;  // half a diagonal
-  if (is_deep && !space.is_inside(middle)) return places;
-  for (std::size_t i = 0; i < places.at.size(); ++i) {
-    const auto offset = [&](std::size_t bit) {  // one place in each eighth of the cell
+  StartPoints points;
+  const bool is_deep = interior.distance().at(middle) > 0.87f * spacing;  // half a diagonal
+  if (is_deep && !interior.is_inside(middle)) return points;
+  for (std::size_t i = 0; i < points.at.size(); ++i) {
+    const auto offset = [&](std::size_t bit) {  // one point in each eighth of the cell
       return 0.5f * spacing * (random.uniform_float() - static_cast<float>(i >> bit & 1u));
     };
-    const Vec3f place = middle + Vec3f{offset(0), offset(1), offset(2)};
-    if (is_deep || space.is_inside(place)) places.at[places.count++] = place;
+    const Vec3f point = middle + Vec3f{offset(0), offset(1), offset(2)};
+    if (is_deep || interior.is_inside(point)) points.at[points.count++] = point;
   }
-  return places;
+  return points;
 }
 
-/// Where segments from a node end: at other nodes, whose light they bring by a weight, and some
-/// that is brought anyway.
+/// Segments from nodes as a linear system: they end at other nodes, whose light arrives by a
+/// weight, beside some that is given.
 template <int N>
 struct Links {
   std::size_t of_node;
@@ -63,11 +76,39 @@ struct Links {
         given(nodes * each) {}
 };
 
-/// What is known at the nodes next to one outside, so that places between them need no other rule.
-template <class Known, class IsInside>
-Known mean_around(const std::vector<Known>& known, const NodeLattice& lattice, std::size_t node,
-                  const IsInside& is_inside) {
-  Known total;
+constexpr float isotropic = 0.25f / pi;
+
+/// As they are stored: to_light, deviation, direct_deviation, net_flux.
+template <int N>
+BandValues<8> moments_of(const FieldRadiance<N>& value) {
+  BandValues<8> moments;
+  for (int axis = 0; axis < 3; ++axis) {
+    moments[axis] = value.to_light[axis];
+    moments[5 + axis] = value.net_flux[axis];
+  }
+  moments[3] = value.deviation;
+  moments[4] = value.direct_deviation;
+  return moments;
+}
+
+template <int N>
+FieldRadiance<N> with_moments(const BandValues<N>& direct_fluence, const BandValues<N>& scattered,
+                              const BandValues<8>& moments) {
+  return {.direct_fluence = direct_fluence,
+          .scattered = scattered,
+          .to_light = {moments[0], moments[1], moments[2]},
+          .deviation = moments[3],
+          .direct_deviation = moments[4],
+          .net_flux = {moments[5], moments[6], moments[7]}};
+}
+
+/// The field at a node outside: that at the nodes next to it, so that points between them need no
+/// other rule.
+template <int N, class IsInside>
+FieldRadiance<N> mean_around(const std::vector<FieldRadiance<N>>& field, const NodeLattice& lattice,
+                             std::size_t node, const IsInside& is_inside) {
+  BandValues<N> direct, scattered;
+  BandValues<8> moments;
   float count = 0.0f;
   for (int i = 0; i < 27; ++i) {
     const Vec3f step{static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1),
@@ -75,29 +116,42 @@ Known mean_around(const std::vector<Known>& known, const NodeLattice& lattice, s
     const std::size_t n = lattice.nearest(lattice.position(node) + lattice.spacing() * step).node;
     if (!is_inside(n)) continue;
     const float weight = 1.0f / dot(step, step);
-    total.scattered += weight * known[n].scattered;
-    total.lamps += weight * known[n].lamps;
-    total.others += weight * known[n].others;
+    scattered += weight * field[n].scattered;
+    direct += weight * field[n].direct_fluence;
+    moments += weight * moments_of(field[n]);
     count += weight;
   }
   if (!(count > 0.0f)) return {};
-  return {(1.0f / count) * total.scattered, (1.0f / count) * total.lamps,
-          (1.0f / count) * total.others};
+  const float scale = 1.0f / count;
+  return with_moments(scale * direct, scale * scattered, scale * moments);
 }
 
 }  // namespace
 
 template <int N>
-bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& reduced,
-                            float free_path, const WalkLamps<N>& lamps,
-                            const LightGatherer<N>& light, const Progress& progress) {
-  const NodeLattice lattice = space.lattice(free_path, most_nodes);
+RadianceField<N>::RadianceField(const BodyInterior<N>& interior,
+                                const ManifoldNextEvent<N>& next_event, const WalkMedium<N>& medium,
+                                const Bands& mean_cosine)
+    : interior_(interior),
+      next_event_(next_event),
+      mean_cosine_(mean_cosine),
+      reduced_(make_reduced_medium(medium, mean_cosine, interior.bands())),
+      reduced_free_path_(shortest_free_path(reduced_.sigma_t)),
+      direct_(interior, next_event, medium.sigma_t, reduced_.sigma_t,
+              shortest_free_path(medium.sigma_t)) {
+  for (int b = 0; b < N; ++b)
+    reduction_[b] = medium.sigma_t[b] > 0.0f ? reduced_.sigma_t[b] / medium.sigma_t[b] : 1.0f;
+}
+
+template <int N>
+bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& progress) {
+  const NodeLattice lattice = interior_.lattice(reduced_free_path_, most_nodes);
   const std::size_t nodes = lattice.count();
-  const std::uint64_t seed = space.scene().scene->render.seed;
-  std::vector<Known> known(nodes);
-  std::vector<Places> places(nodes);
-  const auto is_inside = [&](std::size_t n) { return places[n].count > 0; };
-  std::vector<Bands> reduced_lamps(nodes);  // scattered into any direction
+  const std::uint64_t seed = interior_.scene().scene->render.seed;
+  std::vector<FieldRadiance<N>> field(nodes);
+  std::vector<StartPoints> points(nodes);
+  const auto is_inside = [&](std::size_t n) { return points[n].count > 0; };
+  std::vector<Bands> reduced_direct(nodes);  // its mean radiance
   std::atomic<bool> is_stopped = false;
   const auto for_nodes = [&](const auto& body) {
     parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
@@ -108,17 +162,16 @@ bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& redu
   };
   for_nodes([&](std::size_t n) {
     Random random = make_random(seed + 1, n);
-    places[n] = places_around(space, lattice, n, random);
-    const std::size_t count = places[n].count;
-    if (count == 0) return;
-    if (!lamps.are_there()) return;
+    points[n] = points_around(interior_, lattice, n, random);
+    const std::size_t count = points[n].count;
+    if (count == 0 || !next_event_.has_lights()) return;
+    const float fraction = 1.0f / static_cast<float>(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const LampLight<N> lamp = lamps.known(places[n].at[i], light);
-      const float share = 1.0f / static_cast<float>(count);
-      known[n].lamps += share * lamp.fluence;
-      reduced_lamps[n] += (0.25f / pi * share) * lamp.reduced;
-      for (int axis = 0; axis < 3; ++axis) known[n].others[axis] += share * lamp.direction[axis];
-      known[n].others[4] += share * lamp.spread;
+      const DirectLight<N> direct = direct_.at(points[n].at[i], light);
+      field[n].direct_fluence += fraction * direct.fluence;
+      reduced_direct[n] += (isotropic * fraction) * direct.reduced_fluence;
+      field[n].to_light += fraction * direct.to_light;
+      field[n].direct_deviation += fraction * direct.deviation;
     }
   });
 
@@ -137,18 +190,18 @@ bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& redu
       const float phi = 2.0f * pi * (shift.y + 0.618034f * static_cast<float>(i));
       const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
       links.direction[k] = {r * std::cos(phi), r * std::sin(phi), z};
-      const Vec3f place = places[n].at[i % places[n].count];
-      WalkPath<N> path{.ray = {place, links.direction[k]},
-                       .carried = Bands::filled(1.0f),
+      const Vec3f start = points[n].at[i % points[n].count];
+      WalkPath<N> path{.ray = {start, links.direction[k]},
+                       .throughput = Bands::filled(1.0f),
                        .has_scattered = true,
-                       .safe = std::max(space.safe().at(place), 0.0f)};
-      const auto add_from_outside = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
+                       .clearance = std::max(interior_.distance().at(start), 0.0f)};
+      const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
         PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
-        links.given[k] +=
-            leaving.carried * lamps.light_from_outside(leaving, exit, light, samples,
-                                                       [](const auto&, float) { return 1.0f; });
+        links.given[k] += leaving.throughput *
+                          next_event_.escaping_radiance(leaving, exit, light, samples,
+                                                        [](const auto&, float) { return 1.0f; });
       };
-      if (!space.advance(path, reduced, numbers, std::ref(add_from_outside))) continue;
+      if (!interior_.advance(path, reduced_, numbers, std::ref(add_escaping))) continue;
       // One of the nodes around, by their weights.
       const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
       float total = 0.0f;
@@ -158,27 +211,27 @@ bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& redu
       for (std::size_t c = 0; c < 8 && total > 0.0f; ++c) {
         if (!is_inside(corners.node[c])) continue;
         links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
-        links.weight[k] = path.carried;
+        links.weight[k] = path.throughput;
         left -= corners.weight[c];
         if (left < 0.0f) break;
       }
-      if (total > 0.0f) links.given[k] += path.carried * reduced_lamps[links.node[k]];
+      if (total > 0.0f) links.given[k] += path.throughput * reduced_direct[links.node[k]];
     }
   });
 
   if (is_stopped) return false;
 
-  const float share = 1.0f / static_cast<float>(links.of_node);
-  const auto brought = [&](std::size_t k) {
-    return links.given[k] + links.weight[k] * known[links.node[k]].scattered;
+  const float fraction = 1.0f / static_cast<float>(links.of_node);
+  const auto arriving = [&](std::size_t k) {
+    return links.given[k] + links.weight[k] * field[links.node[k]].scattered;
   };
   const auto renew = [&](std::size_t n) {  // returns the change
     if (!is_inside(n)) return 0.0f;
     Bands sum;
-    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) sum += brought(k);
-    sum *= share;
-    const Bands change = sum - known[n].scattered;
-    known[n].scattered += over_relaxation * change;
+    for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) sum += arriving(k);
+    sum *= fraction;
+    const Bands change = sum - field[n].scattered;
+    field[n].scattered += over_relaxation * change;
     return largest(abs(change));
   };
   // Gauss and Seidel's iteration, to and fro, over-relaxed.
@@ -187,64 +240,76 @@ bool WalkLight<N>::find_out(const WalkSpace<N>& space, const WalkMedium<N>& redu
     for (std::size_t i = 0; i < nodes; ++i) {
       const std::size_t n = sweep % 2 ? nodes - 1 - i : i;
       change = std::max(change, renew(n));
-      brightest = std::max(brightest, largest(known[n].scattered));
+      brightest = std::max(brightest, largest(field[n].scattered));
     }
     if (!(change > tolerance * brightest)) break;
   }
   for_nodes([&](std::size_t n) {
     if (!is_inside(n)) return;
-    // What depends on the direction, to the first order.
-    const float mean = sum(known[n].scattered);
+    // The P1 moment.
+    const float mean = sum(field[n].scattered);
     Vec3f moment;
     for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k)
-      moment += (sum(brought(k)) - mean) * links.direction[k];
-    const Vec3f flow = mean > 0.0f ? (3.0f * share / mean) * moment : Vec3f{};
+      moment += (sum(arriving(k)) - mean) * links.direction[k];
+    const Vec3f net_flux = mean > 0.0f ? (3.0f * fraction / mean) * moment : Vec3f{};
     Bands squares;
     for (std::size_t k = n * links.of_node; k < (n + 1) * links.of_node; ++k) {
-      const Bands d = brought(k) - (1.0f + dot(flow, links.direction[k])) * known[n].scattered;
+      const Bands d = arriving(k) - (1.0f + dot(net_flux, links.direction[k])) * field[n].scattered;
       squares += d * d;
     }
-    known[n].others[3] = std::sqrt(share * largest(squares));
-    for (int axis = 0; axis < 3; ++axis) known[n].others[5 + axis] = flow[axis];
+    field[n].deviation = std::sqrt(fraction * largest(squares));
+    field[n].net_flux = net_flux;
   });
   for_nodes([&](std::size_t n) {
-    // Unlike in reality, lamps are weakened by the reduced extinction here. What that lets pass is
-    // not straight any more.
-    known[n].scattered += reduced_lamps[n] - (0.25f / pi) * known[n].lamps;
+    // Direct light is attenuated by the reduced extinction here. What passes that beside the true
+    // direct light has been scattered forward.
+    field[n].scattered += reduced_direct[n] - isotropic * field[n].direct_fluence;
   });
   nodes_.resize(nodes);
   for_nodes([&](std::size_t n) {
-    const Known node = is_inside(n) ? known[n] : mean_around(known, lattice, n, is_inside);
-    nodes_[n] = {brief(node.scattered), brief(node.lamps), brief(node.others)};
+    const FieldRadiance<N> node =
+        is_inside(n) ? field[n] : mean_around(field, lattice, n, is_inside);
+    nodes_[n] = {brief(node.scattered), brief(node.direct_fluence), brief(moments_of(node))};
   });
-  if (!is_stopped) lattice_.push_back(lattice);
+  if (!is_stopped) lattice_ = lattice;
   return !is_stopped;
 }
 
 template <int N>
-WalkLight<N>::Known WalkLight<N>::at(const Vec3f& p) const {
-  if (lattice_.empty()) return {};
-  const NodeLattice::Corners corners = lattice_[0].corners(p);
-  Known sum;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const Node& node = nodes_[corners.node[i]];
-    sum.scattered += corners.weight[i] * in_full(node.scattered);
-    sum.lamps += corners.weight[i] * in_full(node.lamps);
-    sum.others += corners.weight[i] * in_full(node.others);
+FieldRadiance<N> RadianceField<N>::at(const Vec3f& p, bool in_detail,
+                                      const LightGatherer<N>& light) const {
+  FieldRadiance<N> here;
+  if (lattice_) {
+    const NodeLattice::Corners corners = lattice_->corners(p);
+    Bands direct, scattered;
+    BandValues<8> moments;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const Node& node = nodes_[corners.node[i]];
+      scattered += corners.weight[i] * in_full(node.scattered);
+      direct += corners.weight[i] * in_full(node.direct_fluence);
+      moments += corners.weight[i] * in_full(node.moments);
+    }
+    here = with_moments(direct, scattered, moments);
   }
-  return sum;
+  if (next_event_.has_lights() && (in_detail || !here.is_solved())) {
+    const DirectLight<N> direct = direct_.at(p, light);
+    here.direct_fluence = direct.fluence;
+    here.to_light = direct.to_light;
+    here.direct_deviation = direct.deviation;
+  }
+  return here;
 }
 
 template <int N>
-void WalkLight<N>::scale(float factor) {
+void RadianceField<N>::scale(float factor) {
   for (Node& node : nodes_) {
     node.scattered = brief(factor * in_full(node.scattered));
-    node.lamps = brief(factor * in_full(node.lamps));
+    node.direct_fluence = brief(factor * in_full(node.direct_fluence));
   }
 }
 
-template class WalkLight<4>;
-template class WalkLight<8>;
-template class WalkLight<16>;
+template class RadianceField<4>;
+template class RadianceField<8>;
+template class RadianceField<16>;
 
 }  // namespace lamina

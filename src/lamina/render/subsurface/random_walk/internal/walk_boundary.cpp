@@ -9,22 +9,22 @@ namespace {
 constexpr float least_cosine = 1e-4f;
 constexpr int most_tries = 100;
 
-DielectricScattering scattering_of(float eta, const Interface& facets) {
+}  // namespace
+
+DielectricScattering facet_scattering(float eta, const Interface& facets) {
   return {.interface = {.facets = {facets.roughness, facets.distribution},
                         .eta = static_cast<double>(eta)},
           .scattering = FacetScattering::multiple};
 }
 
-}  // namespace
-
-WalkBoundary make_walk_boundary(const SurfacePoint& point, const Vec3f& direction, float eta,
-                                const Interface& facets) {
+WalkBoundary make_walk_boundary(const SurfacePoint& point, const Vec3f& direction,
+                                const DielectricScattering& scattering) {
   const float side = dot(point.geometric_normal, direction) > 0.0f ? -1.0f : 1.0f;
   const Vec3f inner_facet = side * point.geometric_normal;
   Vec3f n = side * point.smooth_normal;
   if (!(dot(n, direction) < -least_cosine)) n = inner_facet;  // not seen from here
   const Framef frame = make_frame(n);
-  return {scattering_of(eta, facets), frame, inner_facet, frame.to_local(-direction)};
+  return {scattering, frame, inner_facet, frame.to_local(-direction)};
 }
 
 BoundaryTurn sample_turn(const WalkBoundary& boundary, PixelSamples& samples) {
@@ -33,9 +33,13 @@ BoundaryTurn sample_turn(const WalkBoundary& boundary, PixelSamples& samples) {
     const Vec3f direction = normalize(boundary.frame.to_world(sample.wi));
     const bool passes = sample.wi.z < 0.0f;
     if (sample.weight > 0.0f && passes == (dot(direction, boundary.inner_facet) < 0.0f))
-      return {direction, passes, sample.pdf};
+      return {direction, passes, sample.pdf, sample.weight};
+    // Models of a single facet lose the light that meets another.
+    if (!(sample.weight > 0.0f) && !is_specular(boundary.scattering.interface) &&
+        boundary.scattering.scattering != FacetScattering::multiple)
+      return {.weight = 0.0f};
   }
-  // What the smooth normal sends through the facet, or would not, is mirrored by the facet.
+  // What the smooth normal sends through the facet, or would not, is reflected by the facet.
   const Vec3f back = boundary.frame.to_world(boundary.back);
   return {.direction =
               normalize(2.0f * dot(back, boundary.inner_facet) * boundary.inner_facet - back)};
@@ -52,11 +56,11 @@ BoundaryLight light_through(const WalkBoundary& boundary, const Vec3f& to_light,
 
 Vec3f sample_entry(const Vec3f& to_eye, const Vec3f& normal, float ior, const Interface& facets,
                    PixelSamples& samples) {
-  const DielectricScattering scattering = scattering_of(ior, facets);
+  const DielectricScattering scattering = facet_scattering(ior, facets);
   if (is_specular(scattering.interface)) return -refract_inside(to_eye, normal, ior);
   const Framef frame = make_frame(normal);
   const Vec3f wo = frame.to_local(to_eye);
-  // What is mirrored is not this path's business: until one enters.
+  // Reflection is sampled elsewhere: until one enters.
   for (int i = 0; i < most_tries && wo.z > 0.0f; ++i) {
     const DielectricSample sample = sample_dielectric(scattering, wo, samples);
     if (sample.weight > 0.0f && sample.wi.z < 0.0f) return normalize(frame.to_world(sample.wi));

@@ -9,8 +9,7 @@
 
 namespace lamina {
 
-/// The boundary of a medium, smooth or rough, as a path inside meets it at a point. Light that
-/// meets several facets is followed until it leaves them, so that nothing is lost.
+/// The boundary of a medium, smooth or rough, as a path inside meets it at a point.
 struct WalkBoundary {
   DielectricScattering scattering;
   Framef frame;       ///< +z on the path's side
@@ -18,22 +17,25 @@ struct WalkBoundary {
   Vec3f back;         ///< along the path, in the frame
 };
 
+/// Scattering at a rough boundary, any number of facets included.
+/// @param eta  index beyond over index on the path's side
+[[nodiscard]] DielectricScattering facet_scattering(float eta, const Interface& facets);
+
 /// @param direction  of the path, towards the boundary
-/// @param eta        index beyond over index on the path's side
 [[nodiscard]] WalkBoundary make_walk_boundary(const SurfacePoint& point, const Vec3f& direction,
-                                              float eta, const Interface& facets);
+                                              const DielectricScattering& scattering);
 
 struct BoundaryTurn {
   Vec3f direction;
-  bool passes = false;  ///< else it is mirrored
+  bool passes = false;  ///< else it is reflected
   float pdf = 0.0f;     ///< near the density of the direction [1/sr]; 0 if there is but one
+  float weight = 1.0f;  ///< on the throughput, for radiance over the square of the index; 0: lost
 };
-/// Draws where a path goes on, by what light that comes from there has in common with it: with
-/// weight 1 for radiance over the square of the index.
+/// Samples where a path goes on.
 [[nodiscard]] BoundaryTurn sample_turn(const WalkBoundary& boundary, PixelSamples& samples);
 
-/// Of light from a direction beyond that takes the path, by chance: what a path draws it with, as
-/// a density [1/sr]. 0 for smooth boundaries.
+/// The value of the boundary's scattering for light from a direction beyond, times the cosine, and
+/// the density with which a path samples that direction [1/sr]. 0 for smooth boundaries.
 struct BoundaryLight {
   float value = 0.0f;  ///< an unbiased estimate
   float pdf = 0.0f;    ///< as that of the turn

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <variant>
 
@@ -11,13 +12,14 @@
 #include "lamina/optics/same_ior.h"
 #include "lamina/reflectance/exact_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_turn.h"
+#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/scattering/layered_bsdf/first_order-inl.h"
 
 namespace lamina {
 namespace {
 
-constexpr float beyond_measure = 1e9f;
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr float huge = 1e9f;
 
 /// Nothing but an index, in the bands of the scene.
 Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
@@ -75,12 +77,13 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
   Material smooth = inside;  // what the phase functions are taken from has no rough boundaries
   for (MaterialLayer& layer : smooth.layers) layer.top = {};
   std::vector<LayerStack> stacks;
+  double ior = 0.0;
   for (std::size_t b = 0; b < inside.bands.size(); ++b) {
     stacks.push_back(layer_stack(smooth, b));
-    ior_ += static_cast<float>(inside.layers[0].ior[b] / inside.ior_above[b]) /
-            static_cast<float>(bands_);
+    ior += inside.layers[0].ior[b] / inside.ior_above[b] / static_cast<double>(bands_);
     reflectance_[static_cast<int>(b)] = static_cast<float>(exact_totals(smooth, b).reflectance);
   }
+  ior_ = static_cast<float>(ior);
   stack_ = make_first_order<N>(stacks);
   least_extinction_ = Bands::filled(std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < inside.layers.size(); ++i) {
@@ -90,10 +93,12 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
       layer.phases.push_back(phase_function(stack.layers()[i]));
     for (const PhaseFunction& phase : layer.phases)
       layer.is_same_phase = layer.is_same_phase && phase == layer.phases[0];
+    layer.is_isotropic =
+        layer.is_same_phase && layer.phases[0] == PhaseFunction(HenyeyGreenstein{.g = 0.0});
     layer.least_extinction = *std::min_element(sigma_t.v, sigma_t.v + bands_);
     layer.top = inside.layers[i].top;
-    for (const double ior : inside.layers[i].ior)
-      layer.ior += static_cast<float>(ior) / static_cast<float>(bands_);
+    for (const double of_band : inside.layers[i].ior)
+      layer.ior += static_cast<float>(of_band) / static_cast<float>(bands_);
     if (i > 0) {
       const Layer& above = layers_[i - 1];
       if (is_same_ior(layer.ior, above.ior)) layer.ior = above.ior;
@@ -116,12 +121,12 @@ float WalkLayers<N>::shortest_free_path() const {
 }
 
 template <int N>
-BandValues<N> WalkLayers<N>::optical_thickness(const Ray& way, const DepthLayers::Place& start,
+BandValues<N> WalkLayers<N>::optical_thickness(const Ray& ray, const DepthLayers::Place& start,
                                                float length) const {
   Bands sum;
-  by_depth_.for_parts(way, start, length, [&](std::size_t layer, float part) {
+  by_depth_.for_parts(ray, start, length, [&](std::size_t layer, float part) {
     const bool is_straight = layers_[layer].ior == layers_[start.layer].ior;
-    sum += is_straight ? part * layers_[layer].medium.sigma_t : Bands::filled(beyond_measure);
+    sum += is_straight ? part * layers_[layer].medium.sigma_t : Bands::filled(huge);
     return is_straight;
   });
   return sum;
@@ -136,13 +141,48 @@ float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const 
 
 template <int N>
 BandValues<N> WalkLayers<N>::phase(std::size_t layer, float one_minus_cos) const {
+  if (layers_[layer].is_isotropic) return Bands::filled(0.25f / pi);
   return first_order::layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
 }
 
 template <int N>
-void WalkLayers<N>::scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const {
-  turn_at_event(path, layers_[layer].phases, layers_[layer].is_same_phase, numbers,
-                [&](float one_minus_cos) { return phase(layer, one_minus_cos); });
+BandValues<N> WalkLayers<N>::mean_cosine(std::size_t layer) const {
+  Bands result;
+  for (int b = 0; b < N; ++b)
+    result[b] = static_cast<float>(lamina::mean_cosine(
+        layers_[layer].phases[static_cast<std::size_t>(std::min(b, bands_ - 1))]));
+  return result;
+}
+
+template <int N>
+void WalkLayers<N>::sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const {
+  const std::vector<PhaseFunction>& phases = layers_[layer].phases;
+  const bool is_same = layers_[layer].is_same_phase;
+  const Vec2f u = numbers.pair();
+  const float phi = 2.0f * pi * u.y;
+  if (layers_[layer].is_isotropic) {
+    const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+    path.ray.direction = {r * std::cos(phi), r * std::sin(phi), z};
+    return;
+  }
+  const int band =
+      is_same ? 0 : sample_band(path.throughput, bands_, numbers.stream().uniform_float());
+  const double cosine = sample_cos_theta(phases[static_cast<std::size_t>(band)],
+                                         static_cast<double>(u.x), numbers.stream().uniform());
+  const auto cos_theta = static_cast<float>(cosine),
+             one_minus_cos = static_cast<float>(1.0 - cosine);
+  const float sin_theta = std::sqrt(one_minus_cos * (1.0f + cos_theta));
+  const Framef frame = make_frame(path.ray.direction);
+  path.ray.direction =
+      normalize(frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta}));
+  if (is_same) return;
+  const Bands turned = path.throughput * phase(layer, one_minus_cos);
+  float before = 0.0f, density = 0.0f;
+  for (int b = 0; b < bands_; ++b) {
+    before += path.throughput[b];
+    density += turned[b];
+  }
+  path.throughput = (before / density) * turned;
 }
 
 template class WalkLayers<4>;

@@ -8,15 +8,16 @@
 #include "lamina/materials/material.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
-#include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/random_walk/internal/depth_layers.h"
+#include "lamina/render/subsurface/random_walk/internal/walk_path.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 
-/// What fills the meshes of one translucent or dielectric material, as paths inside see it: layers
-/// by depth, all of one index of refraction. The last layer fills the rest, whatever its thickness.
+/// The medium inside the meshes of one translucent or dielectric material: layers by depth, each
+/// with an index of refraction of its own. The last layer fills the rest.
 template <int N>
 class WalkLayers {
  public:
@@ -31,7 +32,7 @@ class WalkLayers {
   [[nodiscard]] int bands() const { return bands_; }
   [[nodiscard]] float ior() const { return ior_; }  ///< of the first layer over that outside
   [[nodiscard]] float own_ior(std::size_t layer) const { return layers_[layer].ior; }
-  /// Whether no layer above refracts.
+  /// Whether no boundary above a layer refracts.
   [[nodiscard]] bool sees_out(std::size_t layer) const { return layers_[layer].sees_out; }
   /// The upper boundary of a layer.
   [[nodiscard]] const Interface& boundary(std::size_t layer) const { return layers_[layer].top; }
@@ -39,18 +40,20 @@ class WalkLayers {
   /// Of the flux that enters flat layers.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
-  /// Extinction along a straight way inside; beyond measure where a boundary of layers refracts.
-  [[nodiscard]] Bands optical_thickness(const Ray& way, const DepthLayers::Place& start,
+  /// Along a straight segment inside; huge where a boundary of layers refracts.
+  [[nodiscard]] Bands optical_thickness(const Ray& ray, const DepthLayers::Place& start,
                                         float length) const;
-  /// Of the shortest way out, in the band where it is least, at least.
+  /// A lower bound, for the shortest way out in the band where it is least.
   [[nodiscard]] float least_optical_depth(const DepthLayers::Place& place) const;
 
   /// The least extinction that a band has in any layer [1/mm].
   [[nodiscard]] float least_extinction(int band) const { return least_extinction_[band]; }
 
   [[nodiscard]] Bands phase(std::size_t layer, float one_minus_cos) const;
-  /// Turns a path. All bands count by the density of the mixture.
-  void scatter(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const;
+  [[nodiscard]] Bands mean_cosine(std::size_t layer) const;  ///< of the phase function
+  /// Samples the phase function of a band, each in proportion to its throughput; all bands count by
+  /// the density of the mixture.
+  void sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const;
 
  private:
   WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside);
@@ -59,6 +62,7 @@ class WalkLayers {
     WalkMedium<N> medium;
     std::vector<PhaseFunction> phases;  ///< [band]
     bool is_same_phase = true;          ///< in all bands
+    bool is_isotropic = false;
     Interface top;
     float ior = 0.0f;               ///< over that of vacuum
     bool sees_out = true;           ///< no layer above refracts

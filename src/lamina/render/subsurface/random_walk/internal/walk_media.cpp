@@ -4,14 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/optics/same_ior.h"
+#include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 
 namespace lamina {
 namespace {
 
-constexpr int most_bodies = 1000;  // on one way
+constexpr int most_bodies = 1000;  // along one ray
+
+bool is_rough_boundary(const Interface& facets, float ior) {
+  return !is_specular(make_rough_interface<double>(facets, static_cast<double>(ior), 1.0));
+}
 
 template <int N>
 float ior(const MediaPlace<N>& place) {
@@ -22,14 +28,19 @@ float ior(const MediaPlace<N>& place) {
 
 template <int N>
 BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
-                          const WalkBodies& bodies, std::uint32_t material)
+                          const NestedDielectrics& bodies, std::uint32_t material)
     : layers(scene, conversion, material),
-      space(scene, conversion, material, layers.ior(), layers.bands(), layers.shortest_free_path()),
-      // Nothing is asked of what lamps send beforehand: a lattice as coarse as can be.
-      lamps(space, layers.medium(0).sigma_t, layers.medium(0).sigma_t, 1e6f),
-      is_rough(!is_specular(make_rough_interface<double>(layers.boundary(0),
-                                                         static_cast<double>(layers.ior()), 1.0))),
-      has_neighbors(bodies.is_near_others(material)) {}
+      interior(scene, conversion, material, layers.ior(), layers.bands(),
+               layers.shortest_free_path()),
+      next_event(interior),
+      glass(std::get_if<DielectricSurface>(&scene.scene->materials[material].surface)),
+      is_rough(is_rough_boundary(layers.boundary(0), layers.ior())),
+      has_neighbors(bodies.is_near_others(material)),
+      is_homogeneous(layers.by_depth().count() == 1 && !is_rough && !has_neighbors) {
+  if (is_homogeneous)
+    field = std::make_unique<RadianceField<N>>(interior, next_event, layers.medium(0),
+                                               layers.mean_cosine(0));
+}
 
 template <int N>
 WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion)
@@ -37,35 +48,53 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
       conversion_(conversion),
       bodies_(scene),
       of_material_(scene.scene->materials.size()) {
-  for (std::uint32_t m = 0; m < scene.scene->meshes.size(); ++m) {
-    const std::uint32_t material = bodies_.material_of(m);
-    if (material == WalkBodies::none || of_material_[material]) continue;
-    of_material_[material] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, material);
+  for (std::uint32_t i = 0; i < of_material_.size(); ++i) {
+    const auto& surface = scene.scene->materials[i].surface;
+    // Paths meet dielectrics within or beside translucent bodies only.
+    if (std::holds_alternative<SubsurfaceSurface>(surface) ||
+        (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
+      of_material_[i] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, i);
   }
 }
 
 template <int N>
-const BodyMedium<N>* WalkMedia<N>::filling(const WalkHolders& holders) const {
-  const std::uint32_t mesh = bodies_.filling(holders);
-  return mesh == WalkBodies::none ? nullptr : of_material_[bodies_.material_of(mesh)].get();
+const BodyMedium<N>* WalkMedia<N>::medium_in(const InteriorList& interior) const {
+  const std::uint32_t mesh = bodies_.highest_priority(interior);
+  return mesh == NestedDielectrics::none ? nullptr : of_material_[bodies_.material_of(mesh)].get();
 }
 
 template <int N>
-MediaPlace<N> WalkMedia<N>::place(const WalkHolders& holders, const Vec3f& position) const {
-  MediaPlace<N> place{.holders = holders, .medium = filling(holders)};
+MediaPlace<N> WalkMedia<N>::place(const InteriorList& interior, const Vec3f& position) const {
+  MediaPlace<N> place{.interior = interior, .medium = medium_in(interior)};
   if (place.medium) place.depth = place.medium->layers.by_depth().at(position);
   return place;
 }
 
 template <int N>
-typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& way,
+std::optional<typename WalkMedia<N>::Entry> WalkMedia<N>::sample_entry(
+    const ExitPoint& exit, std::uint32_t material, PixelSamples& samples) const {
+  Entry entry{.place = {.medium = of_material(material)}};
+  if (!entry.place.medium->is_homogeneous) {
+    const NestedDielectrics::Crossing crossing = bodies_.cross({}, exit.point, -exit.to_eye);
+    entry.place = place(crossing.beyond, exit.point.position);
+    if (crossing.is_blocked || !entry.place.medium) return std::nullopt;
+  }
+  const WalkLayers<N>& layers = entry.place.medium->layers;
+  entry.inward = lamina::sample_entry(exit.to_eye, exit.point.normal, layers.ior(),
+                                      layers.boundary(0), samples);
+  if (!(dot(entry.inward, exit.point.geometric_normal) < 0.0f)) return std::nullopt;
+  return entry;
+}
+
+template <int N>
+typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& ray,
                                                           const MediaPlace<N>& start, float t_near,
                                                           float t_far) const {
   Surface surface;
-  surface.hit = scene_.geometry.first_hit(way, t_near, t_far);
+  surface.hit = scene_.geometry.first_hit(ray, t_near, t_far);
   if (!surface.hit.is_hit()) return surface;
   surface.point = make_bare_surface_point(scene_.scene->meshes, surface.hit);
-  surface.crossing = bodies_.cross(start.holders, surface.point, way.direction);
+  surface.crossing = bodies_.cross(start.interior, surface.point, ray.direction);
   if (surface.crossing.is_blocked) return surface;
   surface.beyond = place(surface.crossing.beyond, surface.point.position);
   surface.passes = surface.beyond.medium && is_same_ior(ior(surface.beyond), ior(start));
@@ -73,17 +102,17 @@ typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& way,
 }
 
 template <int N>
-BandValues<N> WalkMedia<N>::optical_thickness(const Ray& way, const MediaPlace<N>& start,
+BandValues<N> WalkMedia<N>::optical_thickness(const Ray& ray, const MediaPlace<N>& start,
                                               float length) const {
   if (!start.medium->has_neighbors)
-    return start.medium->layers.optical_thickness(way, start.depth, length);
+    return start.medium->layers.optical_thickness(ray, start.depth, length);
   MediaPlace<N> here = start;
   Bands sum;
   float begin = 0.0f, t_near = 0.0f;
   for (int i = 0; i < most_bodies; ++i) {
-    const Surface surface = next_surface(way, here, t_near, length);
-    const Vec3f from = way.origin + begin * way.direction;
-    sum += here.medium->layers.optical_thickness({from, way.direction}, here.depth,
+    const Surface surface = next_surface(ray, here, t_near, length);
+    const Vec3f from = ray.origin + begin * ray.direction;
+    sum += here.medium->layers.optical_thickness({from, ray.direction}, here.depth,
                                                  std::min(surface.hit.distance, length) - begin);
     if (!surface.passes) break;
     begin = surface.hit.distance;
@@ -94,15 +123,15 @@ BandValues<N> WalkMedia<N>::optical_thickness(const Ray& way, const MediaPlace<N
 }
 
 template <int N>
-std::optional<BoundaryHit> WalkMedia<N>::find_boundary(const Ray& way,
+std::optional<BoundaryHit> WalkMedia<N>::find_boundary(const Ray& ray,
                                                        const MediaPlace<N>& start) const {
   MediaPlace<N> here = start;
   float t_near = 0.0f;
   for (int i = 0; i < most_bodies; ++i) {
-    const Surface surface = next_surface(way, here, t_near, std::numeric_limits<float>::infinity());
+    const Surface surface = next_surface(ray, here, t_near, std::numeric_limits<float>::infinity());
     if (!surface.hit.is_hit() || surface.crossing.is_blocked) return std::nullopt;
     if (!surface.beyond.medium) {
-      if (here.medium->is_rough || !(dot(surface.point.geometric_normal, way.direction) > 0.0f))
+      if (here.medium->is_rough || !(dot(surface.point.geometric_normal, ray.direction) > 0.0f))
         return std::nullopt;
       return BoundaryHit{surface.point, surface.hit};
     }
@@ -114,11 +143,25 @@ std::optional<BoundaryHit> WalkMedia<N>::find_boundary(const Ray& way,
 }
 
 template <int N>
-const Interface& WalkMedia<N>::facets(const MediaPlace<N>& here, const Surface& surface) const {
-  WalkHolders both = here.holders;
+DielectricScattering WalkMedia<N>::boundary(const MediaPlace<N>& here, const Surface& surface,
+                                            const Vec3f& direction) const {
+  const MediaPlace<N>& beyond = surface.beyond;
+  const float eta = beyond.medium ? ior(beyond) / ior(here) : 1.0f / here.medium->layers.ior();
+  InteriorList both = here.interior;
   for (int i = 0; i < surface.crossing.beyond.count; ++i)
-    both.add(surface.crossing.beyond.each[static_cast<std::size_t>(i)].mesh, 1);
-  return filling(both)->layers.boundary(0);
+    both.add(surface.crossing.beyond.bodies[static_cast<std::size_t>(i)].mesh, 1);
+  const BodyMedium<N>& owner = *medium_in(both);
+  if (!owner.glass) return facet_scattering(eta, owner.layers.boundary(0));
+  // Maps follow the texture coordinates of the owner's mesh.
+  const std::uint32_t mesh = bodies_.highest_priority(both);
+  Hit hit = surface.hit;
+  if (hit.mesh != mesh)
+    for (const Hit& other : bodies_.coincident_hits(surface.point, direction).all())
+      if (other.mesh == mesh) hit = other;
+  DielectricScattering scattering = dielectric_at(
+      scene_.textures, *owner.glass, make_surface_point(scene_.scene->meshes, hit, 0.0f), false);
+  scattering.interface.eta = static_cast<double>(eta);
+  return scattering;
 }
 
 template struct BodyMedium<4>;

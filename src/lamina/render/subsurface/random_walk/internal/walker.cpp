@@ -1,0 +1,152 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/random_walk/internal/walker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace lamina {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr int most_steps = 200'000;
+// Probabilities of next-event estimation and of going on where a radiance field is the control
+// variate: these times what either may change of the light that the path finds, and at least so
+// much. By the least work for the same noise.
+constexpr float next_event_scale = 3.0f, least_next_event = 0.05f;
+constexpr float continuation_scale = 4.0f, least_continuation = 0.1f;
+
+}  // namespace
+
+/// What a radiance field expects at an event, and the probabilities that follow from it.
+template <int N>
+struct Walker<N>::Expectation {
+  FieldRadiance<N> field;
+  Bands direct;  ///< scattered into the path
+  float next_event = 0.0f, continuation = 1.0f;
+};
+
+template <int N>
+Walker<N>::Walker(const WalkMedia<N>& media, const MediaPlace<N>& start, const WalkPath<N>& path,
+                  const LightGatherer<N>& light, PixelSamples& samples, float least_reference)
+    : media_(media),
+      light_(light),
+      samples_(samples),
+      numbers_(samples),
+      path_(path),
+      place_(start),
+      last_place_(start),
+      least_reference_(least_reference) {}
+
+template <int N>
+BandValues<N> Walker<N>::trace() {
+  if (place_.medium->is_homogeneous) {
+    trace_homogeneous();
+    return radiance_;
+  }
+  bool goes_on = true;
+  for (int steps = 0; goes_on && steps < most_steps; ++steps) {
+    const Step step = advance();
+    switch (step.end) {
+      case Step::End::event:
+        goes_on = scatter();
+        break;
+      case Step::End::layer:
+        meet_layer(step.layer);
+        break;
+      case Step::End::surface:
+        goes_on = meet_surface(step.surface);
+        break;
+      case Step::End::lost:
+        goes_on = false;
+        break;
+    }
+  }
+  return radiance_;
+}
+
+/// The special case of a closed body of one medium by itself: it knows its surfaces.
+template <int N>
+void Walker<N>::trace_homogeneous() {
+  const BodyMedium<N>& medium = *place_.medium;
+  const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
+    radiance_ += leaving.throughput * escaping_radiance(leaving, exit);
+  };
+  const OnEscape<N> on_escape = std::ref(add_escaping);
+  for (int steps = 0; steps < most_steps; ++steps)
+    if (!medium.interior.advance(path_, medium.layers.medium(0), numbers_, on_escape) || !scatter())
+      return;
+}
+
+/// Adds what a radiance field expects at an event.
+template <int N>
+typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N>& field) {
+  const BodyMedium<N>& medium = *place_.medium;
+  const bool is_first = reference_ == 0.0f;
+  const Vec3f& direction = path_.ray.direction;
+  // In detail at the first event only: most light comes from there.
+  Expectation expected{.field = field.at(path_.ray.origin, is_first, light_)};
+  const Bands phase = medium.layers.phase(
+      place_.depth.layer, std::max(1.0f - dot(expected.field.to_light, direction), 0.0f));
+  expected.direct = phase * expected.field.direct_fluence;
+  const Bands radiance =
+      path_.throughput * (expected.direct + field.mean_scattered(expected.field, direction));
+  radiance_ += radiance;
+  if (is_first) reference_ = std::max(largest(radiance), 0.0f) + least_reference_;
+
+  const float throughput = largest(path_.throughput), importance = throughput / reference_;
+  const float most = std::min(throughput, 1.0f);
+  expected.continuation =
+      expected.field.is_solved()
+          ? std::clamp(continuation_scale * importance * expected.field.deviation,
+                       least_continuation * most, 1.0f)
+          : most;
+  const float peak = std::max(largest(phase), 0.25f / pi);
+  if (medium.next_event.has_lights())
+    expected.next_event =
+        std::clamp(next_event_scale * peak * importance * expected.field.direct_deviation,
+                   least_next_event, 1.0f);
+  return expected;
+}
+
+/// Adds light that is scattered into the path at an event; samples whether it goes on, and where.
+template <int N>
+bool Walker<N>::scatter() {
+  const BodyMedium<N>& medium = *place_.medium;
+  const WalkLayers<N>& layers = medium.layers;
+  const RadianceField<N>* field = medium.field.get();
+  Expectation expected;
+  if (field) {
+    expected = add_expectation(*field);
+  } else {
+    expected.continuation = std::min(largest(path_.throughput), 1.0f);
+    // From deep inside next-event estimation finds little, and is rare.
+    if (medium.next_event.has_lights() && !medium.is_rough && layers.sees_out(place_.depth.layer))
+      expected.next_event =
+          std::clamp(std::exp(-layers.least_optical_depth(place_.depth)), least_next_event, 1.0f);
+  }
+  // With a field, MIS counts next-event estimation as if every event did it: where few do, lights
+  // must not be left to paths that meet them by chance.
+  path_.last = {path_.ray, path_.throughput, field ? 1.0f : expected.next_event,
+                expected.continuation};
+  last_place_ = place_;
+
+  Random& random = numbers_.stream();
+  if (random.uniform_float() < expected.next_event)
+    radiance_ +=
+        (1.0f / expected.next_event) * path_.throughput * (sample_direct_light() - expected.direct);
+  if (!(random.uniform_float() < expected.continuation)) return false;
+  path_.throughput *= 1.0f / expected.continuation;
+  layers.sample_phase(place_.depth.layer, path_, numbers_);
+  if (field)
+    radiance_ +=
+        (-1.0f * path_.throughput) * field->scattered_along(expected.field, path_.ray.direction);
+  return true;
+}
+
+template class Walker<4>;
+template class Walker<8>;
+template class Walker<16>;
+
+}  // namespace lamina

@@ -1,0 +1,84 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
+#include "lamina/render/subsurface/random_walk/internal/walk_media.h"
+#include "lamina/render/subsurface/random_walk/internal/walk_path.h"
+#include "lamina/render/subsurface/subsurface_method.h"
+#include "lamina/spectrum/band_values.h"
+
+namespace lamina {
+
+/// One random walk over media: a path from where a ray of the eye enters, through layers, rough
+/// boundaries and from body to body, until it leaves or is ended by Russian roulette.
+///
+/// At every scattering event lights are sampled by next-event estimation, and by paths that leave
+/// and meet them; multiple importance sampling weights the two. Where a medium has a precomputed
+/// radiance field, that is a control variate of both.
+template <int N>
+class Walker {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param path             as it has entered
+  /// @param least_reference  radiance below which noise does not matter
+  Walker(const WalkMedia<N>& media, const MediaPlace<N>& start, const WalkPath<N>& path,
+         const LightGatherer<N>& light, PixelSamples& samples, float least_reference);
+
+  /// Follows the path to its end: the radiance that it finds, by one random estimate.
+  [[nodiscard]] Bands trace();
+
+ private:
+  using Place = MediaPlace<N>;
+  using Surface = typename WalkMedia<N>::Surface;
+  /// What a path comes to: a scattering event, a surface, or a layer of another index.
+  struct Step {
+    enum class End { event, surface, layer, lost } end = End::lost;
+    Surface surface;
+    std::size_t layer = 0;
+  };
+
+  // walker.cpp: scattering events. False where the path ends.
+  void trace_homogeneous();
+  [[nodiscard]] bool scatter();
+  struct Expectation;
+  [[nodiscard]] Expectation add_expectation(const RadianceField<N>& field);
+
+  // walker_steps.cpp: from one event, surface or layer to the next. Samples as
+  // BodyInterior::advance does; at the end `place_` is that of the path's new origin.
+  [[nodiscard]] Step advance();
+  [[nodiscard]] bool meet_surface(const Surface& surface);
+  void meet_layer(std::size_t next);
+  /// The path has turned at a surface.
+  void restart();
+
+  // walker_lights.cpp: light that next-event estimation finds, and light that paths meet.
+  /// Direct light, scattered into the path at its last event, through the smooth boundary.
+  [[nodiscard]] Bands sample_direct_light();
+  /// Light from outside for a path that leaves by a smooth boundary.
+  [[nodiscard]] Bands escaping_radiance(const WalkPath<N>& path, const WalkExit& exit);
+  /// Direct light, refracted into the path at a rough boundary.
+  [[nodiscard]] Bands sample_direct_light(const WalkBoundary& boundary, const SurfacePoint& point);
+  /// Light from outside for a path that leaves by a rough boundary.
+  [[nodiscard]] Bands escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point);
+  /// At the last event: the transmittance of a straight segment from there times the phase
+  /// function.
+  [[nodiscard]] Bands scattered_along(const Vec3f& direction, float length) const;
+  /// The MIS weight of next-event estimation at the last event, against paths that go on from
+  /// there.
+  [[nodiscard]] float mis_weight(const Bands& scattered, float pdf) const;
+
+  const WalkMedia<N>& media_;
+  const LightGatherer<N>& light_;
+  PixelSamples& samples_;
+  WalkNumbers numbers_;
+  WalkPath<N> path_;
+  Place place_, last_place_;  ///< of the path's origin; of its last event
+  Bands radiance_;
+  float least_reference_;
+  float reference_ = 0.0f;  ///< about the radiance that the path finds; 0 before its first event
+};
+
+}  // namespace lamina

@@ -1,0 +1,116 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+// How a random walk finds light: next-event estimation, paths that leave, and their MIS weights.
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/render/subsurface/random_walk/internal/walker.h"
+
+namespace lamina {
+
+/// By the power heuristic, for densities over directions at the event: where a curved boundary
+/// focuses light, paths find it more easily.
+///
+/// @param scattered  of `scattered_along`
+/// @param pdf        of next-event estimation [1/sr]; infinite for what no path meets
+template <int N>
+float Walker<N>::mis_weight(const Bands& scattered, float pdf) const {
+  if (!std::isfinite(pdf)) return 1.0f;
+  const Bands leaving = scattered * path_.last.throughput;
+  const int bands = last_place_.medium->layers.bands();
+  float of_paths = 0.0f, throughput = 0.0f;
+  for (int b = 0; b < bands; ++b) {
+    of_paths += leaving[b];
+    throughput += path_.last.throughput[b];
+  }
+  of_paths *= path_.last.continuation / throughput;
+  return power_heuristic(path_.last.next_event_rate * pdf, of_paths);
+}
+
+template <int N>
+BandValues<N> Walker<N>::scattered_along(const Vec3f& direction, float length) const {
+  const Ray& last = path_.last.ray;
+  return exp_minus(media_.optical_thickness({last.origin, direction}, last_place_, length)) *
+         last_place_.medium->layers.phase(last_place_.depth.layer,
+                                          one_minus_cos(direction, last.direction));
+}
+
+template <int N>
+BandValues<N> Walker<N>::sample_direct_light() {
+  const BodyMedium<N>& medium = *last_place_.medium;
+  const Vec3f& origin = path_.last.ray.origin;
+  const auto find = [&](const Vec3f& direction) {
+    return media_.find_boundary({origin, direction}, last_place_);
+  };
+  const FindBoundary find_boundary = std::cref(find);
+  Random& random = numbers_.stream();
+  Bands found;
+  const float u_light = random.uniform_float(), u = random.uniform_float();
+  medium.next_event.sample_light(
+      origin, u_light, {u, random.uniform_float()}, light_,
+      [&](const RefractedLight<N>& sample) {
+        const Bands scattered = scattered_along(sample.entry.to_surface, sample.entry.length);
+        found += mis_weight(scattered, sample.pdf) * scattered * sample.unattenuated;
+      },
+      medium.has_neighbors ? &find_boundary : nullptr);
+  return found;
+}
+
+template <int N>
+BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>& path, const WalkExit& exit) {
+  const BodyMedium<N>& medium = *last_place_.medium;
+  const Vec3f& origin = path.last.ray.origin;
+  const auto find = [&](const Vec3f& direction) {
+    return media_.find_boundary({origin, direction}, last_place_);
+  };
+  const FindBoundary find_boundary = std::cref(find);
+  return medium.next_event.escaping_radiance(
+      path, exit, light_, samples_,
+      [&](const RefractedEntry& entry, float pdf) {
+        return mis_weight(scattered_along(entry.to_surface, entry.length), pdf);
+      },
+      medium.has_neighbors ? &find_boundary : nullptr);
+}
+
+template <int N>
+BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary& boundary,
+                                             const SurfacePoint& point) {
+  const float u_light = samples_.next_1d();
+  const LightSample sample =
+      media_.scene().lights.sample_light(point.position, u_light, samples_.next_2d());
+  if (!(sample.pdf > 0.0f && sample.next_event_share > 0.0f)) return {};
+  const BoundaryLight through = light_through(boundary, sample.direction, samples_);
+  if (!(through.value > 0.0f)) return {};
+  const float weight = sample.is_delta ? 1.0f : power_heuristic(sample.pdf, through.pdf);
+  return (weight * sample.next_event_share * through.value / sample.pdf) *
+         light_.shadow_transmittance({leave_surface(point, sample.direction), sample.direction},
+                                     0.9999f * sample.distance) *
+         media_.conversion().from_rgb(sample.radiance);
+}
+
+template <int N>
+BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point) {
+  const Ray ray{leave_surface(point, turn.direction), turn.direction};
+  Bands radiance = light_.arriving_radiance(ray, samples_);
+  media_.scene().lights.for_lights_seen(
+      ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
+        if (!(seen.next_event_share > 0.0f)) return;
+        radiance += power_heuristic(turn.pdf, seen.pdf) * seen.next_event_share *
+                    media_.conversion().from_rgb(seen.radiance) *
+                    light_.shadow_transmittance(ray, 0.9999f * seen.distance);
+      });
+  return radiance;
+}
+
+#define LAMINA_INSTANTIATE(N)                                                                      \
+  template BandValues<N> Walker<N>::sample_direct_light();                                         \
+  template BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary&, const SurfacePoint&); \
+  template BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>&, const WalkExit&);        \
+  template BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn&, const SurfacePoint&)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
+
+}  // namespace lamina
