@@ -75,10 +75,15 @@ def is_old(binary):
 AGE = {OLD: is_old(OLD), NEW: is_old(NEW)}
 
 
+# What messages said before, and say now.
+SAID = [("the exact profile of", "the profile by radiative transfer of"), ("an exact profile", "a profile by radiative transfer"),
+        ("the exact profile", "the profile"), ("exact profile:", "radiative transfer:")] + list(METHOD_VALUES.items())
+
+
 def said(text):
     """A message in the names of today."""
-    for before, now in list(METHOD_VALUES.items()) + [("exact profile", "profile")]:
-        text = re.sub(rf"\b{before}\b", now, text)
+    for before, now in SAID:
+        text = text.replace(before, now)
     return text
 
 
