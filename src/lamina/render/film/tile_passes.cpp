@@ -10,7 +10,7 @@
 #include <system_error>
 #include <vector>
 #if defined(__SSE2__)
-#include <immintrin.h>
+#include <xmmintrin.h>
 #endif
 
 #include "lamina/core/error.h"
