@@ -16,7 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-constexpr double deepest = 30.0;  ///< optical depth where no light is left
+constexpr double deepest_oblique = 30.0;  ///< optical depth where no light is left
 
 /// Integral of exp(-a z) over [0, d]; d may be infinite.
 Complex decay(Complex a, double d) {
@@ -118,7 +118,7 @@ SingleScatteringProfile oblique_single_profile(const LayerStack& stack, const Gr
     const GridLayer& layer = on_grid.layers[l];
     const PhaseFunction phase = phase_function(stack.layers()[l]);
     const double beam_cos = ray_cos(p, layer.ior);
-    const double d = std::min(layer.thickness, deepest / layer.sigma_t);
+    const double d = std::min(layer.thickness, deepest_oblique / layer.sigma_t);
     const auto leaving = [&](bool is_up) {
       Leg exit{&on_grid, l, is_up, 0.0};
       const double widest = exit.widest();
