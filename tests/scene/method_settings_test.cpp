@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lamina/io/json_input.h"
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/render.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "mesh/mesh_samples.h"

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/reflectance/skin_colors.h"
-#include "lamina/render/subsurface/profile_maker.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/method_settings.h"
 #include "render/small_scenes.h"

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 
 namespace lamina {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
-#include "lamina/render/subsurface/gather_table.h"
+#include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "render/small_scenes.h"
 

@@ -13,7 +13,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
-#include "lamina/render/subsurface/irradiance_specks.h"
+#include "lamina/render/subsurface/irradiance_fireflies.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/spectrum/band_color.h"

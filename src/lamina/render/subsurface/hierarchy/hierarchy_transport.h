@@ -10,8 +10,8 @@
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/profile/gather_profiles.h"
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/gather_profiles.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/surface/point_grid.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/profile/gather_profiles.h"
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/gather_profiles.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/render/subsurface/shadow_map/internal/shadow_buffer.h"
 
 namespace lamina {

@@ -10,7 +10,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
-#include "lamina/render/subsurface/irradiance_specks.h"
+#include "lamina/render/subsurface/irradiance_fireflies.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
 #include "lamina/scene/skin_totals.h"

@@ -10,7 +10,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/optics/same_ior.h"
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/scattering/layered_bsdf/first_order-inl.h"

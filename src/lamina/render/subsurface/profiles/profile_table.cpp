@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/spread_table.h"
+#include "lamina/render/subsurface/profiles/profile_table.h"
 
 #include <algorithm>
 #include <cmath>

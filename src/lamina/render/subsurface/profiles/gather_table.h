@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/render/subsurface/spread_table.h"
+#include "lamina/render/subsurface/profiles/profile_table.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/irradiance_specks.h"
+#include "lamina/render/subsurface/irradiance_fireflies.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/render/subsurface/gather_table.h"
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/gather_table.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 
 namespace lamina {
 

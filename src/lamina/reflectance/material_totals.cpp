@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 
 #include <algorithm>
 #include <cassert>

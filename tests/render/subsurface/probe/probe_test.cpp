@@ -9,7 +9,7 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/core/random.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "render/small_scenes.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/profile/profile_transport.h"
+#include "lamina/render/subsurface/profiles/material_profiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
 
 namespace lamina {

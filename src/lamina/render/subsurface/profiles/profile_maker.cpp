@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/profile_maker.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 
 #include <utility>
 #include <vector>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/reflectance/exact_totals.h"
+#include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"

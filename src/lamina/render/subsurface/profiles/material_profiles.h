@@ -8,8 +8,8 @@
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/profile_maker.h"
-#include "lamina/render/subsurface/spread_table.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
+#include "lamina/render/subsurface/profiles/profile_table.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/render/subsurface/profile_maker.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
