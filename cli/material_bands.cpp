@@ -3,13 +3,6 @@
 
 namespace lamina::cli {
 
-std::vector<LayerStack> layer_stacks(const Material& material) {
-  std::vector<LayerStack> stacks;
-  for (std::size_t band = 0; band < material.bands.size(); ++band)
-    stacks.push_back(layer_stack(material, band));
-  return stacks;
-}
-
 JsonOutput bands_json(const BandSet& bands) {
   auto list = JsonOutput::array();
   for (std::size_t band = 0; band < bands.size(); ++band) {

@@ -9,9 +9,6 @@
 
 namespace lamina::cli {
 
-/// The optical layers of all bands of a material, [band].
-[[nodiscard]] std::vector<LayerStack> layer_stacks(const Material& material);
-
 /// The "bands" of a JSON result: "R", "G", "B", or wavelengths in nm.
 [[nodiscard]] JsonOutput bands_json(const BandSet& bands);
 

@@ -1,11 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "console.h"
@@ -13,7 +15,7 @@
 #include "lamina/image/denoise.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
-#include "lamina/render/planning/method_choice.h"
+#include "lamina/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/scene.h"
@@ -42,21 +44,26 @@ fs::path checkpoint_file(const PictureFiles& files) {
   return file.replace_extension(".unfinished");
 }
 
-using Method = RenderSettings::Method;
-
-Method method_named(const std::string& name) {
-  if (name == name_of(Method::automatic)) return Method::automatic;
-  for (const auto& [known, method] : named_methods)
-    if (name == known) return method;
-  throw InvalidInput(
-      "--method: must be auto, profile, layered_bsdf, hierarchy, shadow_map, texture_space or "
-      "random_walk, but is " +
-      name);
+SceneMethod method_named(const std::string& option, const std::string& name) {
+  const auto methods = subsurface_methods();
+  if (const auto method = find_method(name, methods)) return *method;
+  const std::vector<std::string_view> names = method_names(methods);
+  throw InvalidInput(fmt::format("{}: must be one of {}, but is {}{}", option,
+                                 fmt::join(names, ", "), name, did_you_mean(name, names)));
 }
 
-RenderSettings::Profile profile_named(const std::string& name) {
-  using Profile = RenderSettings::Profile;
-  return name == "exact" ? Profile::exact : name == "dipole" ? Profile::dipole : Profile::multipole;
+/// "hierarchy or texture_space".
+std::string methods_that_keep_light() {
+  std::vector<std::string_view> names;
+  for (const SceneMethod method : subsurface_methods())
+    if (method->keeps_light) names.push_back(method.name());
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+template <NamedEnum E>
+std::vector<std::string> names_as_text() {
+  const auto names = names_of<E>();
+  return {names.begin(), names.end()};
 }
 
 void warn(const std::vector<std::string>& lines) {
@@ -70,22 +77,19 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.noise >= 0.0f) scene.render.noise = options.noise;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
   if (!options.method.empty()) {
-    scene.render.method = method_named(options.method);
+    scene.render.method = method_named("--method", options.method);
     const std::vector<std::string> left_out = leave_out_unhonoured(scene);
     warn(left_out);
     scene.warnings.insert(scene.warnings.end(), left_out.begin(), left_out.end());
   }
-  using SingleScattering = RenderSettings::SingleScattering;
   if (!options.single_scattering.empty()) {
     scene.places["render.single_scattering"] = "--single-scattering";
-    scene.render.single_scattering = options.single_scattering == "none" ? SingleScattering::none
-                                     : options.single_scattering == "straight"
-                                         ? SingleScattering::straight
-                                         : SingleScattering::refracted;
+    scene.render.single_scattering =
+        *find_enum_value<RenderSettings::SingleScattering>(options.single_scattering);
   }
   if (!options.profile.empty()) {
     scene.places["render.profile"] = "--profile";
-    scene.render.profile = profile_named(options.profile);
+    scene.render.profile = *find_enum_value<RenderSettings::Profile>(options.profile);
   }
   if (options.seed.is_given()) scene.render.seed = options.common.seed;
   if (options.exposure_given.is_given()) scene.film.exposure = options.exposure;
@@ -111,9 +115,9 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
   std::vector<NamedMethod> methods_to_compare;
   for (const std::string& name : options.compared)
-    methods_to_compare.emplace_back(name, method_named(name));
+    methods_to_compare.emplace_back(name, method_named("--compare", name));
   if (methods_to_compare.size() < 2)
-    throw InvalidInput("--compare: must name two methods or more, as in profile,hierarchy");
+    throw InvalidInput("--compare: must name two methods or more, as in probe,hierarchy");
   run_comparison(std::move(scene), methods_to_compare, fs::path(files.exr).replace_extension(),
                  options.common);
 }
@@ -131,10 +135,9 @@ void run_render(const RenderCommandOptions& options) {
   }();
   warn(scene.warnings);
   apply(options, scene);
-  if (!options.cache.empty() && scene.render.method != Method::automatic &&
-      scene.render.method != Method::hierarchy && scene.render.method != Method::texture_space)
-    throw InvalidInput("--cache: the method must be hierarchy or texture_space, but is " +
-                       name_of(scene.render.method));
+  if (!options.cache.empty() && !scene.render.method.is_open() && !scene.render.method->keeps_light)
+    throw InvalidInput(fmt::format("--cache: the method must be {}, but is {}",
+                                   methods_that_keep_light(), scene.render.method.name()));
   if (options.needs_cache && options.cache.empty())
     throw InvalidInput("--cache-only: goes with --cache, which is not given");
   if (!options.needs_cache) require_writable(options.cache);
@@ -192,7 +195,7 @@ void run_render(const RenderCommandOptions& options) {
   const std::string noise =
       s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
   JsonOutput json = make_result("render");
-  json["method"] = name_of(s.method);
+  json["method"] = std::string(s.method.name());
   if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
   json["expected_cpu_seconds"] = s.expected_cpu_seconds;
   json["wall_seconds"] = s.wall_seconds;
@@ -269,12 +272,8 @@ void add_render_command(CLI::App& app) {
       .add_option(
           "--method", options->method,
           "of light below surfaces: auto, one of the others by what the scene needs and what "
-          "it costs; profile draws entry points at random; "
-          "hierarchy sums a profile over samples of the light, without noise; "
-          "shadow_map draws them in what lights see, a fast preview; "
-          "texture_space spreads "
-          "light through skin whose parameters are maps; random_walk "
-          "follows light inside closed meshes, the truth")
+          "it costs; " +
+              describe_methods(subsurface_methods()))
       .type_name("NAME");
   command
       .add_option("--compare", options->compared,
@@ -286,11 +285,11 @@ void add_render_command(CLI::App& app) {
                    "averages over what looks alike within the noise: for viewing, not measuring. "
                    "The EXR keeps the noisy colors too");
   command
-      .add_option("--single-scattering", options->single_scattering,
-                  "adds light scattered once below the surface: none, straight (to the light) or "
-                  "refracted (by Snell's law)")
-      .type_name("NAME")
-      .one_of({"none", "straight", "refracted"});
+      .add_option(
+          "--single-scattering", options->single_scattering,
+          "adds light scattered once below the surface: straight (to the light) or refracted "
+          "(by Snell's law)")
+      .one_of(names_as_text<RenderSettings::SingleScattering>());
   command
       .add_option("--cache", options->cache,
                   "keeps the light that hierarchy samples, or that leaves at the texels of "
@@ -302,9 +301,9 @@ void add_render_command(CLI::App& app) {
                    "ends with what differs where the light of --cache would have to be made anew");
   command
       .add_option("--profile", options->profile,
-                  "how light spreads below surfaces: exact, by radiative transfer; multipole, by "
-                  "diffusion, at once; dipole, the same of a single layer")
-      .one_of({"exact", "multipole", "dipole"});
+                  "model of the profile of light below surfaces: radiative transfer; diffusion, at "
+                  "once; the dipole, diffusion in a single layer")
+      .one_of(names_as_text<RenderSettings::Profile>());
   options->exposure_given =
       command.add_option("--exposure", options->exposure, "stops, for the PNG only")
           .type_name("EV")

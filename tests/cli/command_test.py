@@ -71,6 +71,10 @@ class WrongUse(unittest.TestCase):
                                      ("profile", "exact", "radiative_transfer"), ("profile", "multipole", "diffusion"),
                                      ("bsdf", "adding_doubling", "radiative_transfer")):
             self.check([command, "jade", "--method", before], before, f'did you mean "{now}"?')
+        scene = os.path.join(SCENES, "sphere_skin.json")
+        for option, before, now in (("--method", "profile", "probe"), ("--profile", "exact", "radiative_transfer"),
+                                    ("--profile", "multipole", "diffusion")):
+            self.check(["render", scene, option, before], option, before, f'did you mean "{now}"?')
 
     def test_refuses_options_that_nothing_would_read(self):
         self.check(["slab", "jade", "--method", "diffusion", "--accuracy", "1e-3"], "--accuracy", "radiative_transfer")
@@ -256,7 +260,7 @@ class Stopping(unittest.TestCase):
             with open(good, "w") as file:
                 file.write("the last good one")
             scene = os.path.join(SCENES, "sphere_skin.json")
-            code, seconds, said = self.stop(["render", scene, "--profile", "exact", "-o", good], signal.SIGINT)
+            code, seconds, said = self.stop(["render", scene, "--profile", "radiative_transfer", "-o", good], signal.SIGINT)
             self.assertEqual(code, 130, said)
             self.assertLess(seconds, 1)
             with open(good) as file:

@@ -48,9 +48,9 @@ for name in leaves bust rough_plate; do
 done
 
 # A method that is left open is chosen, one that is named is not; what it takes is said before.
-expect 0 'lamina: method profile (' "$scenes/arm.json" "${small[@]}" -o open.exr --json open.json
-grep -qE 'method profile \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
-for key in '"method": "profile"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
+expect 0 'lamina: method probe (' "$scenes/arm.json" "${small[@]}" -o open.exr --json open.json
+grep -qE 'method probe \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
+for key in '"method": "probe"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
   grep -q "$key" open.json || fail "no $key in the JSON"
 done
 expect 0 'lamina: method hierarchy: about ' "$scenes/arm.json" "${small[@]}" -o named.exr --method hierarchy --json named.json
@@ -84,7 +84,7 @@ expect 2 'method' "$scene" --method magic
 
 # What hierarchy samples is kept for other cameras, and made anew for other light or after damage.
 sphere=(--method hierarchy "${small[@]}" --cache cloud.ply)
-expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method profile --cache cloud.ply
+expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method probe --cache cloud.ply
 expect 2 '--cache: the method must be hierarchy' "$scene" "${small[@]}" --method shadow_map --cache cloud.ply
 [ ! -e cloud.ply ] || fail "a cache was written for a method that has none"
 expect 2 'cloud.ply: there is no such file' "$scene" "${sphere[@]}" --cache-only -o kept.exr
@@ -150,15 +150,15 @@ grep -qE '"samples_per_pixel": (1[6-9]|[2-9][0-9])([.,]|$)' calm.json || fail "-
 expect 2 'noise' "$scene" --noise 7
 
 # Methods side by side, and what they cost.
-expect 0 'the reference' "$scene" "${small[@]}" --compare profile,shadow_map,hierarchy -o both --json both.json
-for file in both.svg both_profile.png both_profile.exr both_shadow_map.png both_hierarchy.png both_hierarchy.exr; do
+expect 0 'the reference' "$scene" "${small[@]}" --compare probe,shadow_map,hierarchy -o both --json both.json
+for file in both.svg both_probe.png both_probe.exr both_shadow_map.png both_hierarchy.png both_hierarchy.exr; do
   [ -s "$file" ] || fail "--compare: no $file"
 done
 grep -q '"mean_error"' both.json || fail "--compare: no error"
-expect 2 'two methods' "$scene" "${small[@]}" --compare profile
-expect 2 'magic' "$scene" "${small[@]}" --compare profile,magic
-expect 2 'no ending' "$scene" "${small[@]}" --compare profile,hierarchy -o both.png
-expect 2 '--resume' "$scene" "${small[@]}" --compare profile,hierarchy -o both --resume
+expect 2 'two methods' "$scene" "${small[@]}" --compare probe
+expect 2 'magic' "$scene" "${small[@]}" --compare probe,magic
+expect 2 'no ending' "$scene" "${small[@]}" --compare probe,hierarchy -o both.png
+expect 2 '--resume' "$scene" "${small[@]}" --compare probe,hierarchy -o both --resume
 
 # Without noise, for viewing; the EXR keeps the noise too.
 expect 0 '' "$scene" "${small[@]}" --denoise -o smooth.exr

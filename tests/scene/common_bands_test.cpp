@@ -74,12 +74,12 @@ TEST(CommonBands, ThickRgbMaterialsKeepTheColorOfTheirReflectance) {
     for (const char* other : {"skin_type_3", "green_leaf"}) {
       Scene scene;
       scene.materials = {translucent(name), translucent(other)};
-      const std::vector<EnteredTotals> rgb = exact_totals(find_material(name));
+      const std::vector<EnteredTotals> rgb = material_totals(layer_stacks(find_material(name)));
       make_bands_common(scene);
       const Material& converted = std::get<SubsurfaceSurface>(scene.materials[0].surface).material;
       EXPECT_EQ(converted.bands, find_material(other).bands);
       std::vector<double> spectrum;
-      for (const EnteredTotals& totals : exact_totals(converted))
+      for (const EnteredTotals& totals : material_totals(layer_stacks(converted)))
         spectrum.push_back(totals.reflectance);
       const LinearSrgb color = linear_srgb(weights_of_bands(scene, converted.bands), spectrum);
       for (std::size_t c = 0; c < 3; ++c)

@@ -65,13 +65,12 @@ TEST(SkinTotals, BuiltInSkinHasOneColorByAllMethods) {
   const Vec3 exact = exact_color(skin);
   // Few views of the sky make steps of light in shadow_map; a ball is not flat for random_walk.
   const std::pair<Method, double> tolerances[] = {
-      {Method::hierarchy, 0.02},     {Method::profile, 0.02},    {Method::layered_bsdf, 0.02},
+      {Method::hierarchy, 0.02},     {Method::probe, 0.02},      {Method::layered_bsdf, 0.02},
       {Method::texture_space, 0.02}, {Method::shadow_map, 0.08}, {Method::random_walk, 0.03}};
   for (const auto& [method, tolerance] : tolerances) {
     const Vec3 color = color_of(skin, method);
     for (int c = 0; c < 3; ++c)
-      EXPECT_NEAR(color[c], exact[c], tolerance * exact[c])
-          << method_name(method) << ' ' << "RGB"[c];
+      EXPECT_NEAR(color[c], exact[c], tolerance * exact[c]) << method.name() << ' ' << "RGB"[c];
   }
 }
 
@@ -85,17 +84,18 @@ TEST(SkinTotals, ConstantsThatAreNamedAreNeverExchanged) {
   const Material diffusion = skin(R"(, "constants": "calibrated_diffusion")");
   const Material exact = skin(R"(, "constants": "calibrated")");
   EXPECT_EQ(exact.layers, skin("").layers);
-  for (const auto profile : {RenderSettings::Profile::multipole, RenderSettings::Profile::dipole}) {
+  for (const auto profile : {RenderSettings::Profile::diffusion, RenderSettings::Profile::dipole}) {
     RenderSettings settings{.profile = profile};
-    EXPECT_FALSE(takes_exact_totals(diffusion, settings));
-    EXPECT_FALSE(takes_exact_totals(skin(R"(, "constants": "paper")"), settings));
-    EXPECT_TRUE(takes_exact_totals(exact, settings));
+    EXPECT_FALSE(takes_material_totals(diffusion, settings));
+    EXPECT_FALSE(takes_material_totals(skin(R"(, "constants": "paper")"), settings));
+    EXPECT_TRUE(takes_material_totals(exact, settings));
     settings.single_scattering = RenderSettings::SingleScattering::straight;
-    EXPECT_FALSE(takes_exact_totals(exact, settings));
+    EXPECT_FALSE(takes_material_totals(exact, settings));
   }
-  const Profile own = profile_maker({})(diffusion), scaled = profile_maker({})(exact);
+  const Profile own = profile_maker({})(diffusion, layer_stacks(diffusion)),
+                scaled = profile_maker({})(exact, layer_stacks(exact));
   EXPECT_EQ(own.reflectance_profile, diffusion_profile(diffusion).reflectance_profile);
-  const std::vector<EnteredTotals> totals = exact_totals(exact);
+  const std::vector<EnteredTotals> totals = material_totals(layer_stacks(exact));
   const Profile before = diffusion_profile(exact);
   for (std::size_t b = 0; b < 3; ++b) {
     EXPECT_NEAR(scaled.total_reflectance[b], totals[b].reflectance, 1e-9);

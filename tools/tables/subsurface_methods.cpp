@@ -56,7 +56,7 @@ int main(int count, char** arguments) {
   scene.film.width = scene.film.height = size;
   const std::vector<Tried> all = {{"shadow_map", Method::shadow_map, {1, 4, 16, 64}, 512},
                                   {"hierarchy", Method::hierarchy, {1, 4, 16}, 64},
-                                  {"profile", Method::profile, {1, 4, 16, 64}, 1024},
+                                  {"probe", Method::probe, {1, 4, 16, 64}, 1024},
                                   {"random_walk", Method::random_walk, {1, 4, 16}, truth_samples}};
   const Image truth = picture(scene, Method::random_walk, truth_samples, 99).image;
   Plot plot{.title = "bumpy.json: error over CPU time"};

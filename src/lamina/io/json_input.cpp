@@ -138,10 +138,10 @@ std::size_t JsonInput::choice(std::span<const std::string_view> names) const {
 }
 
 JsonObject JsonInput::object(std::initializer_list<std::string_view> keys) const {
-  return checked_object(std::span(keys.begin(), keys.size()));
+  return object(std::span(keys.begin(), keys.size()));
 }
 
-JsonObject JsonInput::checked_object(std::span<const std::string_view> keys) const {
+JsonObject JsonInput::object(std::span<const std::string_view> keys) const {
   const auto all = entries();
   for (const auto& [key, value] : all) {
     if (std::ranges::find(keys, key) != keys.end()) continue;
@@ -168,7 +168,7 @@ JsonObject JsonInput::file_object(std::string_view kind, int version,
   if (const auto schema = peek("$schema")) (void)schema->string();
   std::vector<std::string_view> all = {"lamina", "version", "$schema"};
   all.insert(all.end(), keys.begin(), keys.end());
-  return checked_object(all);
+  return object(all);
 }
 
 std::vector<std::pair<std::string, JsonInput>> JsonInput::entries() const {

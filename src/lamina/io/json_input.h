@@ -125,6 +125,7 @@ class JsonInput {
 
   /// An object with these keys. @throws InvalidInput for any other key, suggesting the nearest one.
   [[nodiscard]] JsonObject object(std::initializer_list<std::string_view> keys) const;
+  [[nodiscard]] JsonObject object(std::span<const std::string_view> keys) const;
 
   /// The object that a file of lamina's is: its keys "lamina" and "version" are checked before the
   /// other keys, which are given here; so a file of another kind is called that. The key "$schema",
@@ -158,7 +159,6 @@ class JsonInput {
   friend class JsonDocument;
   friend class JsonObject;
   JsonInput(const json_detail::Tree& tree, std::uint32_t node) : tree_(&tree), node_(node) {}
-  [[nodiscard]] JsonObject checked_object(std::span<const std::string_view> keys) const;
   [[nodiscard]] std::string described() const;
   [[noreturn]] void say(const std::string& text) const;
 

@@ -20,6 +20,7 @@ inline constexpr auto renamed_names = std::to_array<RenamedName>({
     {"exact_profile", "radiative_transfer"},
     {"kept", "energy_threshold"},
     {"multipole", "diffusion"},
+    {"profile", "probe"},
     {"terms", "interlayer_bounces"},
 });
 

@@ -115,4 +115,11 @@ LayerStack layer_stack(const Material& material, std::size_t band) {
                     at(material.ior_below, band, "ior_below"), material.ground);
 }
 
+std::vector<LayerStack> layer_stacks(const Material& material) {
+  std::vector<LayerStack> stacks;
+  for (std::size_t band = 0; band < material.bands.size(); ++band)
+    stacks.push_back(layer_stack(material, band));
+  return stacks;
+}
+
 }  // namespace lamina

@@ -92,6 +92,9 @@ using RecipeMaps = std::function<double(const SkinParameterRange& parameter, con
 /// @throws InvalidInput as LayerStack does, or if a vector has not a number for the band.
 [[nodiscard]] LayerStack layer_stack(const Material& material, std::size_t band);
 
+/// The same of all bands, [band].
+[[nodiscard]] std::vector<LayerStack> layer_stacks(const Material& material);
+
 /// The layers of a recipe of skin at some wavelengths [nm].
 /// @throws InvalidInput as skin_layer_stack.
 [[nodiscard]] std::vector<MaterialLayer> skin_layers(const SkinParameters& skin,

@@ -15,12 +15,26 @@ namespace {
 constexpr double least_total = 1e-9;
 constexpr double least_factor = 1.0 / 64.0, largest_factor = 3000.0;  // of absorption
 
+/// The same of a material, of all that its layers are mixed of; a factor for each band.
+Material with_absorptions(Material material, const std::vector<double>& factor) {
+  assert(factor.size() == material.bands.size());
+  for (MaterialLayer& layer : material.layers) {
+    for (std::size_t b = 0; b < layer.sigma_a.size(); ++b)
+      layer.sigma_a[b] =
+          factor[b] * std::max(layer.sigma_a[b], 1e-3 * layer.sigma_s[b] * (1.0 - layer.g[b]));
+    for (MixturePart& part : layer.mixture)
+      for (std::size_t b = 0; b < part.sigma_a.size(); ++b) part.sigma_a[b] *= factor[b];
+  }
+  return material;
+}
+
 /// The factor on the absorption of one band at which a reflectance is met.
 double factor_for(const Material& material, std::size_t band, double reflectance) {
   const auto excess = [&](double log_factor) {
     std::vector<double> factor(material.bands.size(), 1.0);
     factor[band] = std::exp(log_factor);
-    return exact_totals(with_absorption(material, factor), band).reflectance - reflectance;
+    const LayerStack layers = layer_stack(with_absorptions(material, factor), band);
+    return material_totals(layers).reflectance - reflectance;
   };
   double light = std::log(least_factor), dark = std::log(largest_factor);
   double at_light = excess(light), at_dark = excess(dark);
@@ -47,8 +61,7 @@ double factor_for(const Material& material, std::size_t band, double reflectance
 
 }  // namespace
 
-LayerStack stack_with_smooth_ends(const Material& material, std::size_t band) {
-  const LayerStack stack = layer_stack(material, band);
+LayerStack with_smooth_ends(const LayerStack& stack) {
   std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
   layers.front().top.roughness = 0.0;
   Ground ground = stack.ground();
@@ -56,71 +69,67 @@ LayerStack stack_with_smooth_ends(const Material& material, std::size_t band) {
   return LayerStack(std::move(layers), stack.ior_above(), stack.ior_below(), ground);
 }
 
-EnteredTotals exact_totals(const Material& material, std::size_t band) {
-  const SlabTotals totals =
-      adding_doubling(stack_with_smooth_ends(material, band), {.is_diffuse = true}).totals;
+EnteredTotals material_totals(const LayerStack& layers) {
+  const SlabTotals totals = adding_doubling(with_smooth_ends(layers), {.is_diffuse = true}).totals;
   const double entered = 1.0 - totals.specular_reflectance;
   return {totals.diffuse_reflectance / entered, totals.transmittance / entered};
 }
 
-std::vector<EnteredTotals> exact_totals(const Material& material) {
-  std::vector<EnteredTotals> totals(material.bands.size());
-  parallel_for(totals.size(), [&](std::size_t b) { totals[b] = exact_totals(material, b); });
+std::vector<EnteredTotals> material_totals(std::span<const LayerStack> bands) {
+  std::vector<EnteredTotals> totals(bands.size());
+  parallel_for(totals.size(), [&](std::size_t b) { totals[b] = material_totals(bands[b]); });
   return totals;
 }
 
-Profile with_exact_totals(Profile profile, const Material& material) {
+Profile with_material_totals(Profile profile, std::span<const LayerStack> bands) {
   assert(profile.per == ProfilePer::entered_flux);
-  const std::vector<EnteredTotals> exact = exact_totals(material);
+  const std::vector<EnteredTotals> wanted_totals = material_totals(bands);
   for (std::size_t b = 0; b < profile.bands; ++b) {
     const auto scale = [&](std::vector<double>& values, double& total, double wanted) {
       if (!(total > least_total)) return;
       for (std::size_t i = b; i < values.size(); i += profile.bands) values[i] *= wanted / total;
       total = wanted;
     };
-    scale(profile.reflectance_profile, profile.total_reflectance[b], exact[b].reflectance);
-    scale(profile.transmittance_profile, profile.total_transmittance[b], exact[b].transmittance);
+    scale(profile.reflectance_profile, profile.total_reflectance[b], wanted_totals[b].reflectance);
+    scale(profile.transmittance_profile, profile.total_transmittance[b],
+          wanted_totals[b].transmittance);
   }
   return profile;
 }
 
-double thickness_of_upper_layers(const Material& material) {
+double thickness_of_upper_layers(const LayerStack& stack) {
   double total = 0.0;
-  for (std::size_t i = 0; i + 1 < material.layers.size(); ++i)
-    total += material.layers[i].thickness;
+  for (const Layer& layer : stack.layers().first(stack.layers().size() - 1))
+    total += layer.thickness;
   return total;
 }
 
-Material make_slab(const Material& material, double thickness) {
-  Material slab = material;
-  const std::size_t upper = material.layers.size() - 1;
-  slab.layers.back().thickness =
-      std::max(thickness - 2.0 * thickness_of_upper_layers(material), 0.1 * thickness);
+LayerStack make_slab(const LayerStack& stack, double thickness) {
+  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
+  const std::size_t upper = layers.size() - 1;
+  layers.back().thickness =
+      std::max(thickness - 2.0 * thickness_of_upper_layers(stack), 0.1 * thickness);
   for (std::size_t i = upper; i-- > 0;) {
-    MaterialLayer layer = material.layers[i];
-    layer.top = material.layers[i + 1].top;
-    slab.layers.push_back(layer);
+    Layer layer = stack.layers()[i];
+    layer.top = stack.layers()[i + 1].top;
+    layers.push_back(layer);
   }
-  slab.ground = {.top = material.layers.front().top};
-  slab.ior_below = material.ior_above;
-  return slab;
+  return LayerStack(std::move(layers), stack.ior_above(), stack.ior_above(),
+                    {.top = stack.layers().front().top});
 }
 
-Material with_absorption(Material material, const std::vector<double>& factor) {
-  assert(factor.size() == material.bands.size());
-  for (MaterialLayer& layer : material.layers) {
-    for (std::size_t b = 0; b < layer.sigma_a.size(); ++b)
-      layer.sigma_a[b] =
-          factor[b] * std::max(layer.sigma_a[b], 1e-3 * layer.sigma_s[b] * (1.0 - layer.g[b]));
-    for (MixturePart& part : layer.mixture)
-      for (std::size_t b = 0; b < part.sigma_a.size(); ++b) part.sigma_a[b] *= factor[b];
+LayerStack with_absorption(const LayerStack& stack, double factor) {
+  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
+  for (Layer& layer : layers) {
+    Medium& medium = layer.medium;
+    medium.sigma_a = factor * std::max(medium.sigma_a, 1e-3 * medium.sigma_s * (1.0 - medium.g));
   }
-  return material;
+  return LayerStack(std::move(layers), stack.ior_above(), stack.ior_below(), stack.ground());
 }
 
 Material with_reflectance(const Material& material, const std::vector<double>& reflectance) {
   assert(reflectance.size() == material.bands.size());
-  const std::vector<EnteredTotals> own = exact_totals(material);
+  const std::vector<EnteredTotals> own = material_totals(layer_stacks(material));
   const auto stays = [&](std::size_t b) {
     return std::abs(own[b].reflectance - reflectance[b]) < 1e-5;
   };
@@ -128,7 +137,7 @@ Material with_reflectance(const Material& material, const std::vector<double>& r
   parallel_for(factor.size(), [&](std::size_t b) {
     if (!stays(b)) factor[b] = factor_for(material, b, reflectance[b]);
   });
-  Material result = with_absorption(material, factor);
+  Material result = with_absorptions(material, factor);
   for (std::size_t i = 0; i < result.layers.size(); ++i)
     for (std::size_t b = 0; b < result.layers[i].sigma_a.size(); ++b)
       if (stays(b)) result.layers[i].sigma_a[b] = material.layers[i].sigma_a[b];

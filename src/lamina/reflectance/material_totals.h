@@ -1,9 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lamina/materials/material.h"
+#include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"
 
 namespace lamina {
@@ -16,32 +18,32 @@ struct EnteredTotals {
 
 /// By adding-doubling, to 1e-5. The upper surface and the lowest one count as smooth, their
 /// roughness being the renderer's business.
-/// @throws InvalidInput as layer_stack.
-[[nodiscard]] EnteredTotals exact_totals(const Material& material, std::size_t band);
+[[nodiscard]] EnteredTotals material_totals(const LayerStack& layers);
 
 /// The same for all bands, in parallel, [band].
-[[nodiscard]] std::vector<EnteredTotals> exact_totals(const Material& material);
+[[nodiscard]] std::vector<EnteredTotals> material_totals(std::span<const LayerStack> bands);
 
-/// A profile per entered flux with the totals of the material by radiative transfer: the shape is
-/// kept. What is too little to be told from none stays.
-[[nodiscard]] Profile with_exact_totals(Profile profile, const Material& material);
+/// A profile per entered flux with the totals of its layers by radiative transfer, [band]: the
+/// shape is kept. What is too little to be told from none stays.
+[[nodiscard]] Profile with_material_totals(Profile profile, std::span<const LayerStack> bands);
 
-/// The optical layers of a band with a smooth upper surface and a smooth lowest one.
-[[nodiscard]] LayerStack stack_with_smooth_ends(const Material& material, std::size_t band);
+/// The same layers with a smooth upper surface and a smooth lowest one.
+[[nodiscard]] LayerStack with_smooth_ends(const LayerStack& stack);
 
 /// Of all layers but the last [mm].
-[[nodiscard]] double thickness_of_upper_layers(const Material& material);
+[[nodiscard]] double thickness_of_upper_layers(const LayerStack& stack);
 
-/// A material with an infinite last layer as a thin object: a slab with the same layers on both
-/// sides and what is left of the thickness [mm] of the last one between them.
-[[nodiscard]] Material make_slab(const Material& material, double thickness);
+/// Layers of which the last is infinite as a thin object: a slab with the same layers on both sides
+/// and what is left of the thickness [mm] of the last one between them.
+[[nodiscard]] LayerStack make_slab(const LayerStack& stack, double thickness);
 
-/// The material with the absorption of each band times a factor, [band]. Where there is none, a
-/// thousandth of the reduced scattering stands in, so that it can be made darker.
-[[nodiscard]] Material with_absorption(Material material, const std::vector<double>& factor);
+/// The layers with their absorption times a factor. Where there is none, a thousandth of the reduced
+/// scattering stands in, so that it can be made darker.
+[[nodiscard]] LayerStack with_absorption(const LayerStack& stack, double factor);
 
-/// The material whose exact totals of reflectance are given, [band], by its absorption. Where no
+/// The material whose totals of reflectance are given, [band], by its absorption. Where no
 /// absorption between a 64th and 3000 times its own gives them it has the nearest ones.
+/// @throws InvalidInput as layer_stack.
 [[nodiscard]] Material with_reflectance(const Material& material,
                                         const std::vector<double>& reflectance);
 

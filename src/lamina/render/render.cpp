@@ -22,17 +22,9 @@
 #include "lamina/render/planning/method_choice.h"
 #include "lamina/render/planning/render_cost.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/colored_transport.h"
-#include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
+#include "lamina/render/subsurface/methods/make_methods.h"
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/profiles/material_profiles.h"
-#include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/render/subsurface/random_walk/random_walk.h"
-#include "lamina/render/subsurface/seen_surface.h"
-#include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
-#include "lamina/render/subsurface/single_scattering/single_scattering.h"
-#include "lamina/render/subsurface/texture_space/texture_space_transport.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/skin_layer_maps.h"
@@ -81,75 +73,17 @@ BandSet common_bands(const Scene& scene) {
   return bands;
 }
 
-/// @throws InvalidInput if light scattered once would count twice.
-void require_light_once(const RenderSettings& settings) {
-  using Method = RenderSettings::Method;
-  const bool uses_profile = settings.method == Method::profile ||
-                            settings.method == Method::hierarchy ||
-                            settings.method == Method::shadow_map;
-  if (uses_profile && settings.profile == RenderSettings::Profile::exact &&
-      settings.single_scattering != RenderSettings::SingleScattering::none)
-    throw InvalidInput(
-        "render: profile \"exact\" holds the light scattered once, so single_scattering must be "
-        "\"none\", but is \"" +
-        std::string(settings.single_scattering == RenderSettings::SingleScattering::straight
-                        ? "straight"
-                        : "refracted") +
-        "\"");
-}
-
-/// The one place where a method of subsurface transport is chosen.
 template <int N>
-SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
-                                             const BandConversion<N>& conversion,
-                                             const RenderOptions& options,
-                                             const Progress& progress) {
-  using Method = RenderSettings::Method;
-  require_light_once(scene.scene->render);
+LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
+                                           const BandConversion<N>& conversion) {
   const auto& materials = scene.scene->materials;
-  SubsurfaceMethods<N> methods(materials.size());
-  const ProfileMaker make_profile = profile_maker(scene.scene->render, of_unknown_length(progress));
-  const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
-  if (scene.scene->render.method == Method::layered_bsdf) return methods;
-  std::shared_ptr<WalkMedia<N>> media;  // of all random walks
-  for (std::uint32_t i = 0; i < materials.size(); ++i) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&materials[i].surface);
-    if (!surface) continue;
-    auto& method = methods[i];
-    switch (scene.scene->render.method) {
-      case Method::profile:
-        method =
-            std::make_unique<ProfileTransport<N>>(scene, conversion, i, make_profile, is_printed);
-        break;
-      case Method::hierarchy:
-        method =
-            std::make_unique<HierarchyTransport<N>>(scene, conversion, i, make_profile, is_printed);
-        break;
-      case Method::shadow_map:
-        method =
-            std::make_unique<ShadowMapTransport<N>>(scene, conversion, i, make_profile, is_printed);
-        break;
-      case Method::texture_space:
-        method = std::make_unique<TextureSpaceTransport<N>>(scene, i, is_printed);
-        break;
-      case Method::random_walk:
-        if (!media) media = make_walk_media<N>(scene, conversion);
-        method = std::make_unique<RandomWalk<N>>(media, i);
-        break;
-      case Method::layered_bsdf:
-      case Method::automatic:
-        break;  // has no transport between points; is one of the others by now
-    }
-    if (scene.scene->render.method == Method::random_walk &&
-        surface->color_use != SubsurfaceSurface::ColorUse::none)
-      method = std::make_unique<ColoredTransport<N>>(scene, conversion, i, std::move(method));
-    using SingleScattering = RenderSettings::SingleScattering;
-    const auto single = scene.scene->render.single_scattering;
-    if (single != SingleScattering::none)
-      method = std::make_unique<lamina::SingleScattering<N>>(
-          scene, conversion, i, single == SingleScattering::refracted, std::move(method));
-  }
-  return methods;
+  LayeredMaterials<N> layered(materials.size());
+  if (!scene.scene->render.method->is_bsdf) return layered;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    if (std::holds_alternative<SubsurfaceSurface>(materials[i].surface))
+      layered[i] =
+          std::make_unique<LayeredMaterial<N>>(scene, conversion, static_cast<std::uint32_t>(i));
+  return layered;
 }
 
 /// Makes all methods ready. @return  false if progress asked to stop
@@ -163,25 +97,12 @@ bool prepare(const SubsurfaceMethods<N>& methods, const Preparation<N>& with) {
   return true;
 }
 
-template <int N>
-LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
-                                           const BandConversion<N>& conversion) {
-  const auto& materials = scene.scene->materials;
-  LayeredMaterials<N> layered(materials.size());
-  if (scene.scene->render.method != RenderSettings::Method::layered_bsdf) return layered;
-  for (std::size_t i = 0; i < materials.size(); ++i)
-    if (std::holds_alternative<SubsurfaceSurface>(materials[i].surface))
-      layered[i] =
-          std::make_unique<LayeredMaterial<N>>(scene, conversion, static_cast<std::uint32_t>(i));
-  return layered;
-}
-
 /// The method, in place of one that the scene leaves open.
 template <int N>
 void choose(RenderScene& scene, const BandConversion<N>& conversion, const CameraRays& camera,
             const SeenSurface& seen, const RenderOptions& options, const Progress& progress,
             Scene& chosen, RenderStatistics& statistics) {
-  if (scene.scene->render.method == RenderSettings::Method::automatic) {
+  if (scene.scene->render.method.is_open()) {
     const MethodChoice choice =
         choose_method<N>(scene, conversion, camera, seen, options, of_unknown_length(progress));
     chosen = *scene.scene;
@@ -193,7 +114,7 @@ void choose(RenderScene& scene, const BandConversion<N>& conversion, const Camer
   statistics.method = scene.scene->render.method;
 }
 
-/// "method profile, as hierarchy would take 5 times its work: about 12 CPU-s".
+/// "method probe, as hierarchy would take 5 times its work: about 12 CPU-s".
 std::string describe(const RenderStatistics& statistics, bool may_end_early) {
   const double expected = statistics.expected_cpu_seconds;
   const std::string seconds = printf_text("%.*f",
@@ -201,7 +122,7 @@ std::string describe(const RenderStatistics& statistics, bool may_end_early) {
                                           : expected < 9.5 ? 1
                                                            : 0,
                                           expected);
-  return "method " + name_of(statistics.method) +
+  return "method " + std::string(statistics.method.name()) +
          (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
          (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s";
 }

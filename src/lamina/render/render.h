@@ -13,7 +13,7 @@
 namespace lamina {
 
 struct RenderStatistics {
-  RenderSettings::Method method = RenderSettings::Method::automatic;  ///< that was used
+  SceneMethod method;                 ///< that was used
   std::string why_method;             ///< a phrase, if the scene left it open; else empty
   double expected_cpu_seconds = 0.0;  ///< as it seemed before the work
   double wall_seconds = 0.0;

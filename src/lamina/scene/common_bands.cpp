@@ -118,7 +118,7 @@ bool is_thick(const Material& material) { return !std::isfinite(material.layers.
 
 std::vector<double> reflectance_of(const Material& material) {
   std::vector<double> reflectance;
-  for (const EnteredTotals& totals : exact_totals(material))
+  for (const EnteredTotals& totals : material_totals(layer_stacks(material)))
     reflectance.push_back(totals.reflectance);
   return reflectance;
 }
@@ -138,22 +138,23 @@ Material with_bands(const Material& material, const BandSet& bands, const BandWe
   return interpolated(material, bands, shares_of_neighbors(bands, material.bands.wavelengths()));
 }
 
-/// Colors of a material as solvers see it: what it reflects and lets through, by radiative transfer
-/// and by diffusion.
-std::vector<LinearSrgb> colors_of(const Material& material, const BandWeights& weights) {
-  const std::vector<EnteredTotals> exact = exact_totals(material);
+/// Colors of layers, [band], as solvers see them: what they reflect and let through, by radiative
+/// transfer and by diffusion.
+std::vector<LinearSrgb> colors_of(const std::vector<LayerStack>& layers,
+                                  const BandWeights& weights) {
+  const std::vector<EnteredTotals> transfer = material_totals(layers);
   std::array<std::vector<double>, 4> spectra;
-  for (std::size_t b = 0; b < exact.size(); ++b) {
-    const LayerStack stack = stack_with_smooth_ends(material, b);
+  for (std::size_t b = 0; b < transfer.size(); ++b) {
+    const LayerStack stack = with_smooth_ends(layers[b]);
     const bool diffuses = std::ranges::all_of(
         stack.layers(), [](const Layer& layer) { return layer.medium.sigma_s > 0.0; });
     const SlabTotals totals =
         diffuses ? diffusion_totals(stack, {.is_diffuse = true}) : SlabTotals{};
     const double entered = 1.0 - totals.specular_reflectance;
-    spectra[0].push_back(exact[b].reflectance);
-    spectra[1].push_back(is_thick(material) ? 0.0 : exact[b].transmittance);
+    spectra[0].push_back(transfer[b].reflectance);
+    spectra[1].push_back(is_semi_infinite(stack) ? 0.0 : transfer[b].transmittance);
     spectra[2].push_back(totals.diffuse_reflectance / entered);
-    spectra[3].push_back(is_thick(material) ? 0.0 : totals.transmittance / entered);
+    spectra[3].push_back(is_semi_infinite(stack) ? 0.0 : totals.transmittance / entered);
   }
   std::vector<LinearSrgb> colors;
   for (const std::vector<double>& spectrum : spectra)
@@ -176,17 +177,23 @@ std::vector<double> thicknesses_to_compare(const Material& material) {
 double color_error(const Material& before, const BandWeights& weights_before, const Material& after,
                    const BandWeights& weights) {
   double worst = 0.0;
-  const auto compare = [&](const Material& first, const Material& second) {
+  using Layers = std::vector<LayerStack>;  // [band]
+  const auto compare = [&](const Layers& first, const Layers& second) {
     const std::vector<LinearSrgb> wanted = colors_of(first, weights_before);
     const std::vector<LinearSrgb> got = colors_of(second, weights);
     for (std::size_t i = 0; i < wanted.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c)
         worst = std::max(worst, std::abs(got[i][c] - wanted[i][c]));
   };
-  compare(before, after);
+  const Layers layers_before = layer_stacks(before), layers_after = layer_stacks(after);
+  compare(layers_before, layers_after);
+  const auto slabs = [](Layers layers, double thickness) {
+    for (LayerStack& stack : layers) stack = make_slab(stack, thickness);
+    return layers;
+  };
   if (is_thick(before))
     for (const double thickness : thicknesses_to_compare(before))
-      compare(make_slab(before, thickness), make_slab(after, thickness));
+      compare(slabs(layers_before, thickness), slabs(layers_after, thickness));
   return worst;
 }
 

@@ -9,11 +9,11 @@
 namespace lamina {
 namespace {
 
-/// "profile, hierarchy or shadow_map".
-std::string listed(const MethodSet& set) {
+/// "probe, hierarchy or shadow_map": the methods that honour a key.
+std::string listed(std::string_view key) {
   std::vector<std::string_view> names;
-  for (const auto& [name, method] : named_methods)
-    if (set.has(method)) names.push_back(name);
+  for (const SceneMethod method : subsurface_methods())
+    if (method->honours_key(key)) names.push_back(method.name());
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + std::string(names[i]);
@@ -28,10 +28,10 @@ std::string place(const Scene& scene, const std::string& path) {
 
 template <class Setting>
 std::string refusal_of(const Scene& scene, const std::string& path, const Setting& setting,
-                       RenderSettings::Method method) {
-  return place(scene, path) + ": method \"" + std::string(method_name(method)) +
+                       SceneMethod method) {
+  return place(scene, path) + ": method \"" + std::string(method.name()) +
          "\" does not honour it, " + std::string(setting.reason) + ": leave it out, or take " +
-         listed(setting.honoured_by);
+         listed(setting.key);
 }
 
 /// Whether a key of `render` is there, if only with its default.
@@ -43,22 +43,16 @@ std::string path_of(const RenderSetting& setting) { return "render." + std::stri
 
 }  // namespace
 
-std::string_view method_name(RenderSettings::Method method) {
-  for (const auto& [name, known] : named_methods)
-    if (known == method) return name;
-  return "";
-}
-
-std::optional<std::string> refusal(const Scene& scene, RenderSettings::Method method) {
-  if (method == RenderSettings::Method::automatic) return std::nullopt;
+std::optional<std::string> refusal(const Scene& scene, SceneMethod method) {
+  if (method.is_open()) return std::nullopt;
   for (const RenderSetting& setting : render_settings)
     if (const std::string path = path_of(setting);
-        !setting.honoured_by.has(method) && is_asked(scene, setting, path))
+        !method->honours_key(setting.key) && is_asked(scene, setting, path))
       return refusal_of(scene, path, setting, method);
   for (const SurfaceMaterial& material : scene.materials)
     if (const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface))
       for (const MaterialSetting& setting : material_settings)
-        if (!setting.honoured_by.has(method) && setting.is_asked(*surface))
+        if (!method->honours_key(setting.key) && setting.is_asked(*surface))
           return refusal_of(scene, "materials." + material.name + "." + std::string(setting.key),
                             setting, method);
   return std::nullopt;
@@ -70,12 +64,12 @@ void require_honoured(const Scene& scene) {
 
 std::vector<std::string> leave_out_unhonoured(Scene& scene) {
   std::vector<std::string> lines;
-  if (scene.render.method == RenderSettings::Method::automatic) return lines;
+  if (scene.render.method.is_open()) return lines;
   for (const RenderSetting& setting : render_settings) {
     const std::string path = path_of(setting);
-    if (setting.honoured_by.has(scene.render.method) || !is_asked(scene, setting, path)) continue;
+    if (scene.render.method->honours_key(setting.key) || !is_asked(scene, setting, path)) continue;
     lines.push_back(place(scene, path) + ": left out, method \"" +
-                    std::string(method_name(scene.render.method)) + "\" does not honour it, " +
+                    std::string(scene.render.method.name()) + "\" does not honour it, " +
                     std::string(setting.reason));
     setting.leave_out(scene.render);
     scene.places.erase(path);

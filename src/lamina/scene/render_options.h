@@ -7,10 +7,13 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lamina/core/memory_budget.h"
 
 namespace lamina {
+
+struct SubsurfaceMethodMaker;
 
 /// What is not part of a scene but of how it is computed. The defaults are right for pictures.
 struct RenderOptions {
@@ -37,6 +40,9 @@ struct RenderOptions {
   /// image is complete. Empty: none.
   std::filesystem::path checkpoint;
   bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
+
+  /// How to make methods that lamina does not bring, see render/subsurface/methods.
+  std::vector<const SubsurfaceMethodMaker*> more_methods;
 
   /// Told what a user should know before the work goes on, a line each. May be empty.
   std::function<void(const std::string&)> on_notice;

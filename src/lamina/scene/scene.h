@@ -21,6 +21,7 @@
 #include "lamina/image/tone.h"
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
+#include "lamina/scene/subsurface_methods.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {
@@ -238,16 +239,8 @@ struct LayeredFactors {
 };
 
 struct RenderSettings {
-  enum class Method {
-    profile,
-    layered_bsdf,
-    hierarchy,
-    shadow_map,
-    texture_space,
-    random_walk,
-    automatic,  ///< one of these, by what the scene needs and what it costs
-  };
-  Method method = Method::automatic;
+  using Method = SceneMethod;
+  Method method;  ///< left open: by what the scene needs and what it costs
   LayeredOrders orders = LayeredOrders::all;
   LayeredFactors factors;
   /// Light scattered once, added to what diffusion finds: not at all, by a straight way to the
@@ -255,8 +248,8 @@ struct RenderSettings {
   enum class SingleScattering { none, straight, refracted };
   SingleScattering single_scattering = SingleScattering::none;
   /// Where the profiles of translucent materials come from.
-  enum class Profile { exact, multipole, dipole };
-  Profile profile = Profile::multipole;
+  enum class Profile { radiative_transfer, diffusion, dipole };
+  Profile profile = Profile::diffusion;
   int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
   /// Standard error over brightness below which a part of the picture gets no more samples; what is
   /// darker than a quarter of the mean counts as that bright. 0: all get the same.
@@ -267,6 +260,26 @@ struct RenderSettings {
   TextureSpaceSettings texture_space;
   ShadowMapSettings shadow_map;
 };
+
+template <>
+inline constexpr auto enum_names<LayeredOrders> =
+    std::to_array<EnumName<LayeredOrders>>({{"first", LayeredOrders::first},
+                                            {"all", LayeredOrders::all},
+                                            {"random_walk", LayeredOrders::random_walk}});
+
+template <>
+inline constexpr auto enum_names<RenderSettings::SingleScattering> =
+    std::to_array<EnumName<RenderSettings::SingleScattering>>(
+        {{"none", RenderSettings::SingleScattering::none},
+         {"straight", RenderSettings::SingleScattering::straight},
+         {"refracted", RenderSettings::SingleScattering::refracted}});
+
+template <>
+inline constexpr auto enum_names<RenderSettings::Profile> =
+    std::to_array<EnumName<RenderSettings::Profile>>(
+        {{"radiative_transfer", RenderSettings::Profile::radiative_transfer},
+         {"diffusion", RenderSettings::Profile::diffusion},
+         {"dipole", RenderSettings::Profile::dipole}});
 
 /// A translucent material that was given for other bands than the scene is rendered with.
 struct BandChange {
@@ -294,10 +307,13 @@ struct Scene {
 };
 
 /// Reads a scene file and all that it names; paths in it are relative to it.
-/// @param memory    what reading them may take in all.
-/// @param settings  changes of values, as parse_json takes them.
+/// @param memory        what reading them may take in all.
+/// @param settings      changes of values, as parse_json takes them.
+/// @param more_methods  that "method" may name, beside those that lamina brings; they must outlive
+///                      the scene.
 /// @throws FileError, InvalidInput with file, line and field.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {},
-                               std::span<const std::string> settings = {});
+                               std::span<const std::string> settings = {},
+                               std::span<const SubsurfaceMethodInfo> more_methods = {});
 
 }  // namespace lamina

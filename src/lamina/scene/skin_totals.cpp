@@ -8,22 +8,16 @@ namespace {
 
 /// Whether all light that a method finds is that of radiative transfer.
 bool is_exact(const Material& material, const RenderSettings& settings) {
-  using Method = RenderSettings::Method;
-  switch (settings.method) {
-    case Method::random_walk:
-    case Method::layered_bsdf:
-      return true;
-    case Method::texture_space:
-      return takes_exact_totals(material, settings);
-    default:
-      return settings.profile == RenderSettings::Profile::exact ||
-             takes_exact_totals(material, settings);
-  }
+  const auto& method = settings.method;
+  if (!method.is_open() && method->solves_transfer) return true;
+  if (takes_material_totals(material, settings)) return true;
+  return (method.is_open() || method->uses_profile) &&
+         settings.profile == RenderSettings::Profile::radiative_transfer;
 }
 
 }  // namespace
 
-bool takes_exact_totals(const Material& material, const RenderSettings& settings) {
+bool takes_material_totals(const Material& material, const RenderSettings& settings) {
   return material.skin && are_for_exact_totals(material.skin->constants) &&
          settings.single_scattering == RenderSettings::SingleScattering::none;
 }

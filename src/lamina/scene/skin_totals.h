@@ -15,7 +15,7 @@ namespace lamina {
 
 /// Whether a method that spreads light by diffusion takes the totals of radiative transfer: for
 /// skin with constants made for them, unless light scattered once is added to what diffusion finds.
-[[nodiscard]] bool takes_exact_totals(const Material& material, const RenderSettings& settings);
+[[nodiscard]] bool takes_material_totals(const Material& material, const RenderSettings& settings);
 
 /// How the method of a scene takes a material of skin.
 struct SkinTotals {

@@ -200,7 +200,7 @@ TEST(CompactSky, IsScatteredOnceAsDistantLightsAre) {
   for (const auto single :
        {RenderSettings::SingleScattering::straight, RenderSettings::SingleScattering::refracted}) {
     Scene scene = ball(homogeneous(1.4), 3.0f, 128);
-    scene.render.method = RenderSettings::Method::profile;
+    scene.render.method = RenderSettings::Method::probe;
     scene.render.single_scattering = single;
     for (const int size : {1, 8, 32})
       expect_same_as_sky(scene, {size}, light_by_distant_lights, 0.015, std::to_string(size));
@@ -210,7 +210,7 @@ TEST(CompactSky, IsScatteredOnceAsDistantLightsAre) {
 // These find the light where it enters the surface, all in their own way.
 TEST(CompactSky, IsFoundByEveryMethod) {
   using Method = RenderSettings::Method;
-  for (const Method method : {Method::profile, Method::hierarchy, Method::shadow_map,
+  for (const Method method : {Method::probe, Method::hierarchy, Method::shadow_map,
                               Method::layered_bsdf, Method::texture_space}) {
     Material material = homogeneous(1.4);
     if (method == Method::texture_space)
@@ -230,7 +230,7 @@ TEST(CompactSky, IsFoundByEveryMethod) {
       const std::vector<Mean> found = means_inside(scene);
       for (std::size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(found[c].value, expected[c].value, 0.005 * expected[c].value)
-            << static_cast<int>(method) << ", " << size << " pixels, channel " << c;
+            << method.name() << ", " << size << " pixels, channel " << c;
     }
   }
 }

@@ -49,7 +49,8 @@ TEST(MethodChoice, FollowsWhatTheMaterialsNeed) {
   surface_of(scene).material = skin_by_bands();
   Image map = make_image(2, 2, {"R"});
   for (float& value : map.pixels) value = 0.02f;
-  surface_of(scene).skin_maps = {{.name = "melanin", .parameter = &SkinParameters::melanin, .values = map}};
+  surface_of(scene).skin_maps = {
+      {.name = "melanin", .parameter = &SkinParameters::melanin, .values = map}};
   scene.render.texture_space.texel = 0.5f;
   const RenderStatistics of_maps = chosen_for(scene);
   EXPECT_EQ(of_maps.method, Method::texture_space);
@@ -83,7 +84,7 @@ TEST(MethodChoice, FollowsSettingsOfOneMethod) {
 TEST(MethodChoice, WeighsWorkAndIsThatOfTheMethodByName) {
   Scene scene = lit_ball();
   scene.render.samples_per_pixel = 1;
-  EXPECT_EQ(chosen_for(scene).method, Method::profile);
+  EXPECT_EQ(chosen_for(scene).method, Method::probe);
   scene.render.samples_per_pixel = 256;
   RenderResult open = render(scene);
   EXPECT_EQ(open.statistics.method, Method::hierarchy);
@@ -94,7 +95,7 @@ TEST(MethodChoice, WeighsWorkAndIsThatOfTheMethodByName) {
   EXPECT_TRUE(named.statistics.why_method.empty());
   scene.materials[0] = diffuse_material(0.5f);
   scene.render.method = Method::automatic;
-  EXPECT_EQ(chosen_for(scene).method, Method::profile);
+  EXPECT_EQ(chosen_for(scene).method, Method::probe);
 }
 
 TEST(MethodChoice, SaysWhatItIsAndCostsBeforeTheWork) {
@@ -112,13 +113,13 @@ TEST(MethodChoice, SaysWhatItIsAndCostsBeforeTheWork) {
                                        return true;
                                      });
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_TRUE(lines[0].starts_with("method profile (")) << lines[0];
+  EXPECT_TRUE(lines[0].starts_with("method probe (")) << lines[0];
   EXPECT_TRUE(lines[0].ends_with(" CPU-s")) << lines[0];
 }
 
 // Within a factor of 3, for every method.
 TEST(MethodChoice, ExpectsTheTimeThatItTakes) {
-  for (const Method method : {Method::profile, Method::layered_bsdf, Method::hierarchy,
+  for (const Method method : {Method::probe, Method::layered_bsdf, Method::hierarchy,
                               Method::shadow_map, Method::texture_space, Method::random_walk}) {
     Scene scene = lit_ball(method);
     scene.render.samples_per_pixel = method == Method::random_walk ? 16 : 128;
@@ -127,7 +128,7 @@ TEST(MethodChoice, ExpectsTheTimeThatItTakes) {
     const RenderStatistics statistics = chosen_for(scene);
     EXPECT_LT(std::abs(std::log(statistics.expected_cpu_seconds / statistics.cpu_seconds)),
               std::log(3.0))
-        << static_cast<int>(method) << ": " << statistics.expected_cpu_seconds << " for "
+        << method.name() << ": " << statistics.expected_cpu_seconds << " for "
         << statistics.cpu_seconds;
   }
 }

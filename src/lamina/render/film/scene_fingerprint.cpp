@@ -202,33 +202,18 @@ std::uint64_t hash_of(const std::vector<T>& parts, bool is_of_light) {
   return hash.value();
 }
 
-void add(SceneHash& hash, const HierarchySettings& settings) {
-  const auto& [spacing, max_points, irradiance_samples, error, refine] = settings;
-  hash.add(spacing);
-  hash.add(max_points);
-  hash.add(irradiance_samples);
-  hash.add(refine);
-  // Of the sum of samples; their number follows from it where they are refined.
-  if (!hash.is_of_light || refine > 0.0f) hash.add(error);
-}
-
-void add(SceneHash& hash, const TextureSpaceSettings& settings) {
-  const auto& [texel, max_texels, irradiance_samples, interlayer_bounces] = settings;
-  hash.add(texel);
-  hash.add(max_texels);
-  hash.add(irradiance_samples);
-  hash.add(interlayer_bounces);
-}
-
-void add(SceneHash& hash, const ShadowMapSettings& settings) {
-  const auto& [resolution, lamp_views, dome_views, lookups] = settings;
-  for (const int number : {resolution, lamp_views, dome_views, lookups}) hash.add(number);
+/// The numbers of the method.
+void add_numbers(SceneHash& hash, const RenderSettings& settings) {
+  if (settings.method.is_open()) return;
+  for (const MethodNumber& number : settings.method->numbers)
+    if (!hash.is_of_light || !number.shapes_kept_light || number.shapes_kept_light(settings))
+      hash.add(number.get(settings));
 }
 
 /// What light and picture follow from alike.
 void add_shared(SceneHash& hash, const RenderSettings& settings, const RenderOptions& options) {
   hash.add_text(LAMINA_RENDER_FINGERPRINT);
-  hash.add(settings.method);
+  hash.add_text(settings.method.name());
   hash.add(settings.profile);  // what surfaces reflect onto others follows from it
   hash.add(settings.max_bounces);
   hash.add(settings.seed);
@@ -238,11 +223,9 @@ void add_shared(SceneHash& hash, const RenderSettings& settings, const RenderOpt
 }  // namespace
 
 LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options) {
-  using Method = RenderSettings::Method;
   SceneHash settings(true);
   add_shared(settings, scene.render, options);
-  if (scene.render.method == Method::hierarchy) add(settings, scene.render.hierarchy);
-  if (scene.render.method == Method::texture_space) add(settings, scene.render.texture_space);
+  add_numbers(settings, scene.render);
   return {.meshes = hash_of(scene.meshes, true),
           .materials = hash_of(scene.materials, true),
           .maps = hash_of(scene.images, true),
@@ -265,19 +248,19 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
                max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
+  (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);
   for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
     hash.add(factor);
   hash.add(single_scattering);
   hash.add(samples_per_pixel);
   hash.add(noise);
-  add(hash, hierarchy);
-  add(hash, texture_space);
-  add(hash, shadow_map);
+  add_numbers(hash, scene.render);
   const auto& [exit_angle, direct_light, cache, memory, needs_cache, checkpoint, resumes,
-               on_notice] = options;
+               more_methods, on_notice] = options;
   hash.add(exit_angle);
   (void)direct_light;       // shared
+  (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
   return hash.value();

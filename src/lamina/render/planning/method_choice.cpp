@@ -13,12 +13,12 @@
 namespace lamina {
 namespace {
 
-using Method = RenderSettings::Method;
+using Method = SceneMethod;
 
 /// Work of `hierarchy` per sample of the light beside its paths, in paths: cutting the surface, and
 /// where a sample is seen the sum over all others.
 constexpr double work_of_cell = 1.0, work_of_sum = 8.0;
-/// Work of `profile` per sample of a pixel, in paths: the one, and the probes for where it enters.
+/// Work of `probe` per sample of a pixel, in paths: the one, and the probes for where it enters.
 constexpr double work_of_probe = 0.4;
 /// Light without noise is worth so many times the work.
 constexpr double worth_of_no_noise = 2.5;
@@ -44,22 +44,19 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
   const std::string of_settings = "the scene has settings of it";
   if (settings.orders != LayeredOrders::all || settings.factors.any())
     return MethodChoice{Method::layered_bsdf, of_settings};
-  const auto honours_all = [&](Method method) { return !refusal(scene, method); };
-  if (settings.texture_space != TextureSpaceSettings{} && honours_all(Method::texture_space))
-    return MethodChoice{Method::texture_space, of_settings};
-  if (settings.hierarchy != HierarchySettings{} && honours_all(Method::hierarchy))
-    return MethodChoice{Method::hierarchy, of_settings};
+  for (const Method method : subsurface_methods())
+    if (has_numbers_of(settings, method) && (options.cache.empty() || method->keeps_light) &&
+        !refusal(scene, method))
+      return MethodChoice{method, of_settings};
   if (!options.cache.empty()) return MethodChoice{Method::hierarchy, "its light can be kept"};
-  if (settings.shadow_map != ShadowMapSettings{} && honours_all(Method::shadow_map))
-    return MethodChoice{Method::shadow_map, of_settings};
   return std::nullopt;
 }
 
 bool has_profile(const Material& material, const RenderSettings& settings) {
-  if (settings.profile == RenderSettings::Profile::exact)
+  if (settings.profile == RenderSettings::Profile::radiative_transfer)
     return true;  // to find out would take minutes
   try {
-    (void)profile_maker(settings)(material);
+    (void)profile_maker(settings)(material, layer_stacks(material));
   } catch (const InvalidInput&) {
     return false;
   }
@@ -68,26 +65,6 @@ bool has_profile(const Material& material, const RenderSettings& settings) {
 
 }  // namespace
 
-std::string name_of(RenderSettings::Method method) {
-  switch (method) {
-    case Method::profile:
-      return "profile";
-    case Method::layered_bsdf:
-      return "layered_bsdf";
-    case Method::hierarchy:
-      return "hierarchy";
-    case Method::shadow_map:
-      return "shadow_map";
-    case Method::texture_space:
-      return "texture_space";
-    case Method::random_walk:
-      return "random_walk";
-    case Method::automatic:
-      break;
-  }
-  return "auto";
-}
-
 template <int N>
 MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& conversion,
                            const CameraRays& camera, const SeenSurface& seen,
@@ -95,7 +72,7 @@ MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& co
   const Scene& s = *scene.scene;
   if (auto choice = choice_by_needs(s, options)) return *choice;
   const auto materials = translucent_materials(s);
-  if (seen.count() == 0) return {Method::profile, "nothing translucent is seen"};
+  if (seen.count() == 0) return {Method::probe, "nothing translucent is seen"};
   for (const std::uint32_t m : materials) {
     const Material& material = std::get<SubsurfaceSurface>(s.materials[m].surface).material;
     if (!has_profile(material, s.render))
@@ -107,7 +84,7 @@ MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& co
     const HierarchyTransport<N> hierarchy(scene, conversion, m, make_profile, false);
     // What shows outside as well, as eyes do, hardly changes the light.
     if (std::ranges::any_of(hierarchy.objects_inside(),
-                            [](const auto& object) { return object.share > 0.9; }))
+                            [](const auto& object) { return object.fraction > 0.9; }))
       return {Method::hierarchy, "something opaque is inside \"" + s.materials[m].name + "\""};
     const LightSampling sampling = hierarchy.plan_sampling(camera, seen, !options.cache.empty());
     of_hierarchy +=
@@ -115,13 +92,13 @@ MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& co
   }
   // Without noise below surfaces few samples of a pixel do.
   const double pixels = static_cast<double>(s.film.width) * static_cast<double>(s.film.height);
-  const double share = static_cast<double>(seen.count()) / static_cast<double>(seen.rays);
-  const double of_profile = share * pixels * s.render.samples_per_pixel * (1.0 + work_of_probe);
-  const double ratio = of_hierarchy / of_profile;
+  const double fraction = static_cast<double>(seen.count()) / static_cast<double>(seen.rays);
+  const double of_probe = fraction * pixels * s.render.samples_per_pixel * (1.0 + work_of_probe);
+  const double ratio = of_hierarchy / of_probe;
   if (ratio <= worth_of_no_noise)
     return {Method::hierarchy,
-            printf_text("no noise below surfaces for %.1f times the work of profile", ratio)};
-  return {Method::profile, printf_text("hierarchy would take %.1f times its work", ratio)};
+            printf_text("no noise below surfaces for %.1f times the work of probe", ratio)};
+  return {Method::probe, printf_text("hierarchy would take %.1f times its work", ratio)};
 }
 
 #define LAMINA_INSTANTIATE(N)                                                          \

@@ -15,7 +15,7 @@ namespace lamina {
 /// The method for a scene that leaves it open: what its materials need, else what its settings are
 /// of, else what costs less, by the number of paths. The same scene always gets the same one.
 struct MethodChoice {
-  RenderSettings::Method method;
+  SceneMethod method;
   std::string why;  ///< a phrase
 };
 template <int N>
@@ -24,7 +24,5 @@ template <int N>
                                          const CameraRays& camera, const SeenSurface& seen,
                                          const RenderOptions& options,
                                          const Progress& progress = {});
-
-[[nodiscard]] std::string name_of(RenderSettings::Method method);
 
 }  // namespace lamina

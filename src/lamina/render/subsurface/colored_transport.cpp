@@ -61,7 +61,7 @@ ColoredTransport<N>::ColoredTransport(const RenderScene& scene, const BandConver
       mean_color_(mean_of_map(scene.textures, surface_.color)) {
   if (surface_.color_use != ColorUse::invert) return;
   const std::vector<EnteredTotals> totals =
-      exact_totals(colored_medium<N>(scene, conversion, material));
+      material_totals(layer_stacks(colored_medium<N>(scene, conversion, material)));
   for (std::size_t b = 0; b < totals.size(); ++b)
     reflected_[static_cast<int>(b)] = static_cast<float>(std::max(totals[b].reflectance, 1e-6));
 }

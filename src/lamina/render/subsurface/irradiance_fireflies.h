@@ -10,6 +10,6 @@ namespace lamina {
 /// single cells glare, and spreads around them. A little of it is lost; what lights two cells side
 /// by side is not.
 template <int N>
-void dim_specks(const CellLevel& cells, CellField<N>& light);
+void clamp_fireflies(const CellLevel& cells, CellField<N>& light);
 
 }  // namespace lamina

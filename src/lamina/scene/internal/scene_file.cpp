@@ -132,70 +132,38 @@ Film decode_film(const JsonInput& value) {
   return film;
 }
 
-HierarchySettings decode_hierarchy(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"spacing_mm", "max_points", "irradiance_samples", "error", "refine"});
-  HierarchySettings settings;
-  if (const auto spacing = object.optional("spacing_mm"))
-    settings.spacing = static_cast<float>(spacing->number(closed_interval(0.0, 1e6, "mm")));
-  if (const auto points = object.optional("max_points"))
-    settings.max_points = static_cast<int>(points->integer(1000, 20'000'000));
-  if (const auto samples = object.optional("irradiance_samples"))
-    settings.irradiance_samples = static_cast<int>(samples->integer(0, 1 << 20));
-  if (const auto error = object.optional("error"))
-    settings.error = static_cast<float>(error->number(closed_interval(1e-4, 1.0, "sr")));
-  if (const auto refine = object.optional("refine"))
-    settings.refine = static_cast<float>(refine->number(closed_interval(0.0, 1.0)));
-  return settings;
+SceneMethod decode_method(const JsonInput& value, const std::vector<SceneMethod>& methods) {
+  const std::vector<std::string_view> names = method_names(methods);
+  return *find_method(names[value.choice(names)], methods);
 }
 
-TextureSpaceSettings decode_texture_space(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"texel_mm", "max_texels", "irradiance_samples", "interlayer_bounces"});
-  TextureSpaceSettings settings;
-  if (const auto texel = object.optional("texel_mm"))
-    settings.texel = static_cast<float>(texel->number(closed_interval(0.0, 1e6, "mm")));
-  if (const auto texels = object.optional("max_texels"))
-    settings.max_texels = static_cast<int>(texels->integer(1000, 20'000'000));
-  if (const auto samples = object.optional("irradiance_samples"))
-    settings.irradiance_samples = static_cast<int>(samples->integer(1, 1 << 20));
-  if (const auto bounces = object.optional("interlayer_bounces"))
-    settings.interlayer_bounces = static_cast<int>(bounces->integer(1, 100));
-  return settings;
+/// The object that is named after a method.
+void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& settings) {
+  std::vector<std::string_view> keys;
+  for (const MethodNumber& number : method->numbers) keys.push_back(number.key);
+  const JsonObject object = value.object(keys);
+  for (const MethodNumber& number : method->numbers)
+    if (const auto given = object.optional(number.key))
+      number.set(settings,
+                 number.is_whole
+                     ? static_cast<double>(given->integer(static_cast<std::int64_t>(number.low),
+                                                          static_cast<std::int64_t>(number.high)))
+                     : given->number(closed_interval(number.low, number.high, number.unit)));
 }
 
-ShadowMapSettings decode_shadow_map(const JsonInput& value) {
-  const JsonObject object = value.object({"resolution", "lamp_views", "dome_views", "lookups"});
-  ShadowMapSettings settings;
-  if (const auto resolution = object.optional("resolution"))
-    settings.resolution = static_cast<int>(resolution->integer(16, 8192));
-  if (const auto views = object.optional("lamp_views"))
-    settings.lamp_views = static_cast<int>(views->integer(1, 4096));
-  if (const auto views = object.optional("dome_views"))
-    settings.dome_views = static_cast<int>(views->integer(1, 4096));
-  if (const auto lookups = object.optional("lookups"))
-    settings.lookups = static_cast<int>(lookups->integer(1, 4096));
-  return settings;
-}
-
-RenderSettings decode_render_settings(const JsonInput& value) {
-  const JsonObject object = value.object(
-      {"method", "profile", "orders", "factors", "single_scattering", "samples_per_pixel", "noise",
-       "max_bounces", "seed", "hierarchy", "texture_space", "shadow_map"});
-  using Method = RenderSettings::Method;
+RenderSettings decode_render_settings(const JsonInput& value,
+                                      const std::vector<SceneMethod>& methods) {
+  std::vector<std::string_view> keys = {"method",  "profile",           "orders",
+                                        "factors", "single_scattering", "samples_per_pixel",
+                                        "noise",   "max_bounces",       "seed"};
+  for (const SceneMethod method : methods)
+    if (!method->numbers.empty()) keys.push_back(method.name());
+  const JsonObject object = value.object(keys);
   RenderSettings settings;
   if (const auto method = object.optional("method"))
-    settings.method = method->choice<Method>({{"auto", Method::automatic},
-                                              {"profile", Method::profile},
-                                              {"layered_bsdf", Method::layered_bsdf},
-                                              {"hierarchy", Method::hierarchy},
-                                              {"shadow_map", Method::shadow_map},
-                                              {"texture_space", Method::texture_space},
-                                              {"random_walk", Method::random_walk}});
+    settings.method = decode_method(*method, methods);
   if (const auto orders = object.optional("orders"))
-    settings.orders = orders->choice<LayeredOrders>({{"first", LayeredOrders::first},
-                                                     {"all", LayeredOrders::all},
-                                                     {"random_walk", LayeredOrders::random_walk}});
+    settings.orders = orders->choice<LayeredOrders>();
   if (const auto factors = object.optional("factors"))
     for (const JsonInput& factor : factors->array(1, 4))
       settings.factors.*
@@ -203,17 +171,10 @@ RenderSettings decode_render_settings(const JsonInput& value) {
                                                  {"seeliger", &LayeredFactors::seeliger},
                                                  {"depth", &LayeredFactors::depth},
                                                  {"phase", &LayeredFactors::phase}}) = true;
-  using SingleScattering = RenderSettings::SingleScattering;
   if (const auto single = object.optional("single_scattering"))
-    settings.single_scattering =
-        single->choice<SingleScattering>({{"none", SingleScattering::none},
-                                          {"straight", SingleScattering::straight},
-                                          {"refracted", SingleScattering::refracted}});
-  using Profile = RenderSettings::Profile;
+    settings.single_scattering = single->choice<RenderSettings::SingleScattering>();
   if (const auto profile = object.optional("profile"))
-    settings.profile = profile->choice<Profile>({{"exact", Profile::exact},
-                                                 {"multipole", Profile::multipole},
-                                                 {"dipole", Profile::dipole}});
+    settings.profile = profile->choice<RenderSettings::Profile>();
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto noise = object.optional("noise"))
@@ -222,12 +183,9 @@ RenderSettings decode_render_settings(const JsonInput& value) {
     settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
   if (const auto seed = object.optional("seed"))
     settings.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
-  if (const auto hierarchy = object.optional("hierarchy"))
-    settings.hierarchy = decode_hierarchy(*hierarchy);
-  if (const auto texture_space = object.optional("texture_space"))
-    settings.texture_space = decode_texture_space(*texture_space);
-  if (const auto shadow_map = object.optional("shadow_map"))
-    settings.shadow_map = decode_shadow_map(*shadow_map);
+  for (const SceneMethod method : methods)
+    if (const auto numbers = object.optional(method.name()); numbers && !method->numbers.empty())
+      decode_numbers(*numbers, method, settings);
   return settings;
 }
 
@@ -251,7 +209,7 @@ void note_places(const JsonInput& value, const std::string& path, const Settings
       scene.places[path + "." + std::string(setting.key)] = given->where();
 }
 
-Scene decode_scene(const JsonInput& root) {
+Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& methods) {
   const JsonObject file = root.file_object("scene", 1,
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
                                             "materials", "meshes", "lights", "render"});
@@ -262,7 +220,8 @@ Scene decode_scene(const JsonInput& root) {
   // What is cheap to check comes before what takes time to load.
   scene.camera = decode_camera(file.required("camera"), mm_per_unit);
   if (const auto film = file.optional("film")) scene.film = decode_film(*film);
-  if (const auto render = file.optional("render")) scene.render = decode_render_settings(*render);
+  if (const auto render = file.optional("render"))
+    scene.render = decode_render_settings(*render, methods);
   if (const auto render = file.optional("render"))
     note_places(*render, "render", render_settings, scene);
   scene_file::Images images;
@@ -297,9 +256,10 @@ Scene decode_scene(const JsonInput& root) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file, MemoryBudget memory,
-                 std::span<const std::string> settings) {
+                 std::span<const std::string> settings,
+                 std::span<const SubsurfaceMethodInfo> more_methods) {
   const JsonDocument document = load_json(file, memory, settings);
-  return decode_scene(document.root());
+  return decode_scene(document.root(), subsurface_methods(more_methods));
 }
 
 }  // namespace lamina

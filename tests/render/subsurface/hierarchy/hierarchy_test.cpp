@@ -6,10 +6,10 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
-#include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
-#include "lamina/render/subsurface/profiles/material_profiles.h"
+#include "lamina/render/subsurface/profiles/gather_table.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "render/small_scenes.h"
 
@@ -136,7 +136,7 @@ TEST(InnerBlockers, FarFromTheLightTakeNothing) {
                     .reflectance = BandValues<4>::filled(0.1f)});
   const InnerBlockers<4> blockers(ball, medium, tree, 0.05f);
   const Vec3f top{0, 0, 1};
-  const BandValues<4> share = blockers.share(10.0f * top, top, tree);
+  const BandValues<4> share = blockers.unblocked_fraction(10.0f * top, top, tree);
   for (int b = 0; b < 3; ++b) {
     EXPECT_GT(share[b], 0.8f) << b;  // of light that is near, the ball is 8 mm below
     EXPECT_LE(share[b], 1.001f) << b;
@@ -219,7 +219,7 @@ TEST(RadialTable, IsALineInTheSquareOfTheRadius) {
 // much narrower than the blur turns into the Gaussian itself.
 TEST(GatherTable, SpreadsAProfileByAGaussian) {
   const Profile wide = diffusion_profile(half_space({0.01, 0.3, 3.0}, 10.0, 1.4));
-  const SpreadTable<4> from(wide, make_radius_grid({wide}), BandValues<4>::filled(1.0f));
+  const ProfileTable<4> from(wide, make_radius_grid({wide}), BandValues<4>::filled(1.0f));
   const auto total = [](const RadialTable<4>& table, int b) {
     double sum = std::numbers::pi * static_cast<double>(table.node_r2(0) * table[0][b]);
     for (std::size_t i = 0; i + 1 < table.size(); ++i)
@@ -234,12 +234,12 @@ TEST(GatherTable, SpreadsAProfileByAGaussian) {
       const double all = static_cast<double>(from.total_reflectance()[b]);
       EXPECT_NEAR(total(tables[0].reflectance, b), all, 5e-3 * all) << blur << ' ' << b;
     }
-    const float far = 0.5f * from.reach();
+    const float far = 0.5f * from.support_radius();
     EXPECT_NEAR(tables[0].reflectance.at(far * far)[0], from.reflectance_profile(far)[0],
                 0.02f * from.reflectance_profile(far)[0]);
   }
   const Profile narrow = diffusion_profile(half_space({300, 300, 300}, 3000.0, 1.4));
-  const SpreadTable<4> point(narrow, make_radius_grid({narrow}), BandValues<4>::filled(1.0f));
+  const ProfileTable<4> point(narrow, make_radius_grid({narrow}), BandValues<4>::filled(1.0f));
   const auto spread = make_gather_tables<4>(std::span(&point, 1), 0.1f);
   for (const float r : {0.01f, 0.1f, 0.2f}) {
     const float gaussian = std::exp(-0.5f * r * r / 0.01f) / (2.0f * pi * 0.01f);
@@ -272,7 +272,7 @@ double difference(const Image& a, const Image& b, std::size_t c) {
   return worst / mean_of(b, c);
 }
 
-// Two ways to the same integral: what ProfileTransport draws at random is summed here. Lit from the
+// Two ways to the same integral: what ProbeTransport draws at random is summed here. Lit from the
 // side, so that light is seen beyond the terminator and through the thin end of an egg.
 TEST(Hierarchy, GivesThePictureOfTheProfileMethod) {
   Mesh egg = make_sphere(3.0f, 32);
@@ -286,7 +286,7 @@ TEST(Hierarchy, GivesThePictureOfTheProfileMethod) {
   scene.render.samples_per_pixel = 16;
   scene.render.hierarchy.spacing = 0.11f;  // the thin end is narrow
   const Image summed = render(scene).image;
-  scene.render.method = RenderSettings::Method::profile;
+  scene.render.method = RenderSettings::Method::probe;
   scene.render.samples_per_pixel = 512;
   const Image drawn = render(scene).image;
   for (std::size_t c = 0; c < 3; ++c) {

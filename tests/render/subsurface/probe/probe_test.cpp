@@ -9,7 +9,8 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/core/random.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/render/subsurface/profiles/material_profiles.h"
+#include "lamina/render/subsurface/profiles/gather_table.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "render/small_scenes.h"
@@ -45,7 +46,7 @@ Scene furnace(Material material, float size, int samples) {
   scene.camera = camera_above(0.5);
   scene.film = {.width = 8, .height = 8};
   scene.render = {
-      .method = RenderSettings::Method::profile, .samples_per_pixel = samples, .max_bounces = 0};
+      .method = RenderSettings::Method::probe, .samples_per_pixel = samples, .max_bounces = 0};
   scene.materials = {translucent(std::move(material))};
   scene.meshes = {make_square(size)};
   scene.lights = {EnvironmentLight{}};
@@ -266,17 +267,18 @@ TEST(Subsurface, MaterialsOfDifferentBandsAreRefused) {
 }
 
 // Radii are drawn with the density that the table states.
-TEST(SpreadTable, DrawsRadiiWithItsDensity) {
+TEST(ProfileTable, DrawsRadiiWithItsDensity) {
   const Profile profile = diffusion_profile(one_layer({0.01, 0.3, 3.0}, 10.0, 1.4));
-  const SpreadTable<4> table(profile, make_radius_grid({profile}), BandValues<4>::filled(1.0f));
+  const ProfileTable<4> table(profile, make_radius_grid({profile}), BandValues<4>::filled(1.0f));
   // Mean of f(r) over drawn radii against its integral: f = exp(-r).
   Random random(4);
   double drawn = 0.0;
   constexpr int count = 200'000;
   for (int i = 0; i < count; ++i)
-    drawn += std::exp(-static_cast<double>(table.draw_radius(random.uniform_float()))) / count;
+    drawn += std::exp(-static_cast<double>(table.sample_radius(random.uniform_float()))) / count;
   double integral = 0.0, mass = 0.0;
-  const double log_first = std::log(1e-7), log_last = std::log(static_cast<double>(table.reach()));
+  const double log_first = std::log(1e-7),
+               log_last = std::log(static_cast<double>(table.support_radius()));
   constexpr int steps = 40'000;
   for (int i = 0; i < steps; ++i) {
     const double r = std::exp(log_first + (i + 0.5) / steps * (log_last - log_first));
@@ -291,11 +293,11 @@ TEST(SpreadTable, DrawsRadiiWithItsDensity) {
 
 // What a sample weighs, summed over the bands, is nearly the same at every radius: the density is
 // even within a ring, over which a profile falls by up to a quarter.
-TEST(SpreadTable, WeightsAreEvenOverTheBands) {
+TEST(ProfileTable, WeightsAreEvenOverTheBands) {
   const Profile profile = diffusion_profile(one_layer({0.01, 0.3, 3.0}, 10.0, 1.4));
-  const SpreadTable<4> table(profile, make_radius_grid({profile}), BandValues<4>::filled(1.0f));
+  const ProfileTable<4> table(profile, make_radius_grid({profile}), BandValues<4>::filled(1.0f));
   const float expected = sum(table.total_reflectance());
-  for (float r = 1e-4f; r < 0.9f * table.reach(); r *= 1.3f)
+  for (float r = 1e-4f; r < 0.9f * table.support_radius(); r *= 1.3f)
     EXPECT_NEAR(sum(table.reflectance_profile(r)) / table.density(r), expected, 0.15f * expected)
         << r;
 }

@@ -32,7 +32,7 @@ Material slab() {
 }
 
 TEST(DiffuseTransferProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
-  const Profile profile = diffuse_transfer_profile(slab(), std::nullopt);
+  const Profile profile = diffuse_transfer_profile(layer_stacks(slab()), std::nullopt);
   EXPECT_EQ(profile.per, ProfilePer::entered_flux);
   for (std::size_t b = 0; b < 3; ++b) {
     const auto totals = adding_doubling(layer_stack(slab(), b), {.is_diffuse = true}).totals;
@@ -51,13 +51,13 @@ TEST(DiffuseTransferProfile, TakesWhatTheRendererTakes) {
   std::filesystem::remove_all(folder);
   Material rough = slab();
   rough.layers[0].top.roughness = 0.3;
-  const Profile first = diffuse_transfer_profile(slab(), DiskCache{folder});
-  EXPECT_EQ(diffuse_transfer_profile(rough, DiskCache{folder}).reflectance_profile,
+  const Profile first = diffuse_transfer_profile(layer_stacks(slab()), DiskCache{folder});
+  EXPECT_EQ(diffuse_transfer_profile(layer_stacks(rough), DiskCache{folder}).reflectance_profile,
             first.reflectance_profile);
   std::filesystem::remove_all(folder);
   Material clear = slab();
   for (MaterialLayer& layer : clear.layers) layer.sigma_s[2] = 0.0;
-  EXPECT_THROW((void)diffuse_transfer_profile(clear, std::nullopt), InvalidInput);
+  EXPECT_THROW((void)diffuse_transfer_profile(layer_stacks(clear), std::nullopt), InvalidInput);
 }
 
 // The exact profile has the light scattered once, which diffusion lacks.
@@ -65,7 +65,7 @@ TEST(DiffuseTransferProfile, IsRefusedBesideSingleScattering) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 2, .height = 2};
-  scene.render.profile = RenderSettings::Profile::exact;
+  scene.render.profile = RenderSettings::Profile::radiative_transfer;
   scene.render.single_scattering = RenderSettings::SingleScattering::straight;
   scene.render.samples_per_pixel = 1;
   scene.materials = {{.name = "slab", .surface = SubsurfaceSurface{.material = slab()}}};
@@ -87,8 +87,8 @@ TEST(SubsurfaceFurnace, TransferProfileReturnsTheSlabTotal) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 8, .height = 8};
-  scene.render = {.method = RenderSettings::Method::profile,
-                  .profile = RenderSettings::Profile::exact,
+  scene.render = {.method = RenderSettings::Method::probe,
+                  .profile = RenderSettings::Profile::radiative_transfer,
                   .samples_per_pixel = 256,
                   .max_bounces = 0};
   scene.materials = {

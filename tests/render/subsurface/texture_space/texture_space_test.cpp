@@ -220,7 +220,7 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   EXPECT_LT(dark, 0.45f * light);
   EXPECT_GT(dark, 0.02f * light);
   EXPECT_LT(image.at(12, 12)[green], light);  // within reach of the border
-  scene.render.method = RenderSettings::Method::profile;
+  scene.render.method = RenderSettings::Method::probe;
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 
@@ -287,7 +287,7 @@ TEST(TextureSpace, DimsSpecksAndNothingElse) {
   for (const std::size_t i : {speck, small, small + 1}) light[i] = BandValues<4>::filled(5.0f);
   light[speck][3] = 9.0f;  // 6 in the mean of its bands, where 0.5 is around
   const CellField<4> before = light;
-  dim_specks(graph.levels.front(), light);
+  clamp_fireflies(graph.levels.front(), light);
   for (std::size_t i = 0; i < light.size(); ++i)
     for (int b = 0; b < 4; ++b)
       EXPECT_FLOAT_EQ(light[i][b], before[i][b] * (i == speck ? 1.0f / 6.0f : 1.0f)) << i;

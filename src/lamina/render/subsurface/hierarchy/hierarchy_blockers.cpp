@@ -84,18 +84,18 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patch
   for (float wide = std::max(spacing, static_cast<float>(std::sqrt(area_inside / most)));;
        wide *= 1.2f) {
     patches.clear();
-    for (const auto& [mesh, material, area, share] : inside)
+    for (const auto& [mesh, material, area, fraction] : inside)
       std::ranges::copy(patches_inside(mesh, material, wide), std::back_inserter(patches));
     if (patches.size() <= InnerBlockers<N>::most_patches) return patches;
   }
 }
 
-#define LAMINA_INSTANTIATE(N)                                                          \
-  template bool HierarchyTransport<N>::is_inside(const Vec3f&, const Vec3f&) const;    \
-  template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside( \
-      const std::vector<Mesh>&, std::uint32_t, float) const;                           \
-  template std::vector<HierarchyTransport<N>::Inside> HierarchyTransport<N>::objects_inside()     \
-      const;                                                                                      \
+#define LAMINA_INSTANTIATE(N)                                                                 \
+  template bool HierarchyTransport<N>::is_inside(const Vec3f&, const Vec3f&) const;           \
+  template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::patches_inside(        \
+      const std::vector<Mesh>&, std::uint32_t, float) const;                                  \
+  template std::vector<HierarchyTransport<N>::Inside> HierarchyTransport<N>::objects_inside() \
+      const;                                                                                  \
   template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(float) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);

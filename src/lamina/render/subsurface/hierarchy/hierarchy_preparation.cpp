@@ -53,8 +53,8 @@ double change_between(const std::vector<BandValues<N>>& before,
 // Measured on one core of a Zen 4 [CPU s], for what cannot be timed before it is prepared.
 constexpr double seconds_per_cell = 8e-6;  // cut out of a surface, its elements included
 constexpr double seconds_per_kept_cell = 1e-6;
-constexpr double seconds_per_sum = 40e-6;      // the light that leaves at a sample
-constexpr double seconds_per_lookup = 1.5e-6;  // between them
+constexpr double seconds_per_sum = 40e-6;   // the light that leaves at a sample
+constexpr double seconds_per_fit = 1.5e-6;  // between them
 
 double sum(const std::vector<double>& counts) {
   return std::accumulate(counts.begin(), counts.end(), 0.0);
@@ -174,7 +174,7 @@ SubsurfaceCost HierarchyTransport<N>::expected_cost(const Preparation<N>& with) 
           ? seconds_per_kept_cell
           : seconds_per_cell + sampling.estimates * with.seen.seconds_per_estimate;
   return {.preparation = sampling.cells * per_cell + summed * seconds_per_sum,
-          .lookup = seconds_per_lookup};
+          .lookup = seconds_per_fit};
 }
 
 #define LAMINA_INSTANTIATE(N)                                                                  \

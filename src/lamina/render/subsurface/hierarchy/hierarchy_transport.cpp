@@ -2,11 +2,11 @@
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/parallel.h"
+#include "lamina/core/parallel_chunks.h"
+#include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 
 namespace lamina {
@@ -22,14 +22,15 @@ constexpr float samples_per_half_radius = 3.0f;
 constexpr float blur_of_spacing = 0.6f;
 
 /// Distance up to which samples are fitted for what lies between them, over their spacing.
-constexpr float reach_of_fit = 1.9f;
+constexpr float radius_of_fit = 1.9f;
 
 /// The width of a profile's middle over its smallest half-light radius.
 constexpr float middle_of_profile = 0.6f;
 
-/// Areas that make the sum of samples, each spread by a Gaussian, 1 at each of them: points are not
-/// spaced as evenly as a lattice, and a narrow profile would show by how much. Where the surface
-/// ends or turns the sum is smaller in truth, and left so, as it is beside samples further apart.
+/// Areas that make the sum of samples, each convolved with a Gaussian, 1 at each of them: points
+/// are not spaced as evenly as a lattice, and a narrow profile would show by how much. Where the
+/// surface ends or turns the sum is smaller in truth, and left so, as it is beside samples further
+/// apart.
 ///
 /// @param wide  those of the samples that are further apart
 std::vector<float> balanced_areas(std::span<const CloudPoint> points, const PointGrid& grid,
@@ -39,22 +40,20 @@ std::vector<float> balanced_areas(std::span<const CloudPoint> points, const Poin
   constexpr int rounds = 4;
   constexpr std::size_t chunk = 1024;
   for (int round = 0; round < rounds; ++round) {
-    parallel_for((points.size() + chunk - 1) / chunk, [&](std::size_t c) {
-      for (std::size_t i = c * chunk; i < std::min(points.size(), (c + 1) * chunk); ++i) {
-        const PointGrid::Near near = grid.near(points[i].position, points[i].normal);
-        float sum = 0.0f;
-        for (std::size_t k = 0; k < near.count; ++k)
-          sum += areas[near.point[k]] *
-                 std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (blur * blur));
-        sums[i] = sum / (2.0f * pi * blur * blur);
-        if (round > 0) continue;
-        if (wide.near(points[i].position, points[i].normal).count > 0) {
-          wanted[i] = 0.0f;  // stays as it is
-          continue;
-        }
-        const float inside = std::clamp((sums[i] - 0.6f) / 0.2f, 0.0f, 1.0f);
-        wanted[i] = sums[i] + inside * (1.0f - sums[i]);
+    parallel_chunks(points.size(), chunk, [&](std::size_t i) {
+      const PointGrid::Near near = grid.near(points[i].position, points[i].normal);
+      float sum = 0.0f;
+      for (std::size_t k = 0; k < near.count; ++k)
+        sum += areas[near.point[k]] *
+               std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (blur * blur));
+      sums[i] = sum / (2.0f * pi * blur * blur);
+      if (round > 0) return;
+      if (wide.near(points[i].position, points[i].normal).count > 0) {
+        wanted[i] = 0.0f;  // stays as it is
+        return;
       }
+      const float inside = std::clamp((sums[i] - 0.6f) / 0.2f, 0.0f, 1.0f);
+      wanted[i] = sums[i] + inside * (1.0f - sums[i]);
     });
     for (std::size_t i = 0; i < points.size(); ++i)
       if (wanted[i] > 0.0f) areas[i] *= wanted[i] / sums[i];
@@ -78,13 +77,13 @@ HierarchyTransport<N>::HierarchyTransport(const RenderScene& scene,
       conversion_(conversion),
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
       material_(material),
-      profiles_(scene, conversion, material, make_profile, is_printed_exit) {}
+      is_printed_exit_(is_printed_exit),
+      profiles_(scene, conversion, material, make_profile) {}
 
 template <int N>
 float HierarchyTransport<N>::spacing_for(float pixel_size) const {
   const HierarchySettings& settings = scene_.scene->render.hierarchy;
-  const float of_profile =
-      smallest_half_radius(profiles_.by_thickness().back()) / samples_per_half_radius;
+  const float of_profile = smallest_half_radius(profiles_.of_material()) / samples_per_half_radius;
   return settings.spacing > 0.0f ? settings.spacing : std::max(of_profile, 0.7f * pixel_size);
 }
 
@@ -125,50 +124,44 @@ std::optional<IrradianceCloud> HierarchyTransport<N>::sample_light(const LightGa
     return point;
   };
   constexpr std::size_t chunk = 64;
-  std::atomic<bool> is_stopped = false;
-  parallel_for((patches.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    if (is_stopped) return;
-    for (std::size_t i = c * chunk; i < std::min(patches.size(), (c + 1) * chunk); ++i) {
-      const SurfaceCell& cell = *patches[i].cell;
-      const float spacing = field.spacing(static_cast<int>(patches[i].level));
-      const auto elements = levels[patches[i].level].elements_of(cell);
-      Bands irradiance;
-      std::size_t at = 0;
-      float before = 0.0f;  // area of the elements before `at`
-      for (int s = 0; s < estimates; ++s) {
-        // Points spread over the patch by area.
-        const float target =
-            cell.area * (static_cast<float>(s) + 0.5f) / static_cast<float>(estimates);
-        while (at + 1 < elements.size() && before + elements[at].area < target)
-          before += elements[at++].area;
-        PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
-                             static_cast<std::uint32_t>(s));
-        irradiance += light.entering_irradiance(point_on(elements[at], spacing), samples);
-      }
-      for (std::size_t b = 0; b < cloud.bands; ++b)
-        cloud.irradiance[i * cloud.bands + b] =
-            irradiance[static_cast<int>(b)] / static_cast<float>(estimates);
-      const SurfacePoint middle = point_on(elements[elements.size() / 2], spacing);
-      cloud.points[i] = {.position = cell.position,
-                         .normal = cell.normal,
-                         .uv = middle.uv,
-                         .area = cell.area,
-                         .albedo = profiles_.color_at(middle),
-                         .thickness = profiles_.thickness_at(middle)};
+  const auto sample = [&](std::size_t i) {
+    const SurfaceCell& cell = *patches[i].cell;
+    const float spacing = field.spacing(static_cast<int>(patches[i].level));
+    const auto elements = levels[patches[i].level].elements_of(cell);
+    Bands irradiance;
+    std::size_t at = 0;
+    float before = 0.0f;  // area of the elements before `at`
+    for (int s = 0; s < estimates; ++s) {
+      // Points spread over the patch by area.
+      const float target =
+          cell.area * (static_cast<float>(s) + 0.5f) / static_cast<float>(estimates);
+      while (at + 1 < elements.size() && before + elements[at].area < target)
+        before += elements[at++].area;
+      PixelSamples samples(seed + 0x9d2c5680u, static_cast<std::uint32_t>(i),
+                           static_cast<std::uint32_t>(s));
+      irradiance += light.entering_irradiance(point_on(elements[at], spacing), samples);
     }
-    if (!report_progress(progress, 0.0)) is_stopped = true;
-  });
-  if (is_stopped) return std::nullopt;
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      cloud.irradiance[i * cloud.bands + b] =
+          irradiance[static_cast<int>(b)] / static_cast<float>(estimates);
+    const SurfacePoint middle = point_on(elements[elements.size() / 2], spacing);
+    cloud.points[i] = {.position = cell.position,
+                       .normal = cell.normal,
+                       .uv = middle.uv,
+                       .area = cell.area,
+                       .albedo = profiles_.color_at(middle),
+                       .thickness = profiles_.thickness_at(middle)};
+  };
+  if (!parallel_chunks(patches.size(), chunk, sample, progress)) return std::nullopt;
   return cloud;
 }
 
 template <int N>
 void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   const float blur = blur_of_spacing * cloud.spacing;
-  spread_ = GatherProfiles<N>(profiles_, blur);
-  reach_ = profiles_.by_thickness().back().reach() + 4.0f * blur;
-  width_ = std::max(middle_of_profile * smallest_half_radius(profiles_.by_thickness().back()),
-                    2.0f * blur);
+  gather_profiles_ = GatherProfiles<N>(profiles_, blur);
+  support_radius_ = profiles_.of_material().support_radius() + 4.0f * blur;
+  width_ = std::max(middle_of_profile * smallest_half_radius(profiles_.of_material()), 2.0f * blur);
   std::vector<IrradianceSample<N>> samples(cloud.points.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const CloudPoint& point = cloud.points[i];
@@ -177,22 +170,22 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
               .normal = point.normal,
               .area = point.area,
               .irradiance = {},
-              .shade = {}};
+              .albedo_index = {}};
     for (std::size_t b = 0; b < cloud.bands; ++b)
       sample.irradiance[static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
     if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
-      sample.shade = profiles_.shade_of(conversion_.from_rgb(point.albedo));
+      sample.albedo_index = profiles_.albedo_index(conversion_.from_rgb(point.albedo));
   }
   points_ = cloud.points;
   points_.resize(std::min(points_.size(), cloud.wide_from));
-  const auto grid_of = [](std::span<const CloudPoint> points, float reach) {
+  const auto grid_of = [](std::span<const CloudPoint> points, float radius) {
     std::vector<PointGrid::Place> places;
     for (const CloudPoint& point : points) places.push_back({point.position, point.normal});
-    return PointGrid(places, reach);
+    return PointGrid(places, radius);
   };
-  grid_ = grid_of(points_, reach_of_fit * cloud.spacing);
-  const PointGrid wide =
-      grid_of(std::span(cloud.points).subspan(points_.size()), 1.5f * reach_of_fit * cloud.spacing);
+  grid_ = grid_of(points_, radius_of_fit * cloud.spacing);
+  const PointGrid wide = grid_of(std::span(cloud.points).subspan(points_.size()),
+                                 1.5f * radius_of_fit * cloud.spacing);
   const std::vector<float> areas = balanced_areas(points_, grid_, wide, blur);
   for (std::size_t i = 0; i < areas.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);
@@ -243,19 +236,22 @@ BandValues<N> HierarchyTransport<N>::exitance(const SurfacePoint& point) const {
 template <int N>
 BandValues<N> HierarchyTransport<N>::summed_exitance(const Vec3f& position, const Vec3f& n,
                                                      const Local& local) const {
-  const auto exit = spread_.exit_at(n, local, profiles_);
+  const auto exit = gather_profiles_.exit_at(n, local, profiles_);
   Bands total;
-  tree_.gather(position, reach_, scene_.scene->render.hierarchy.error, width_,
-               [&](const auto& node, const Bands& shade, const Vec3f& offset, float d2) {
+  tree_.gather(position, support_radius_, scene_.scene->render.hierarchy.error, width_,
+               [&](const auto& node, const Bands& albedo_index, const Vec3f& offset, float d2) {
                  // Second order: a profile that falls as r^-3 gains 9/4 of the mean square over d²
                  // from the width of a node, as if it were nearer; one that is flat in its middle
                  // gains nothing.
                  const float width2 = width_ * width_;
                  const float bent = 1.5f * node.mean_square * d2 / (d2 + width2);
                  const float near2 = std::max(d2 - bent, 0.5f * d2);
-                 total += spread_.spread(exit, offset, near2, node.normal, shade) * node.power;
+                 total +=
+                     gather_profiles_.evaluate(exit, offset, near2, node.normal, albedo_index) *
+                     node.power;
                });
-  if (blockers_.may_reach(position, reach_)) total *= blockers_.share(position, n, tree_);
+  if (blockers_.may_reach(position, support_radius_))
+    total *= blockers_.unblocked_fraction(position, n, tree_);
   return total * local.scale;
 }
 
@@ -263,7 +259,7 @@ template <int N>
 BandValues<N> HierarchyTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                       const LightGatherer<N>& /*light*/,
                                                       PixelSamples& /*samples*/) const {
-  return profiles_.leaving_share(exit) * exitance(exit.point);
+  return leaving_fraction(exit, is_printed_exit_) * exitance(exit.point);
 }
 
 template class HierarchyTransport<4>;

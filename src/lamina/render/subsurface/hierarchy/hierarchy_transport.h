@@ -29,19 +29,19 @@ struct LightSampling {
 ///
 /// First the surface is cut into patches, narrower than the profile where they are seen, and the
 /// light that enters each is found. Then the light that leaves at a point is a sum over all patches
-/// within reach, those far away many at a time. The sum has no noise, and the samples serve any
-/// camera. It is as smooth as the profile is wide, so it is taken at the patches that are seen,
-/// once, and between them interpolated.
+/// within the support radius of the profile, those far away many at a time. The sum has no noise,
+/// and the samples serve any camera. It is as smooth as the profile is wide, so it is taken at the
+/// patches that are seen, once, and between them interpolated.
 ///
-/// The profiles are those of ProfileTransport, with the same assumptions: what it draws at random
-/// is summed here. Where a colour is inverted the profile between two points is that of their mean
-/// absorption (in its logarithm), so that transport is reciprocal; ProfileTransport takes that of
+/// The profiles are those of ProbeTransport, with the same assumptions: what it draws at random
+/// is summed here. Where a color is inverted the profile between two points is that of their mean
+/// absorption (in its logarithm), so that transport is reciprocal; ProbeTransport takes that of
 /// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
-/// colour is kept.
+/// color is kept.
 ///
-/// Opaque objects inside stop light: the sum is scaled by the share that InnerBlockers finds.
+/// Opaque objects inside stop light: the sum is scaled by the fraction that InnerBlockers finds.
 ///
-/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colours at each sample, §5.2 for objects
+/// Source: [JensenBuhler2002]; [Hery2003] §4 for inverting colors at each sample, §5.2 for objects
 /// inside.
 template <int N>
 class HierarchyTransport final : public SubsurfaceMethod<N> {
@@ -77,12 +77,12 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   struct Inside {
     std::vector<Mesh> mesh;
     std::uint32_t material;
-    double area, share;  ///< of it that lies inside, about [mm²], and over all of it
+    double area, fraction;  ///< of it that lies inside, about [mm²], and over all of it
   };
   [[nodiscard]] std::vector<Inside> objects_inside() const;
 
  private:
-  using Local = typename ProfileTransport<N>::Local;
+  using Local = typename MaterialProfiles<N>::Local;
 
   /// The spacing of samples that the settings ask for, never more than `max_points` of them [mm].
   ///
@@ -110,7 +110,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] Bands exitance(const SurfacePoint& point) const;
   [[nodiscard]] std::vector<Bands> exitance_at(const std::vector<SurfacePoint>& points) const;
 
-  /// By a sum over all samples within reach.
+  /// By a sum over all samples within the support radius.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;
   /// The surface of opaque objects inside.
@@ -118,7 +118,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
       const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
   [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
-  /// The same at a sample, over what the surface's colour there makes of it.
+  /// The same at a sample, over what the surface's color there makes of it.
   [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
   [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
 
@@ -126,11 +126,12 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
   std::uint32_t material_;
-  ProfileTransport<N> profiles_;
+  bool is_printed_exit_;
+  MaterialProfiles<N> profiles_;
   IrradianceTree<N> tree_;
   InnerBlockers<N> blockers_;
-  GatherProfiles<N> spread_;
-  float reach_ = 0.0f, width_ = 0.0f;  ///< [mm]
+  GatherProfiles<N> gather_profiles_;
+  float support_radius_ = 0.0f, width_ = 0.0f;  ///< [mm]
   std::vector<CloudPoint> points_;
   PointGrid grid_;
   mutable LazyValues<BandValues<N>> exitance_;  ///< [point]

@@ -80,9 +80,7 @@ LayeredMaterial<N>::LayeredMaterial(const RenderScene& scene, const BandConversi
 template <int N>
 void LayeredMaterial<N>::make_stack() {
   const Material& material = surface_.material;
-  std::vector<LayerStack> bands;
-  for (std::size_t b = 0; b < material.bands.size(); ++b) bands.push_back(layer_stack(material, b));
-  stack_ = make_first_order<N>(bands);
+  stack_ = make_first_order<N>(layer_stacks(material));
   if (parameters_.empty() || has_skin_maps()) return;
 
   // Every part keeps its own lobe, since its share varies.

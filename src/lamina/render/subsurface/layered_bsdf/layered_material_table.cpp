@@ -95,12 +95,9 @@ void LayeredMaterial<N>::make_table() {
       values.push_back(row_value(parameter.low, parameter.high, row, rows_));
     }
     const Material here = with_values(material, surface_.maps, values);
-    std::vector<LayerStack> stacks;
+    const std::vector<LayerStack> stacks = layer_stacks(here);
     std::vector<HigherOrders> bands;
-    for (std::size_t b = 0; b < material.bands.size(); ++b) {
-      stacks.push_back(layer_stack(here, b));
-      bands.push_back(make_higher_orders(stacks.back(), 3e-4));
-    }
+    for (const LayerStack& stack : stacks) bands.push_back(make_higher_orders(stack, 3e-4));
     table_[entry] = make_higher_order_bands<N>(bands);
     if (has_stacks) stacks_[entry] = make_first_order<N>(stacks);
   });

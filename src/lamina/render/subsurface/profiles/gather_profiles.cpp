@@ -6,38 +6,38 @@
 namespace lamina {
 
 template <int N>
-GatherProfiles<N>::GatherProfiles(const ProfileTransport<N>& profiles, float blur)
+GatherProfiles<N>::GatherProfiles(const MaterialProfiles<N>& profiles, float blur)
     : by_thickness_(make_gather_tables<N>(profiles.by_thickness(), blur)),
       by_absorption_(make_gather_tables<N>(profiles.by_absorption(), blur)) {}
 
 template <int N>
 typename GatherProfiles<N>::Exit GatherProfiles<N>::exit_at(
-    const Vec3f& normal, const typename ProfileTransport<N>::Local& local,
-    const ProfileTransport<N>& profiles) const {
+    const Vec3f& normal, const typename MaterialProfiles<N>::Local& local,
+    const MaterialProfiles<N>& profiles) const {
   const auto* first = profiles.by_thickness().data();
   Exit exit{.normal = normal,
             .low = &by_thickness_[static_cast<std::size_t>(local.low - first)],
             .high = &by_thickness_[static_cast<std::size_t>(local.high - first)],
             .blend = local.blend,
             .is_inverted = local.is_inverted,
-            .shade = {},
+            .albedo_index = {},
             .scale = local.scale};
   if (local.is_inverted)
     for (int b = 0; b < N; ++b)
-      exit.shade[b] =
+      exit.albedo_index[b] =
           static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
   return exit;
 }
 
-/// The half-space of the colours, thinned by as much as the material itself is.
+/// The half-space of the colors, thinned by as much as the material itself is.
 template <int N>
 BandValues<N> GatherProfiles<N>::of_color(const Exit& exit, const Bands& reflected, float r2,
-                                          const Bands& shade) const {
+                                          const Bands& albedo_index) const {
   const bool is_thin = exit.low != &by_thickness_.back();
   const Bands of_thick = is_thin ? thick_reflectance().at(r2) : reflected;
   Bands result;
   for (int b = 0; b < N; ++b) {
-    const float at = 0.5f * (exit.shade[b] + shade[b]);
+    const float at = 0.5f * (exit.albedo_index[b] + albedo_index[b]);
     const std::size_t i = std::min(static_cast<std::size_t>(at), by_absorption_.size() - 2);
     const auto [k, f] = by_absorption_[i].reflectance.place(r2);
     const auto value = [&](std::size_t table) {

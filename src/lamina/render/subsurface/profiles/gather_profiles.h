@@ -11,7 +11,7 @@
 namespace lamina {
 
 /// The profiles of a material as methods want them that sum over many points of entry: R and T
-/// blended by the normals, for the thickness and the colour at the exit, in tables over r².
+/// blended by the normals, for the thickness and the color at the exit, in tables over r².
 template <int N>
 class GatherProfiles {
  public:
@@ -19,7 +19,7 @@ class GatherProfiles {
 
   GatherProfiles() = default;
   /// @param blur  see make_gather_tables
-  GatherProfiles(const ProfileTransport<N>& profiles, float blur);
+  GatherProfiles(const MaterialProfiles<N>& profiles, float blur);
 
   /// What does not change from one point of entry to the next.
   struct Exit {
@@ -28,11 +28,11 @@ class GatherProfiles {
     const GatherTable<N>* high = nullptr;  ///< a thicker slab
     float blend = 0.0f;                    ///< from low to high
     bool is_inverted = false;
-    Bands shade;  ///< where in the half-spaces of ever darker colours its own is
-    Bands scale;  ///< of all light that leaves
+    Bands albedo_index;  ///< where in the half-spaces of ever darker colors its own is
+    Bands scale;         ///< of all light that leaves
   };
-  [[nodiscard]] Exit exit_at(const Vec3f& normal, const typename ProfileTransport<N>::Local& local,
-                             const ProfileTransport<N>& profiles) const;
+  [[nodiscard]] Exit exit_at(const Vec3f& normal, const typename MaterialProfiles<N>::Local& local,
+                             const MaterialProfiles<N>& profiles) const;
 
   /// Flux per area that leaves per flux that entered at a point, `Exit::scale` left out [1/mm²]:
   /// what is reflected and what passes.
@@ -40,14 +40,14 @@ class GatherProfiles {
   /// @param offset  of the point of entry, or of the middle of several [mm]
   /// @param r2      squared distance that the reflectance counts with [mm²]
   /// @param normal  there; shorter than 1 where it is a mean
-  /// @param shade   as Exit::shade; light is exchanged with the mean of both
-  [[nodiscard]] Bands spread(const Exit& exit, const Vec3f& offset, float r2, const Vec3f& normal,
-                             const Bands& shade) const {
-    const Bands reflected = this->reflected(exit, r2, normal, shade);
+  /// @param albedo_index   as Exit::albedo_index; light is exchanged with the mean of both
+  [[nodiscard]] Bands evaluate(const Exit& exit, const Vec3f& offset, float r2, const Vec3f& normal,
+                               const Bands& albedo_index) const {
+    const Bands reflected = this->reflected(exit, r2, normal, albedo_index);
     return exit.low->is_transmitting ? reflected + passed(exit, offset, normal) : reflected;
   }
   [[nodiscard]] Bands reflected(const Exit& exit, float r2, const Vec3f& normal,
-                                const Bands& shade) const;
+                                const Bands& albedo_index) const;
   [[nodiscard]] Bands passed(const Exit& exit, const Vec3f& offset, const Vec3f& normal) const;
 
   /// Reflectance of the material itself, however thin the object is [1/mm²].
@@ -57,18 +57,18 @@ class GatherProfiles {
 
  private:
   [[nodiscard]] Bands of_color(const Exit& exit, const Bands& reflected, float r2,
-                               const Bands& shade) const;
+                               const Bands& albedo_index) const;
 
   std::vector<GatherTable<N>> by_thickness_, by_absorption_;
 };
 
 template <int N>
 BandValues<N> GatherProfiles<N>::reflected(const Exit& exit, float r2, const Vec3f& normal,
-                                           const Bands& shade) const {
+                                           const Bands& albedo_index) const {
   const float facing = std::clamp(dot(exit.normal, normal), -1.0f, 1.0f);
   Bands reflected = exit.low->reflectance.at(r2);
   if (exit.blend > 0.0f) reflected += exit.blend * (exit.high->reflectance.at(r2) - reflected);
-  if (exit.is_inverted) reflected = of_color(exit, reflected, r2, shade);
+  if (exit.is_inverted) reflected = of_color(exit, reflected, r2, albedo_index);
   return 0.5f * (1.0f + facing) * reflected;
 }
 

@@ -78,9 +78,10 @@ RadialTable<N>::RadialTable(float first_r2, float last_r2)
 }
 
 template <int N>
-std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> tables, float blur) {
+std::vector<GatherTable<N>> make_gather_tables(std::span<const ProfileTable<N>> tables,
+                                               float blur) {
   float reach = 0.0f;
-  for (const auto& table : tables) reach = std::max(reach, table.reach());
+  for (const auto& table : tables) reach = std::max(reach, table.support_radius());
   const float far = 10.0f * blur;  // beyond, a blur changes nothing
   const float first = blur > 0.0f ? std::min(0.05f * blur, 1e-3f * reach) : 1e-4f * reach;
   const float last = std::max(reach, far) + 4.0f * blur;
@@ -95,12 +96,12 @@ std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> t
       moved[i * rings.r.size() + k] =
           rings.area[k] * ring_gaussian(std::sqrt(grid.node_r2(i)), rings.r[k], blur);
 
-  const auto blurred = [&](const SpreadTable<N>& from, const auto& profile, bool& is_black) {
+  const auto blurred = [&](const ProfileTable<N>& from, const auto& profile, bool& is_black) {
     RadialTable<N> table = grid;
     std::vector<BandValues<N>> at_ring;
     BandValues<N> total;
     for (std::size_t k = 0; k < rings.r.size(); ++k) {
-      at_ring.push_back(rings.r[k] < from.reach() ? profile(rings.r[k]) : BandValues<N>{});
+      at_ring.push_back(rings.r[k] < from.support_radius() ? profile(rings.r[k]) : BandValues<N>{});
       total += rings.area[k] * at_ring.back();
     }
     is_black = !(largest(total) > 0.0f);
@@ -110,7 +111,7 @@ std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> t
       if (i < near) {
         for (std::size_t k = 0; k < rings.r.size(); ++k)
           table[i] += moved[i * rings.r.size() + k] * at_ring[k];
-      } else if (r < from.reach()) {
+      } else if (r < from.support_radius()) {
         table[i] = profile(r);
       }
     }
@@ -121,13 +122,13 @@ std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> t
     return table;
   };
   std::vector<GatherTable<N>> result;
-  for (const SpreadTable<N>& from : tables) {
+  for (const ProfileTable<N>& from : tables) {
     GatherTable<N> table;
     bool is_black = false;
-    table.reflectance =
-        blurred(from, [&](float r) { return from.reflectance_profile(r); }, is_black);
-    table.transmittance =
-        blurred(from, [&](float r) { return from.transmittance_profile(r); }, is_black);
+    table.reflectance = blurred(
+        from, [&](float r) { return from.reflectance_profile(r); }, is_black);
+    table.transmittance = blurred(
+        from, [&](float r) { return from.transmittance_profile(r); }, is_black);
     table.is_transmitting = !is_black;
     result.push_back(std::move(table));
   }
@@ -135,11 +136,11 @@ std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> t
 }
 
 template <int N>
-float smallest_half_radius(const SpreadTable<N>& table, float least) {
-  const Rings rings = make_rings(table.reach());
+float smallest_half_radius(const ProfileTable<N>& table, float least) {
+  const Rings rings = make_rings(table.support_radius());
   const BandValues<N>& all = table.total_reflectance();
   BandValues<N> within;
-  float smallest = table.reach();
+  float smallest = table.support_radius();
   for (std::size_t k = 0; k < rings.r.size(); ++k) {
     within += rings.area[k] * table.reflectance_profile(rings.r[k]);
     for (int b = 0; b < N; ++b)
@@ -151,12 +152,12 @@ float smallest_half_radius(const SpreadTable<N>& table, float least) {
 template class RadialTable<4>;
 template class RadialTable<8>;
 template class RadialTable<16>;
-template std::vector<GatherTable<4>> make_gather_tables<4>(std::span<const SpreadTable<4>>, float);
-template std::vector<GatherTable<8>> make_gather_tables<8>(std::span<const SpreadTable<8>>, float);
-template std::vector<GatherTable<16>> make_gather_tables<16>(std::span<const SpreadTable<16>>,
+template std::vector<GatherTable<4>> make_gather_tables<4>(std::span<const ProfileTable<4>>, float);
+template std::vector<GatherTable<8>> make_gather_tables<8>(std::span<const ProfileTable<8>>, float);
+template std::vector<GatherTable<16>> make_gather_tables<16>(std::span<const ProfileTable<16>>,
                                                              float);
-template float smallest_half_radius<4>(const SpreadTable<4>&, float);
-template float smallest_half_radius<8>(const SpreadTable<8>&, float);
-template float smallest_half_radius<16>(const SpreadTable<16>&, float);
+template float smallest_half_radius<4>(const ProfileTable<4>&, float);
+template float smallest_half_radius<8>(const ProfileTable<8>&, float);
+template float smallest_half_radius<16>(const ProfileTable<16>&, float);
 
 }  // namespace lamina

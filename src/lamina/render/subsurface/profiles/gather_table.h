@@ -65,12 +65,12 @@ struct GatherTable {
 /// @param blur  standard deviation [mm] of the Gaussian that the profiles are convolved with. Their
 ///              totals are kept. 0 for none.
 template <int N>
-[[nodiscard]] std::vector<GatherTable<N>> make_gather_tables(std::span<const SpreadTable<N>> tables,
-                                                             float blur);
+[[nodiscard]] std::vector<GatherTable<N>> make_gather_tables(
+    std::span<const ProfileTable<N>> tables, float blur);
 
 /// The radius [mm] within which a band reflects half of its light, the smallest of all bands that
 /// reflect more than `least` in total.
 template <int N>
-[[nodiscard]] float smallest_half_radius(const SpreadTable<N>& table, float least = 0.005f);
+[[nodiscard]] float smallest_half_radius(const ProfileTable<N>& table, float least = 0.005f);
 
 }  // namespace lamina

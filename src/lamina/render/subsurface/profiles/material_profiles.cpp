@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
 
-#include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
@@ -14,23 +15,21 @@
 namespace lamina {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
-
-/// Mean number of probes along the two tangents and the normal. On a flat surface the tangents find
-/// nothing, so the normal is always probed and one of the others every other time.
-constexpr std::array<float, 3> probes_along = {0.25f, 0.25f, 1.0f};
-
-bool is_half_space(const Material& material) {
-  return !std::isfinite(material.layers.back().thickness);
+/// The same change to all bands.
+template <class Change>
+std::vector<LayerStack> changed(std::span<const LayerStack> bands, const Change& change) {
+  std::vector<LayerStack> result;
+  for (const LayerStack& stack : bands) result.push_back(change(stack));
+  return result;
 }
 
 /// What turns a profile into one per flux that entered. A profile per flux arriving along the
 /// normal holds the transmittance of that direction.
 template <int N>
-BandValues<N> per_entered(const Profile& profile, const Material& material) {
+BandValues<N> per_entered(const Profile& profile, std::span<const LayerStack> bands) {
   BandValues<N> factor;
   for (std::size_t b = 0; b < profile.bands; ++b) {
-    const double eta = material.layers.front().ior[b] / material.ior_above[b];
+    const double eta = bands[b].layers().front().medium.ior / bands[b].ior_above();
     factor[static_cast<int>(b)] = profile.per == ProfilePer::entered_flux
                                       ? 1.0f
                                       : static_cast<float>(1.0 / (1.0 - fresnel(1.0, eta)));
@@ -41,42 +40,41 @@ BandValues<N> per_entered(const Profile& profile, const Material& material) {
 }  // namespace
 
 template <int N>
-ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConversion<N>& conversion,
-                                      std::uint32_t material, const ProfileMaker& make_profile,
-                                      bool is_printed_exit)
+MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConversion<N>& conversion,
+                                      std::uint32_t material, const ProfileMaker& make_profile)
     : scene_(scene),
       conversion_(conversion),
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
-      material_(material),
-      is_printed_exit_(is_printed_exit) {
-  const Material& layers = surface_.material;
-  // Slabs from a hardly scattering one to one that lets nothing through, three to an octave.
-  std::vector<Material> variants;
+      material_(material) {
+  using Layers = std::vector<LayerStack>;  // [band]
+  const Layers layers = layer_stacks(surface_.material);
+  bands_ = static_cast<int>(layers.size());
+  std::vector<Layers> variants;
   std::vector<Profile> profiles;
-  if (is_half_space(layers)) {
-    const double thinnest = std::max(2.5 * thickness_of_upper_layers(layers), 0.05);
+  const auto add = [&](Layers variant) {
+    profiles.push_back(make_profile(surface_.material, variant));
+    variants.push_back(std::move(variant));
+  };
+  // Slabs from a hardly scattering one to one that lets nothing through, three to an octave.
+  if (is_semi_infinite(layers.front())) {
+    const double thinnest = std::max(2.5 * thickness_of_upper_layers(layers.front()), 0.05);
     for (double thickness = thinnest; thickness < 200.0; thickness *= std::numbers::sqrt2) {
-      variants.push_back(make_slab(layers, thickness));
-      profiles.push_back(make_profile(variants.back()));
+      add(changed(layers, [&](const LayerStack& stack) { return make_slab(stack, thickness); }));
       thicknesses_.push_back(static_cast<float>(thickness));
       const auto& through = profiles.back().total_transmittance;
       if (*std::max_element(through.begin(), through.end()) < 2e-3) break;
     }
   }
-  variants.push_back(layers);
-  profiles.push_back(make_profile(layers));
+  add(layers);
   const std::size_t slabs = variants.size();
   if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
-    for (double factor = 1.0 / 64.0; factor < 3000.0; factor *= 2.0) {
-      variants.push_back(with_absorption(layers, std::vector<double>(layers.bands.size(), factor)));
-      profiles.push_back(make_profile(variants.back()));
-    }
+    for (double factor = 1.0 / 64.0; factor < 3000.0; factor *= 2.0)
+      add(changed(layers, [&](const LayerStack& stack) { return with_absorption(stack, factor); }));
   // Of the material itself; inversion may need one of an eighth of its absorption.
   std::vector<Profile> widest = {profiles[slabs - 1]};
   if (profiles.size() > slabs) widest.push_back(profiles[slabs + 3]);
   const RadiusGrid grid = make_radius_grid(widest);
-  bands_ = static_cast<int>(layers.bands.size());
-  reach_ = grid.last;
+  support_radius_ = grid.last;
   for (std::size_t i = 0; i < variants.size(); ++i)
     (i < slabs ? by_thickness_ : by_absorption_)
         .emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
@@ -85,7 +83,7 @@ ProfileTransport<N>::ProfileTransport(const RenderScene& scene, const BandConver
 }
 
 template <int N>
-float ProfileTransport<N>::thickness_at(const SurfacePoint& point) const {
+float MaterialProfiles<N>::thickness_at(const SurfacePoint& point) const {
   if (thicknesses_.empty()) return std::numeric_limits<float>::infinity();
   const float given = scene_.textures.scalar(surface_.thickness, point);
   if (surface_.thickness.value > 0.0f) return std::max(given, 0.0f);
@@ -103,21 +101,21 @@ float ProfileTransport<N>::thickness_at(const SurfacePoint& point) const {
 }
 
 template <int N>
-Vec3f ProfileTransport<N>::color_at(const SurfacePoint& point) const {
+Vec3f MaterialProfiles<N>::color_at(const SurfacePoint& point) const {
   return surface_.color_use == SubsurfaceSurface::ColorUse::none
              ? Vec3f{1, 1, 1}
              : scene_.textures.color(surface_.color, point);
 }
 
 template <int N>
-BandValues<N> ProfileTransport<N>::color_scale(const Vec3f& color) const {
+BandValues<N> MaterialProfiles<N>::color_scale(const Vec3f& color) const {
   return conversion_.from_rgb({std::max(color.x / mean_color_.x, 0.0f),
                                std::max(color.y / mean_color_.y, 0.0f),
                                std::max(color.z / mean_color_.z, 0.0f)});
 }
 
 template <int N>
-typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_for(float thickness,
+typename MaterialProfiles<N>::Local MaterialProfiles<N>::profiles_for(float thickness,
                                                                       const Vec3f& color) const {
   Local local;
   local.low = local.high = local.sampling = &by_thickness_.back();
@@ -139,7 +137,7 @@ typename ProfileTransport<N>::Local ProfileTransport<N>::profiles_for(float thic
 }
 
 template <int N>
-void ProfileTransport<N>::invert_albedo(const Bands& target, Local& local) const {
+void MaterialProfiles<N>::invert_albedo(const Bands& target, Local& local) const {
   local.is_inverted = true;
   float all = 0.0f;
   for (int b = 0; b < bands_; ++b) {
@@ -154,55 +152,55 @@ void ProfileTransport<N>::invert_albedo(const Bands& target, Local& local) const
     // What absorption alone cannot give: brighter than the whitest, darker than the blackest.
     const float reached = total(i) + blend * (total(i + 1) - total(i));
     local.scale[b] = std::max(target[b], 0.0f) / std::max(reached, 1e-6f);
-    local.share[b] = std::max(target[b], 1e-3f);
-    all += local.share[b];
+    local.fraction[b] = std::max(target[b], 1e-3f);
+    all += local.fraction[b];
   }
   // Where the object is thin, half of the samples are for what passes it.
-  local.share *= (local.low == &by_thickness_.back() ? 1.0f : 0.5f) / std::max(all, 1e-6f);
+  local.fraction *= (local.low == &by_thickness_.back() ? 1.0f : 0.5f) / std::max(all, 1e-6f);
 }
 
 template <int N>
-BandValues<N> ProfileTransport<N>::shade_of(const Bands& reflectance) const {
+BandValues<N> MaterialProfiles<N>::albedo_index(const Bands& reflectance) const {
   Local local;
   local.low = &by_thickness_.back();
   invert_albedo(reflectance, local);
-  Bands shade;
+  Bands index;
   for (int b = 0; b < bands_; ++b)
-    shade[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
-  return shade;
+    index[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  return index;
 }
 
 template <int N>
-float ProfileTransport<N>::draw_radius(const Local& local, float u) const {
-  if (!local.is_inverted) return local.sampling->draw_radius(u);
-  float share = 0.0f;
-  for (int b = 0; b < bands_; ++b, u -= share) {
-    share = local.share[b];
-    if (u >= share) continue;
+float MaterialProfiles<N>::sample_radius(const Local& local, float u) const {
+  if (!local.is_inverted) return local.sampling->sample_radius(u);
+  float fraction = 0.0f;
+  for (int b = 0; b < bands_; ++b, u -= fraction) {
+    fraction = local.fraction[b];
+    if (u >= fraction) continue;
     const std::size_t i =
         local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
-    return by_absorption_[i].draw_radius(u / share, b);
+    return by_absorption_[i].sample_radius(u / fraction, b);
   }
   const float rest = local.low == &by_thickness_.back() ? 1.0f : 0.5f;
-  return local.sampling->draw_radius(std::clamp(u / rest, 0.0f, 0x1.fffffep-1f));
+  return local.sampling->sample_radius(std::clamp(u / rest, 0.0f, 0x1.fffffep-1f));
 }
 
 template <int N>
-float ProfileTransport<N>::density(const Local& local, float r) const {
+float MaterialProfiles<N>::density(const Local& local, float r) const {
   if (!local.is_inverted) return local.sampling->density(r);
   float total = local.low == &by_thickness_.back() ? 0.0f : 0.5f * local.sampling->density(r);
   for (int b = 0; b < bands_; ++b) {
     const std::size_t i =
         local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
-    total += local.share[b] * by_absorption_[i].density(r, b);
+    total += local.fraction[b] * by_absorption_[i].density(r, b);
   }
   return total;
 }
 
 template <int N>
-BandValues<N> ProfileTransport<N>::spread(const Local& local, const Vec3f& offset,
-                                          const Vec3f& exit_normal,
-                                          const Vec3f& entry_normal) const {
+BandValues<N> MaterialProfiles<N>::evaluate(const Local& local, const Vec3f& offset,
+                                            const Vec3f& exit_normal,
+                                            const Vec3f& entry_normal) const {
   const float facing = std::clamp(dot(exit_normal, entry_normal), -1.0f, 1.0f);
   const float r2 = dot(offset, offset), r = std::sqrt(r2);
   const auto blended = [&](const Bands& a, const Bands& b) { return a + local.blend * (b - a); };
@@ -212,7 +210,7 @@ BandValues<N> ProfileTransport<N>::spread(const Local& local, const Vec3f& offse
     if (local.blend > 0.0f) reflected = blended(reflected, local.high->reflectance_profile(r));
   }
   if (local.is_inverted) {
-    // The half-space of the colour wanted, thinned by as much as the material itself is.
+    // The half-space of the color wanted, thinned by as much as the material itself is.
     const Bands thick = by_thickness_.back().reflectance_profile(r);
     for (int b = 0; b < bands_; ++b) {
       const std::size_t i = local.node[static_cast<std::size_t>(b)];
@@ -235,83 +233,7 @@ BandValues<N> ProfileTransport<N>::spread(const Local& local, const Vec3f& offse
 }
 
 template <int N>
-BandValues<N> ProfileTransport<N>::leaving_radiance(const ExitPoint& exit,
-                                                    const LightGatherer<N>& light,
-                                                    PixelSamples& samples) const {
-  const SurfacePoint& point = exit.point;
-  const Local local = profiles_at(point);
-  const Framef frame = make_frame(point.smooth_normal);
-  const std::array<Vec3f, 3> axes = {frame.x, frame.y, frame.z};
-
-  // One of all hits, drawn by its weight.
-  float total = 0.0f, chosen_weight = 0.0f, u_left = samples.next_1d();
-  Bands chosen_spread;
-  SurfacePoint entry;
-  const auto probe_along = [&](std::size_t axis, Vec2f u) {
-    const Vec3f &probe = axes[axis], &across = axes[(axis + 1) % 3], &along = axes[(axis + 2) % 3];
-    const float r = draw_radius(local, u.x), phi = 2.0f * pi * u.y;
-    const float half = std::sqrt(std::max(reach_ * reach_ - r * r, 1e-6f * reach_ * reach_));
-    const Vec3f origin =
-        point.position + r * (std::cos(phi) * across + std::sin(phi) * along) + half * probe;
-    ProbeHits found;
-    scene_.geometry.all_hits({origin, -probe}, 2.0f * half, material_, found);
-    for (const Hit& hit : found.all()) {
-      const SurfacePoint candidate = make_surface_point(scene_.scene->meshes, hit, point.footprint);
-      const Vec3f offset = candidate.position - point.position;
-      // Each point belongs to the axis that its facet faces most, and counts on that one alone.
-      const Vec3f facing{std::abs(dot(candidate.geometric_normal, axes[0])),
-                         std::abs(dot(candidate.geometric_normal, axes[1])),
-                         std::abs(dot(candidate.geometric_normal, axes[2]))};
-      const std::size_t own_axis = facing.z >= facing.x && facing.z >= facing.y ? 2
-                                   : facing.x >= facing.y                       ? 0
-                                                                                : 1;
-      if (own_axis != axis) continue;
-      const float height = dot(offset, probe);
-      const float across_probe = std::sqrt(std::max(dot(offset, offset) - height * height, 0.0f));
-      // Mean number of probes that find the point, per area of the surface.
-      const float density =
-          probes_along[axis] * facing[static_cast<int>(axis)] * this->density(local, across_probe);
-      if (!(density > 0.0f)) continue;
-      const Bands spread_here =
-          (1.0f / density) * spread(local, offset, point.smooth_normal, candidate.smooth_normal);
-      const float weight = sum(spread_here);
-      if (!(weight > 0.0f)) continue;
-      total += weight;
-      // Reservoir: the new one replaces the old with chance weight / total; u is used up in parts.
-      const float chance = weight / total;
-      if (u_left < chance) {
-        u_left /= chance;
-        chosen_spread = spread_here;
-        chosen_weight = weight;
-        entry = candidate;
-      } else {
-        u_left = (u_left - chance) / std::max(1.0f - chance, 1e-9f);
-      }
-    }
-  };
-  probe_along(2, samples.next_2d());
-  const float u_axis = samples.next_1d();
-  const Vec2f u_tangent = samples.next_2d();
-  if (u_axis < probes_along[0])
-    probe_along(0, u_tangent);
-  else if (u_axis < probes_along[0] + probes_along[1])
-    probe_along(1, u_tangent);
-  if (!(total > 0.0f)) return {};
-  const SurfaceMaterial& material = scene_.scene->materials[material_];
-  if (material.bump || material.normal_map)
-    entry.normal = bent_normal(scene_.textures, material, entry);
-  return (leaving_share(exit) * total / chosen_weight) * chosen_spread *
-         light.entering_irradiance(entry, samples);
-}
-
-template <int N>
-float ProfileTransport<N>::leaving_share(const ExitPoint& exit) const {
-  return is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
-                          : exit_distribution(exit.boundary, exit.cos_o);
-}
-
-template <int N>
-BandValues<N> ProfileTransport<N>::local_reflectance(const SurfacePoint& point) const {
+BandValues<N> MaterialProfiles<N>::local_reflectance(const SurfacePoint& point) const {
   using ColorUse = SubsurfaceSurface::ColorUse;
   const Bands& total = by_thickness_.back().total_reflectance();
   if (surface_.color_use == ColorUse::none) return total;
@@ -325,8 +247,8 @@ BandValues<N> ProfileTransport<N>::local_reflectance(const SurfacePoint& point) 
                                                color.z / mean_color_.z}));
 }
 
-template class ProfileTransport<4>;
-template class ProfileTransport<8>;
-template class ProfileTransport<16>;
+template class MaterialProfiles<4>;
+template class MaterialProfiles<8>;
+template class MaterialProfiles<16>;
 
 }  // namespace lamina

@@ -12,48 +12,39 @@
 #include "lamina/scene/skin_totals.h"
 
 namespace lamina {
-namespace {
 
-std::vector<LayerStack> stacks_of(const Material& material) {
-  std::vector<LayerStack> stacks;
-  for (std::size_t band = 0; band < material.bands.size(); ++band)
-    stacks.push_back(layer_stack(material, band));
-  return stacks;
-}
-
-}  // namespace
-
-Profile diffuse_transfer_profile(const Material& material, const std::optional<DiskCache>& cache,
-                                 const Progress& progress) {
+Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
+                                 const std::optional<DiskCache>& cache, const Progress& progress) {
   std::vector<LayerStack> stacks;
   std::vector<double> entry;
-  for (std::size_t band = 0; band < material.bands.size(); ++band) {
-    const LayerStack& stack = stacks.emplace_back(stack_with_smooth_ends(material, band));
+  for (const LayerStack& band : bands) {
+    const LayerStack& stack = stacks.emplace_back(with_smooth_ends(band));
     entry.push_back(1.0 - fresnel_diffuse(stack.layers()[0].medium.ior / stack.ior_above()));
   }
-  const auto [exact, was_cached] = cached_transfer_profile(cache, stacks, {},
+  const auto [transfer, was_cached] = cached_transfer_profile(cache, stacks, {},
                                                            {.accuracy = 0.02,
                                                             .r_lowest = 0.02,
                                                             .illumination = Illumination::diffuse,
                                                             .progress = progress});
-  return per_entered_flux(exact.profile, entry);
+  return per_entered_flux(transfer.profile, entry);
 }
 
 Profile diffusion_profile(const Material& material) {
-  return make_diffusion_profile(stacks_of(material)).profile;
+  return make_diffusion_profile(layer_stacks(material)).profile;
 }
 
 ProfileMaker profile_maker(const RenderSettings& settings, const Progress& progress) {
-  if (settings.profile == RenderSettings::Profile::exact)
-    return [progress](const Material& material) {
-      return diffuse_transfer_profile(material, user_cache(), progress);
+  if (settings.profile == RenderSettings::Profile::radiative_transfer)
+    return [progress](const Material&, std::span<const LayerStack> bands) {
+      return diffuse_transfer_profile(bands, user_cache(), progress);
     };
-  return [settings](const Material& material) {
+  return [settings](const Material& material, std::span<const LayerStack> bands) {
     Profile profile = settings.profile == RenderSettings::Profile::dipole
-                          ? make_dipole_profile(stacks_of(material))
-                          : diffusion_profile(material);
-    return takes_exact_totals(material, settings) ? with_exact_totals(std::move(profile), material)
-                                                  : profile;
+                          ? make_dipole_profile(bands)
+                          : make_diffusion_profile(bands).profile;
+    return takes_material_totals(material, settings)
+               ? with_material_totals(std::move(profile), bands)
+               : profile;
   };
 }
 

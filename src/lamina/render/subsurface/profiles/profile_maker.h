@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "lamina/core/progress.h"
 #include "lamina/io/disk_cache.h"
@@ -12,19 +13,21 @@
 
 namespace lamina {
 
-/// Makes the profile of a layered material, all bands, as rendering wants it: of diffuse light, per
-/// flux that entered, all directions of exit together.
-using ProfileMaker = std::function<Profile(const Material&)>;
+/// Makes the profile of layers, [band], as rendering wants it: of diffuse light, per flux that
+/// entered, all directions of exit together. The layers are those of a material, or made of them;
+/// what its recipe says decides on their totals.
+using ProfileMaker =
+    std::function<Profile(const Material& material, std::span<const LayerStack> bands)>;
 
 /// By radiative transfer, to some 2 % from 0.02 mm on; kept in the cache. The surface and the
 /// lowest boundary count as smooth, their roughness being the renderer's business.
 /// @throws InvalidInput if a band does not scatter, or a boundary inside is rough; Interrupted if
 ///         progress asks to stop.
-[[nodiscard]] Profile diffuse_transfer_profile(const Material& material,
+[[nodiscard]] Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
                                                const std::optional<DiskCache>& cache,
                                                const Progress& progress = {});
 
-/// By layered diffusion, in a millisecond.
+/// Of a material by layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);
 
 /// The maker that a scene asks for; what takes long reports to `progress`. Profiles by diffusion

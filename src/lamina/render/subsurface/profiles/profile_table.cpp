@@ -74,8 +74,8 @@ RadiusGrid make_radius_grid(const std::vector<Profile>& profiles, double kept) {
 }
 
 template <int N>
-SpreadTable<N>::SpreadTable(const Profile& profile, const RadiusGrid& grid,
-                            const BandValues<N>& per_entered)
+ProfileTable<N>::ProfileTable(const Profile& profile, const RadiusGrid& grid,
+                              const BandValues<N>& per_entered)
     : log2_first_(std::log2(grid.first)),
       nodes_per_octave_(static_cast<float>(grid.count - 1) / std::log2(grid.last / grid.first)) {
   const auto count = static_cast<std::size_t>(grid.count);
@@ -117,7 +117,7 @@ SpreadTable<N>::SpreadTable(const Profile& profile, const RadiusGrid& grid,
 }
 
 template <int N>
-typename SpreadTable<N>::Density SpreadTable<N>::make_density(
+typename ProfileTable<N>::Density ProfileTable<N>::make_density(
     const std::vector<double>& mass) const {
   double all = 0.0, running = 0.0;
   for (const double m : mass) all += m;
@@ -135,13 +135,13 @@ typename SpreadTable<N>::Density SpreadTable<N>::make_density(
 }
 
 template <int N>
-float SpreadTable<N>::place(float r) const {
+float ProfileTable<N>::place(float r) const {
   const float at = (std::log2(std::max(r, radii_.front())) - log2_first_) * nodes_per_octave_;
   return std::clamp(at, 0.0f, static_cast<float>(radii_.size() - 1) * 0.999999f);
 }
 
 template <int N>
-BandValues<N> SpreadTable<N>::reflectance_profile(float r) const {
+BandValues<N> ProfileTable<N>::reflectance_profile(float r) const {
   const float at = place(r);
   const auto i = static_cast<std::size_t>(at);
   const float f = at - static_cast<float>(i);
@@ -149,7 +149,7 @@ BandValues<N> SpreadTable<N>::reflectance_profile(float r) const {
 }
 
 template <int N>
-float SpreadTable<N>::reflectance_profile(float r, int band) const {
+float ProfileTable<N>::reflectance_profile(float r, int band) const {
   const float at = place(r);
   const auto i = static_cast<std::size_t>(at);
   const float low = reflectance_[i][band], high = reflectance_[i + 1][band];
@@ -157,7 +157,7 @@ float SpreadTable<N>::reflectance_profile(float r, int band) const {
 }
 
 template <int N>
-BandValues<N> SpreadTable<N>::transmittance_profile(float r) const {
+BandValues<N> ProfileTable<N>::transmittance_profile(float r) const {
   const float at = place(r);
   const auto i = static_cast<std::size_t>(at);
   const float f = at - static_cast<float>(i);
@@ -165,7 +165,7 @@ BandValues<N> SpreadTable<N>::transmittance_profile(float r) const {
 }
 
 template <int N>
-float SpreadTable<N>::draw_radius(float u, const Density& density) const {
+float ProfileTable<N>::sample_radius(float u, const Density& density) const {
   const auto& ends = density.cumulative;
   const auto at = std::upper_bound(ends.begin(), ends.end() - 1, u);
   const auto i = static_cast<std::size_t>(at - ends.begin());
@@ -176,7 +176,7 @@ float SpreadTable<N>::draw_radius(float u, const Density& density) const {
 }
 
 template <int N>
-float SpreadTable<N>::density_at(float r, const Density& density) const {
+float ProfileTable<N>::density_at(float r, const Density& density) const {
   if (r <= radii_.front()) return density.per_area.front();
   if (r >= radii_.back()) return 0.0f;
   // The logarithm may land one ring off where r lies on an edge; the densities meet there.
@@ -185,27 +185,27 @@ float SpreadTable<N>::density_at(float r, const Density& density) const {
 }
 
 template <int N>
-float SpreadTable<N>::draw_radius(float u) const {
-  return draw_radius(u, all_);
+float ProfileTable<N>::sample_radius(float u) const {
+  return sample_radius(u, all_);
 }
 
 template <int N>
-float SpreadTable<N>::density(float r) const {
+float ProfileTable<N>::density(float r) const {
   return density_at(r, all_);
 }
 
 template <int N>
-float SpreadTable<N>::draw_radius(float u, int band) const {
-  return draw_radius(u, of_band_[static_cast<std::size_t>(band)]);
+float ProfileTable<N>::sample_radius(float u, int band) const {
+  return sample_radius(u, of_band_[static_cast<std::size_t>(band)]);
 }
 
 template <int N>
-float SpreadTable<N>::density(float r, int band) const {
+float ProfileTable<N>::density(float r, int band) const {
   return density_at(r, of_band_[static_cast<std::size_t>(band)]);
 }
 
-template class SpreadTable<4>;
-template class SpreadTable<8>;
-template class SpreadTable<16>;
+template class ProfileTable<4>;
+template class ProfileTable<8>;
+template class ProfileTable<16>;
 
 }  // namespace lamina

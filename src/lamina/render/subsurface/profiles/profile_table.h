@@ -24,14 +24,14 @@ struct RadiusGrid {
 ///
 /// The density is the sum of all their profiles. So what a sample weighs, summed over the bands, is
 /// the same at every radius, and no band weighs more than that: one set of points serves all bands,
-/// without colour grain.
+/// without color grain.
 template <int N>
-class SpreadTable {
+class ProfileTable {
  public:
   /// Light beyond the grid is put back within it, at the cost of placing it too near.
   ///
   /// @param per_entered  factor per band that makes the profile one per flux that entered
-  SpreadTable(const Profile& profile, const RadiusGrid& grid, const BandValues<N>& per_entered);
+  ProfileTable(const Profile& profile, const RadiusGrid& grid, const BandValues<N>& per_entered);
 
   /// [1/mm²]
   /// @param r  [mm]; beyond the grid the value at its end
@@ -42,17 +42,17 @@ class SpreadTable {
   [[nodiscard]] const BandValues<N>& total_transmittance() const { return total_transmittance_; }
 
   /// Radius [mm] for u in [0, 1), and the density of points in the plane that it has [1/mm²].
-  [[nodiscard]] float draw_radius(float u) const;
+  [[nodiscard]] float sample_radius(float u) const;
   [[nodiscard]] float density(float r) const;
 
   /// The same for the reflectance of one band alone.
-  [[nodiscard]] float draw_radius(float u, int band) const;
+  [[nodiscard]] float sample_radius(float u, int band) const;
   [[nodiscard]] float density(float r, int band) const;
 
   /// One band of reflectance_profile.
   [[nodiscard]] float reflectance_profile(float r, int band) const;
 
-  [[nodiscard]] float reach() const { return radii_.back(); }
+  [[nodiscard]] float support_radius() const { return radii_.back(); }
 
  private:
   /// A density of radii, even within each cell: cell 0 is the disc within the first radius, cell i
@@ -62,7 +62,7 @@ class SpreadTable {
     std::vector<float> cumulative;  ///< [cell], ends at 1
   };
   [[nodiscard]] Density make_density(const std::vector<double>& mass) const;
-  [[nodiscard]] float draw_radius(float u, const Density& density) const;
+  [[nodiscard]] float sample_radius(float u, const Density& density) const;
   [[nodiscard]] float density_at(float r, const Density& density) const;
   [[nodiscard]] float place(float r) const;
 

@@ -8,30 +8,31 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
+#include "lamina/render/subsurface/leaving_fraction.h"
 
 namespace lamina {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-constexpr int shares = 1024;  ///< of a profile, each a ring
+constexpr int rings = 1024;  ///< of a profile, equal fractions of its light
 
-/// Squares of the radii within which equal shares of the light that passes a slab leave [mm²].
+/// Squares of the radii within which equal fractions of the light that passes a slab leave [mm²].
 template <int N>
-std::vector<float> shares_of_passing(const SpreadTable<N>& table) {
+std::vector<float> radii_of_passing(const ProfileTable<N>& table) {
   if (!(largest(table.total_transmittance()) > 0.0f)) return {};
-  constexpr int rings = 4096;
-  const float ring = table.reach() * table.reach() / rings;
+  constexpr int fine_rings = 4096;
+  const float ring = table.support_radius() * table.support_radius() / fine_rings;
   std::vector<double> within = {0.0};
-  for (int i = 0; i < rings; ++i) {
+  for (int i = 0; i < fine_rings; ++i) {
     const float r = std::sqrt((static_cast<float>(i) + 0.5f) * ring);
     within.push_back(within.back() + static_cast<double>(sum(table.transmittance_profile(r))));
   }
   if (!(within.back() > 0.0)) return {};
   std::vector<float> r2 = {0.0f};
-  for (std::size_t i = 1; r2.size() <= shares && i < within.size(); ++i)
-    while (r2.size() <= shares) {
-      const double wanted = within.back() * static_cast<double>(r2.size()) / shares;
+  for (std::size_t i = 1; r2.size() <= rings && i < within.size(); ++i)
+    while (r2.size() <= rings) {
+      const double wanted = within.back() * static_cast<double>(r2.size()) / rings;
       if (wanted > within[i] && i + 1 < within.size()) break;
       const double f = std::clamp((wanted - within[i - 1]) / (within[i] - within[i - 1]), 0.0, 1.0);
       r2.push_back((static_cast<float>(i - 1) + static_cast<float>(f)) * ring);
@@ -40,16 +41,16 @@ std::vector<float> shares_of_passing(const SpreadTable<N>& table) {
 }
 
 /// One of these radii.
-RadiusOfShare draw_share(const std::vector<float>& r2, float u) {
-  const float at = u * shares;
-  const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(shares - 1));
+SampledRadius sample_radius(const std::vector<float>& r2, float u) {
+  const float at = u * rings;
+  const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(rings - 1));
   const float ring = std::max(r2[i + 1] - r2[i], 1e-20f);
-  return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (shares * pi * ring)};
+  return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (rings * pi * ring)};
 }
 
 /// Of the texel of a buffer, and of a point that is drawn in one. Measured on one core of a Zen 4
 /// [CPU s].
-constexpr double seconds_per_ray = 1e-6, seconds_per_lookup = 0.15e-6;
+constexpr double seconds_per_buffer_ray = 1e-6, seconds_per_buffer_lookup = 0.15e-6;
 
 /// All buffers of a material have at most this many times the texels of one.
 constexpr double most_texels = 32.0;
@@ -71,16 +72,17 @@ ShadowMapTransport<N>::ShadowMapTransport(const RenderScene& scene,
                                         return std::holds_alternative<DiffuseSurface>(
                                             other.surface);
                                       })),
-      profiles_(scene, conversion, material, make_profile, is_printed_exit),
-      spread_(profiles_, 0.0f) {
-  for (const SpreadTable<N>& table : profiles_.by_thickness()) {
-    std::vector<float>& r2 = r2_of_share_.emplace_back();
-    for (int i = 0; i <= shares; ++i) {
+      is_printed_exit_(is_printed_exit),
+      profiles_(scene, conversion, material, make_profile),
+      gather_profiles_(profiles_, 0.0f) {
+  for (const ProfileTable<N>& table : profiles_.by_thickness()) {
+    std::vector<float>& r2 = r2_of_fraction_.emplace_back();
+    for (int i = 0; i <= rings; ++i) {
       const float r =
-          i < shares ? table.draw_radius(static_cast<float>(i) / shares) : table.reach();
+          i < rings ? table.sample_radius(static_cast<float>(i) / rings) : table.support_radius();
       r2.push_back(r * r);
     }
-    r2_of_passing_.push_back(shares_of_passing(table));
+    r2_of_passing_.push_back(radii_of_passing(table));
   }
 }
 
@@ -127,10 +129,10 @@ void ShadowMapTransport<N>::make_buffers() {
     buffers_.push_back({.view = views[i],
                         .grid = ShadowGrid(views[i], low, high, texels),
                         .texels = {},
-                        .shades = {}});
+                        .albedo_index = {}});
     buffers_.back().texels.resize(buffers_.back().grid.size());
     if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
-      buffers_.back().shades.resize(buffers_.back().grid.size());
+      buffers_.back().albedo_index.resize(buffers_.back().grid.size());
   }
   if (!chance_ends_.empty()) chance_ends_.back() = 1.0f;
 }
@@ -140,8 +142,9 @@ SubsurfaceCost ShadowMapTransport<N>::expected_cost(const Preparation<N>& /*with
   // A buffer is filled by a ray to a texel; the views share the texels of one buffer per light.
   const ShadowMapSettings& settings = scene_.scene->render.shadow_map;
   const double lights = std::min(static_cast<double>(scene_.scene->lights.size()), 32.0);
-  return {.preparation = seconds_per_ray * lights * settings.resolution * settings.resolution,
-          .lookup = seconds_per_lookup * settings.lookups};
+  return {
+      .preparation = seconds_per_buffer_ray * lights * settings.resolution * settings.resolution,
+      .lookup = seconds_per_buffer_lookup * settings.lookups};
 }
 
 template <int N>
@@ -157,15 +160,15 @@ bool ShadowMapTransport<N>::prepare(const Preparation<N>& with) {
     Buffer& buffer = buffers_[chunks[c].first];
     const std::size_t first = chunks[c].second;
     for (std::size_t k = first; k < std::min(first + chunk, buffer.texels.size()); ++k)
-      look(buffer, k, with.light);
+      fill_texel(buffer, k, with.light);
     if (!report_progress(with.progress, 0.0)) is_stopped = true;
   });
   return !is_stopped;
 }
 
 template <int N>
-void ShadowMapTransport<N>::look(Buffer& buffer, std::size_t k,
-                                 const LightGatherer<N>& light) const {
+void ShadowMapTransport<N>::fill_texel(Buffer& buffer, std::size_t k,
+                                       const LightGatherer<N>& light) const {
   const Ray ray = buffer.grid.ray(k);
   const Hit hit = is_alone_ ? scene_.geometry.first_hit(ray, 0.0f)
                             : scene_.geometry.first_hit_of(material_, ray, 0.0f);
@@ -184,8 +187,9 @@ void ShadowMapTransport<N>::look(Buffer& buffer, std::size_t k,
   constexpr float most = 4.0f;
   texel.entering = Bands::filled((1.0f - reflectance(boundary_at(scene_, point), cos_i)) *
                                  std::min(cos_i / cos_facet, most));
-  if (!buffer.shades.empty())
-    buffer.shades[k] = profiles_.shade_of(conversion_.from_rgb(profiles_.color_at(point)));
+  if (!buffer.albedo_index.empty())
+    buffer.albedo_index[k] =
+        profiles_.albedo_index(conversion_.from_rgb(profiles_.color_at(point)));
   if (is_alone_) return;
   const float distance =
       buffer.view.is_far ? std::numeric_limits<float>::infinity() : 0.9999f * hit.distance;
@@ -211,13 +215,13 @@ float ShadowMapTransport<N>::nearest_blocker(const Ray& ray, const Hit& entry) c
 }
 
 template <int N>
-RadiusOfShare ShadowMapTransport<N>::draw_reflected(const Local& local, float u) const {
+SampledRadius ShadowMapTransport<N>::sample_reflected(const Local& local, float u) const {
   if (local.is_inverted) {
-    const float r = profiles_.draw_radius(local, u);
+    const float r = profiles_.sample_radius(local, u);
     return {r, profiles_.density(local, r)};
   }
   const auto slab = static_cast<std::size_t>(local.sampling - profiles_.by_thickness().data());
-  return draw_share(r2_of_share_[slab], u);
+  return sample_radius(r2_of_fraction_[slab], u);
 }
 
 template <int N>
@@ -225,7 +229,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                       const LightGatherer<N>& /*light*/,
                                                       PixelSamples& samples) const {
   const Local local = profiles_.profiles_at(exit.point);
-  const auto leaving = spread_.exit_at(exit.point.smooth_normal, local, profiles_);
+  const auto leaving = gather_profiles_.exit_at(exit.point.smooth_normal, local, profiles_);
   const int lookups = scene_.scene->render.shadow_map.lookups;
   const auto slab = static_cast<std::size_t>(local.sampling - profiles_.by_thickness().data());
   const std::vector<float>& passing = r2_of_passing_[slab];
@@ -251,7 +255,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     }
     const bool passes = u.x < chance;
     u.x = passes ? u.x / chance : (u.x - chance) / (1.0f - chance);
-    const auto [r, density] = passes ? draw_share(passing, u.x) : draw_reflected(local, u.x);
+    const auto [r, density] = passes ? sample_radius(passing, u.x) : sample_reflected(local, u.x);
     if (!(density > 0.0f)) continue;
     // A point in the plane across the light, and where light that crosses it meets the surface.
     const Framef frame = make_frame(across);
@@ -268,15 +272,16 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     const Vec3f offset = entry - exit.point.position;
     const IncidentLight from = incident_light(drawn, buffer.view);
     const float flux = from.irradiance * dot(from.direction, across);  // that crosses the plane
-    const float share = (passes ? chance : 1.0f - chance) * density * static_cast<float>(lookups);
-    const Bands shade = buffer.shades.empty() ? Bands{} : buffer.shades[place.texel];
-    const Bands spread = passes
-                             ? spread_.passed(leaving, offset, texel.normal)
-                             : spread_.reflected(leaving, dot(offset, offset), texel.normal, shade);
-    total += (flux / share) * strength_[b] * texel.entering * spread;
+    const float pdf = (passes ? chance : 1.0f - chance) * density * static_cast<float>(lookups);
+    const Bands albedo_index =
+        buffer.albedo_index.empty() ? Bands{} : buffer.albedo_index[place.texel];
+    const Bands profile = passes ? gather_profiles_.passed(leaving, offset, texel.normal)
+                                 : gather_profiles_.reflected(leaving, dot(offset, offset),
+                                                              texel.normal, albedo_index);
+    total += (flux / pdf) * strength_[b] * texel.entering * profile;
   }
   (void)samples.next_1d(), (void)samples.next_2d();  // which the branches have used
-  return profiles_.leaving_share(exit) * leaving.scale * total;
+  return leaving_fraction(exit, is_printed_exit_) * leaving.scale * total;
 }
 
 template class ShadowMapTransport<4>;

@@ -12,7 +12,7 @@
 namespace lamina {
 
 /// A radius that is drawn, and the density of points in the plane there.
-struct RadiusOfShare {
+struct SampledRadius {
   float r;        ///< [mm]
   float density;  ///< [1/mm²]
 };
@@ -22,11 +22,11 @@ struct RadiusOfShare {
 /// Every view of a light makes a picture of the surface: depth, normals, and how much light enters.
 /// Where light leaves, points are drawn by the profile in the plane across the light, around the
 /// point where it leaves, and each is moved along the light to the surface that the light sees. In
-/// that plane flux is spread evenly, whatever the surface below is like, so the cosine at the
+/// that plane flux is even, whatever the surface below is like, so the cosine at the
 /// surface is in the measure already, and no sample weighs more than the profile's total: it can
 /// only be further from the exit than it was in the plane.
 ///
-/// The profiles, how they are blended by normals and thinned, and how colours count are those of
+/// The profiles, how they are blended by normals and thinned, and how colors count are those of
 /// HierarchyTransport. Left out is light from other surfaces; soft lights and the sky are sums over
 /// a set of views. An opaque object inside stops the light that would cross it on its way straight
 /// from the light to below the surface.
@@ -55,23 +55,24 @@ class ShadowMapTransport final : public SubsurfaceMethod<N> {
 
  private:
   using Buffer = ShadowBuffer<N>;
-  using Local = typename ProfileTransport<N>::Local;
+  using Local = typename MaterialProfiles<N>::Local;
   void make_buffers();
-  void look(Buffer& buffer, std::size_t texel, const LightGatherer<N>& light) const;
+  void fill_texel(Buffer& buffer, std::size_t texel, const LightGatherer<N>& light) const;
   [[nodiscard]] float nearest_blocker(const Ray& ray, const Hit& entry) const;
 
-  [[nodiscard]] RadiusOfShare draw_reflected(const Local& local, float u) const;
+  [[nodiscard]] SampledRadius sample_reflected(const Local& local, float u) const;
 
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
   std::uint32_t material_;
   bool is_alone_, has_opaque_;
-  ProfileTransport<N> profiles_;
-  GatherProfiles<N> spread_;
-  /// [slab][share of the light within r²] [mm²]: of both profiles together, and of what passes,
+  bool is_printed_exit_;
+  MaterialProfiles<N> profiles_;
+  GatherProfiles<N> gather_profiles_;
+  /// [slab][fraction of the light within r²] [mm²]: of both profiles together, and of what passes,
   /// which is empty where nothing does.
-  std::vector<std::vector<float>> r2_of_share_, r2_of_passing_;
+  std::vector<std::vector<float>> r2_of_fraction_, r2_of_passing_;
   std::vector<Buffer> buffers_;
   std::vector<Bands> strength_;     ///< [buffer]
   std::vector<float> chance_ends_;  ///< [buffer], cumulative, ends at 1

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/core/parallel_chunks.h"
 #include "lamina/render/geometry/nearest_pixel.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
@@ -16,7 +16,7 @@ namespace {
 // Measured on one core of a Zen 4 [CPU s], for what cannot be timed before it is prepared.
 constexpr double seconds_per_texel = 12e-6;  // cutting one, its neighbours, its skin
 constexpr double seconds_per_bounce = 1e-6;  // between the layers, for each texel and band
-constexpr double seconds_per_lookup = 0.5e-6;
+constexpr double seconds_per_texel_lookup = 0.5e-6;
 
 /// Texels that face the camera's place with nothing but clear surfaces or other materials of the
 /// kind between: what may show, directly.
@@ -25,15 +25,13 @@ std::vector<bool> seen_texels(const RenderScene& scene, std::span<const AtlasTex
   const Vec3f eye{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
   std::vector<char> is_seen(texels.size(), 0);
   constexpr std::size_t chunk = 1024;
-  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
-      const AtlasTexel& texel = texels[i];
-      const Vec3f offset = eye - texel.position;
-      const float distance = length(offset), width = std::sqrt(texel.area);
-      if (!(distance > width) || dot(offset, texel.normal) < -0.1f * distance) continue;
-      const Ray ray{texel.position + width * texel.normal, offset / distance};
-      is_seen[i] = scene.geometry.is_blocked(ray, 0.0f, distance) ? 0 : 1;
-    }
+  parallel_chunks(texels.size(), chunk, [&](std::size_t i) {
+    const AtlasTexel& texel = texels[i];
+    const Vec3f offset = eye - texel.position;
+    const float distance = length(offset), width = std::sqrt(texel.area);
+    if (!(distance > width) || dot(offset, texel.normal) < -0.1f * distance) return;
+    const Ray ray{texel.position + width * texel.normal, offset / distance};
+    is_seen[i] = scene.geometry.is_blocked(ray, 0.0f, distance) ? 0 : 1;
   });
   return {is_seen.begin(), is_seen.end()};
 }
@@ -87,7 +85,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
       static_cast<double>(spacing_for(nearest_pixel(scene, with.camera, material_)));
   const double area = surface_area(scene.meshes, material_), texels = area / (spacing * spacing);
   if (with.cache.is_there())
-    return {.preparation = texels * seconds_per_texel, .lookup = seconds_per_lookup};
+    return {.preparation = texels * seconds_per_texel, .lookup = seconds_per_texel_lookup};
   const double seen =
       with.cache.is_wanted() ? 1.0 : std::min(1.0, with.seen.area(material_) / area);
   const int full = settings.irradiance_samples;
@@ -95,7 +93,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
   const auto bands = static_cast<double>(surface_.material.bands.size());
   return {.preparation = texels * (seconds_per_texel + estimates * with.seen.seconds_per_estimate +
                                    seconds_per_bounce * bands * (1 + settings.interlayer_bounces)),
-          .lookup = seconds_per_lookup};
+          .lookup = seconds_per_texel_lookup};
 }
 
 #define LAMINA_INSTANTIATE(N)                                                                      \

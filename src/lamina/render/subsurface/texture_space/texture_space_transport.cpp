@@ -2,15 +2,14 @@
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/core/parallel_chunks.h"
 #include "lamina/render/subsurface/irradiance_fireflies.h"
+#include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
 #include "lamina/scene/skin_totals.h"
@@ -18,8 +17,6 @@
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Levels of cells go on up to this size: Gaussians of skin are no wider [mm²].
 constexpr double largest_cell = 25.0;
@@ -33,14 +30,14 @@ constexpr int fewer_where_hidden = 8;
 /// Place of a texel along a curve that visits all of a square of 2^k by 2^k texels before it leaves
 /// it: Morton's, the bits of x and y in turn.
 std::uint32_t morton(std::int32_t x, std::int32_t y) {
-  const auto spread = [](std::int32_t value) {
+  const auto bits_apart = [](std::int32_t value) {
     std::uint32_t bits = static_cast<std::uint32_t>(value) & 0xffffu;
     bits = (bits | (bits << 8)) & 0x00ff00ffu;
     bits = (bits | (bits << 4)) & 0x0f0f0f0fu;
     bits = (bits | (bits << 2)) & 0x33333333u;
     return (bits | (bits << 1)) & 0x55555555u;
   };
-  return spread(x) | (spread(y) << 1);
+  return bits_apart(x) | (bits_apart(y) << 1);
 }
 
 }  // namespace
@@ -85,7 +82,7 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   const SkinParameters& skin = surface_.material.skin->skin;
   const TexelSkin at_texels = sample_skin(surface_.skin_maps, scene_.scene->meshes, *atlas_);
   const auto wavelengths = surface_.material.bands.wavelengths();
-  const OperatorTotals totals = takes_exact_totals(surface_.material, scene_.scene->render)
+  const OperatorTotals totals = takes_material_totals(surface_.material, scene_.scene->render)
                                     ? OperatorTotals::radiative_transfer_diffuse
                                     : OperatorTotals::diffusion;
   std::vector<StackTables> tables(wavelengths.size());
@@ -160,50 +157,44 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
   const SurfaceMaterial& material = scene_.scene->materials[material_];
   const int full = scene_.scene->render.texture_space.irradiance_samples;
   constexpr std::size_t chunk = 256;
-  std::atomic<bool> is_stopped = false;
-  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    if (is_stopped) return;
-    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
-      const AtlasTexel& texel = texels[i];
-      const auto point_at = [&](Vec2f moved) {
-        // Moved within the plane of its face, as far as that goes.
-        const Vec2f d = barycentric_step(meshes, texel, moved);
-        float u = texel.u + d.x, v = texel.v + d.y;
-        if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
-        SurfacePoint point = make_surface_point(
-            meshes,
-            {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
-            spacing_);
-        if (material.bump || material.normal_map)
-          point.normal = bent_normal(scene_.textures, material, point);
-        return point;
-      };
-      const bool is_full = is_seen.empty() || is_seen[i];
-      const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
-      const std::uint32_t along = morton(texel.x, texel.y);
-      Bands irradiance;
-      for (int s = 0; s < count; ++s) {
-        PixelSamples samples(
-            seed + 0x9d2c5680u, 2 * texel.chart + (is_full ? 0 : 1),
-            along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
-        const Vec2f place = samples.next_2d();
-        irradiance +=
-            light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
-      }
-      for (std::size_t b = 0; b < cloud.bands; ++b)
-        cloud.irradiance[i * cloud.bands + b] =
-            irradiance[static_cast<int>(b)] / static_cast<float>(count);
-      const SurfacePoint middle = point_at({0.0f, 0.0f});
-      cloud.points[i] = {.position = texel.position,
-                         .normal = middle.normal,
-                         .uv = middle.uv,
-                         .area = texel.area,
-                         .albedo = {1, 1, 1},
-                         .thickness = 0.0f};
+  const auto sample = [&](std::size_t i) {
+    const AtlasTexel& texel = texels[i];
+    const auto point_at = [&](Vec2f moved) {
+      // Moved within the plane of its face, as far as that goes.
+      const Vec2f d = barycentric_step(meshes, texel, moved);
+      float u = texel.u + d.x, v = texel.v + d.y;
+      if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
+      SurfacePoint point = make_surface_point(
+          meshes,
+          {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
+          spacing_);
+      if (material.bump || material.normal_map)
+        point.normal = bent_normal(scene_.textures, material, point);
+      return point;
+    };
+    const bool is_full = is_seen.empty() || is_seen[i];
+    const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+    const std::uint32_t along = morton(texel.x, texel.y);
+    Bands irradiance;
+    for (int s = 0; s < count; ++s) {
+      PixelSamples samples(
+          seed + 0x9d2c5680u, 2 * texel.chart + (is_full ? 0 : 1),
+          along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
+      const Vec2f place = samples.next_2d();
+      irradiance += light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
     }
-    if (!report_progress(progress, 0.0)) is_stopped = true;
-  });
-  if (is_stopped) return std::nullopt;
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      cloud.irradiance[i * cloud.bands + b] =
+          irradiance[static_cast<int>(b)] / static_cast<float>(count);
+    const SurfacePoint middle = point_at({0.0f, 0.0f});
+    cloud.points[i] = {.position = texel.position,
+                       .normal = middle.normal,
+                       .uv = middle.uv,
+                       .area = texel.area,
+                       .albedo = {1, 1, 1},
+                       .thickness = 0.0f};
+  };
+  if (!parallel_chunks(texels.size(), chunk, sample, progress)) return std::nullopt;
   return cloud;
 }
 
@@ -214,7 +205,7 @@ void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
   for (std::size_t i = 0; i < texels; ++i)
     for (std::size_t b = 0; b < cloud.bands; ++b)
       entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
-  dim_specks(graph_.levels.front(), entering);
+  clamp_fireflies(graph_.levels.front(), entering);
   const CellField<N> leaving =
       transport(*layers_, entering, scene_.scene->render.texture_space.interlayer_bounces);
   layers_.reset();
@@ -289,9 +280,7 @@ template <int N>
 BandValues<N> TextureSpaceTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                          const LightGatherer<N>& /*light*/,
                                                          PixelSamples& /*samples*/) const {
-  const float leaving = is_printed_exit_ ? (1.0f - reflectance(exit.boundary, exit.cos_o)) / pi
-                                         : exit_distribution(exit.boundary, exit.cos_o);
-  return leaving * looked_up(exitance_, exit.point);
+  return leaving_fraction(exit, is_printed_exit_) * looked_up(exitance_, exit.point);
 }
 
 template class TextureSpaceTransport<4>;

@@ -18,7 +18,7 @@ namespace lamina {
 
 /// Subsurface transport in texture space, through skin whose parameters are maps.
 ///
-/// The surface is cut into texels, the light that enters each is found, and light spreads from
+/// The surface is cut into texels, the light that enters each is found, and light scatters from
 /// texel to texel through epidermis and dermis with the profiles that the maps give each of them,
 /// over the borders of charts as within them. What leaves is looked up where the eye looks. So
 /// everything is done once, for any camera; detail is that of the texels.

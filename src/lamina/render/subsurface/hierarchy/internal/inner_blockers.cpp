@@ -16,7 +16,7 @@ constexpr float pi = std::numbers::pi_v<float>;
 
 /// Share of the fluence at a surface that it absorbs per area: of light that is diffuse, the flux
 /// towards the surface is a quarter of the fluence and half of the net flux.
-float absorbed_share(float reflectance) {
+float absorbed_fraction(float reflectance) {
   const float r = std::clamp(reflectance, 0.0f, 1.0f);
   return 0.5f * (1.0f - r) / (1.0f + r);
 }
@@ -51,7 +51,7 @@ InnerBlockers<N>::InnerBlockers(std::span<const Patch> patches, const DiffusionM
   float least = largest(medium.sigma_tr);
   for (int b = 0; b < N; ++b)
     if (medium.sigma_tr[b] > 0.0f) least = std::min(least, medium.sigma_tr[b]);
-  reach_ = least > 0.0f ? 20.0f / least : 1e6f;
+  support_radius_ = least > 0.0f ? 20.0f / least : 1e6f;
   if (patches.empty()) return;
   const std::vector<Bands> fluences = solve(patches, light);
   for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -65,7 +65,7 @@ InnerBlockers<N>::InnerBlockers(std::span<const Patch> patches, const DiffusionM
     for (int b = 0; b < N; ++b) {
       const float power = fluences[i][b] * patch.area;
       const float dipole = power * medium.diffusion[b] / (2.0f * apart);
-      const float absorbed = power * absorbed_share(patch.reflectance[b]);
+      const float absorbed = power * absorbed_fraction(patch.reflectance[b]);
       source.power_inner[b] = -dipole - 0.5f * absorbed;
       source.power_outer[b] = dipole - 0.5f * absorbed;
     }
@@ -85,7 +85,7 @@ BandValues<N> InnerBlockers<N>::fluence(const Vec3f& position,
                                         const IrradianceTree<N>& light) const {
   const Bands above = medium_.mfp + medium_.height_of_image;
   Bands total;
-  light.gather(position, reach_, error_, medium_.mfp[0],
+  light.gather(position, support_radius_, error_, medium_.mfp[0],
                [&](const auto& node, const Bands&, const Vec3f& offset, float d2) {
                  const float along = dot(offset, node.normal);
                  const auto green = [&](const Bands& height) {
@@ -135,7 +135,7 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
     Eigen::MatrixXf matrix(count, count);
     for (Eigen::Index j = 0; j < count; ++j) {
       const Patch& from = patches[index(j)];
-      const float beta = absorbed_share(from.reflectance[b]);
+      const float beta = absorbed_fraction(from.reflectance[b]);
       const float radius = std::sqrt(from.area / pi);
       for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3f d = patches[index(i)].position - from.position;
@@ -159,10 +159,10 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
 }
 
 template <int N>
-BandValues<N> InnerBlockers<N>::share(const Vec3f& position, const Vec3f& normal,
-                                      const IrradianceTree<N>& light) const {
+BandValues<N> InnerBlockers<N>::unblocked_fraction(const Vec3f& position, const Vec3f& normal,
+                                                   const IrradianceTree<N>& light) const {
   Bands without;
-  light.gather(position, reach_, error_, medium_.mfp[0],
+  light.gather(position, support_radius_, error_, medium_.mfp[0],
                [&](const auto& node, const Bands&, const Vec3f& offset, float) {
                  // Below the place where it enters; never above the surface where it leaves.
                  const Bands depth = max(-dot(offset, normal) * Bands::filled(1.0f) +

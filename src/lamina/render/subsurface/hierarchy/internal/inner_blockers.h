@@ -17,7 +17,7 @@ template <int N>
 struct DiffusionMedium {
   BandValues<N> sigma_tr;         ///< [1/mm]
   BandValues<N> diffusion;        ///< D = mfp' / 3 [mm]
-  BandValues<N> mfp;              ///< reduced: the depth at which light starts to spread [mm]
+  BandValues<N> mfp;              ///< reduced: the depth at which light starts to diffuse [mm]
   BandValues<N> height_of_image;  ///< of the mirror image of the surface, over the depth of its
                                   ///< source: 4 A D [mm]
 };
@@ -26,13 +26,13 @@ struct DiffusionMedium {
 template <int N>
 [[nodiscard]] DiffusionMedium<N> make_diffusion_medium(const Material& material);
 
-/// Opaque objects inside a translucent one: what share of the light they leave.
+/// Opaque objects inside a translucent one: what fraction of the light they leave.
 ///
 /// With them the fluence at a point is, by Green's second identity, that without them and an
 /// integral over their surface of sources and dipoles whose strength is the fluence there; what the
 /// surface absorbs ties both. The integral equation is solved once, for patches of the surface.
 /// Since objects reflect nothing through themselves, light from behind is stopped; it bends around
-/// them as far as it spreads.
+/// them as far as it diffuses.
 ///
 /// Light starts one mean free path below where it enters; where it enters and where it leaves the
 /// surface counts as flat, elsewhere as not there. What light comes there is only compared with
@@ -65,19 +65,19 @@ class InnerBlockers {
   /// than 1 above a bright one.
   ///
   /// @param normal  outward, unit length
-  [[nodiscard]] Bands share(const Vec3f& position, const Vec3f& normal,
-                            const IrradianceTree<N>& light) const;
+  [[nodiscard]] Bands unblocked_fraction(const Vec3f& position, const Vec3f& normal,
+                                         const IrradianceTree<N>& light) const;
 
   [[nodiscard]] bool empty() const { return sources_.empty(); }
 
-  /// Whether an object may lie within the reach of light that leaves at a position [mm].
-  [[nodiscard]] bool may_reach(const Vec3f& position, float reach) const {
+  /// Whether an object may lie within the radius [mm] of light that leaves at a position [mm].
+  [[nodiscard]] bool may_reach(const Vec3f& position, float radius) const {
     float distance2 = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const float apart = std::max({box_low_[k] - position[k], position[k] - box_high_[k], 0.0f});
       distance2 += apart * apart;
     }
-    return !empty() && distance2 <= reach * reach;
+    return !empty() && distance2 <= radius * radius;
   }
 
  private:
@@ -94,7 +94,7 @@ class InnerBlockers {
                                          const IrradianceTree<N>& light) const;
 
   DiffusionMedium<N> medium_;
-  float error_ = 0.0f, reach_ = 0.0f;
+  float error_ = 0.0f, support_radius_ = 0.0f;
   std::vector<Source> sources_;
   Vec3f box_low_, box_high_;  ///< around all patches [mm]
 };

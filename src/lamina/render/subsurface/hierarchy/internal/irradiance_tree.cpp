@@ -19,7 +19,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
 
 constexpr int levels = 21;
 constexpr float normal_weight = 3.0f;  // how much finer nodes of differing normals are cut
-constexpr float shade_weight = 3.0f;   // and of differing shades, per unit of variance
+constexpr float albedo_weight = 3.0f;  // and of differing albedo indices, per unit of variance
 
 }  // namespace
 
@@ -35,7 +35,7 @@ struct IrradianceTree<N>::Builder {
     double weight = 0.0, area = 0.0;
     Vec3 position, normal;
     double shade2 = 0.0;
-    BandValues<N> power, shade;  ///< shade weighted
+    BandValues<N> power, albedo_index;  ///< albedo_index weighted
   };
 
   Sum sum_of(std::size_t from, std::size_t to) const {
@@ -53,8 +53,8 @@ struct IrradianceTree<N>::Builder {
         total.normal[k] += weight * static_cast<double>(s.normal[k]);
       }
       total.power += power;
-      total.shade += static_cast<float>(weight) * s.shade;
-      total.shade2 += weight * static_cast<double>(lamina::sum(s.shade * s.shade));
+      total.albedo_index += static_cast<float>(weight) * s.albedo_index;
+      total.shade2 += weight * static_cast<double>(lamina::sum(s.albedo_index * s.albedo_index));
     }
     return total;
   }
@@ -82,16 +82,17 @@ struct IrradianceTree<N>::Builder {
                      static_cast<double>(d2) / total.weight;
     }
     node.mean_square = static_cast<float>(mean_square);
-    const BandValues<N> shade = static_cast<float>(1.0 / total.weight) * total.shade;
+    const BandValues<N> albedo_index = static_cast<float>(1.0 / total.weight) * total.albedo_index;
     const float unlike = 1.0f - std::min(dot(node.normal, node.normal), 1.0f);
     const float shade_variance = std::max(
-        static_cast<float>(total.shade2 / total.weight) - lamina::sum(shade * shade), 0.0f);
+        static_cast<float>(total.shade2 / total.weight) - lamina::sum(albedo_index * albedo_index),
+        0.0f);
     node.size = static_cast<float>(total.area) *
-                (1.0f + normal_weight * unlike + shade_weight * shade_variance);
+                (1.0f + normal_weight * unlike + albedo_weight * shade_variance);
     if (to - from > 1) add_children(from, to, level);
     node.next = static_cast<std::uint32_t>(tree.nodes_.size());
     tree.nodes_[index] = node;
-    tree.shades_[index] = shade;
+    tree.shades_[index] = albedo_index;
   }
 
   void add_children(std::size_t from, std::size_t to, int level) {
@@ -145,8 +146,9 @@ IrradianceTree<N>::IrradianceTree(std::span<const IrradianceSample<N>> samples) 
   nodes_.reserve(2 * samples.size());
   shades_.reserve(2 * samples.size());
   builder.add(0, samples.size(), levels);
-  const bool is_shaded = std::ranges::any_of(
-      shades_, [](const BandValues<N>& shade) { return lamina::sum(shade * shade) > 0.0f; });
+  const bool is_shaded = std::ranges::any_of(shades_, [](const BandValues<N>& albedo_index) {
+    return lamina::sum(albedo_index * albedo_index) > 0.0f;
+  });
   if (!is_shaded) shades_ = {};
 }
 

@@ -17,7 +17,7 @@ struct IrradianceSample {
   Vec3f normal;       ///< unit length
   float area = 0.0f;  ///< [mm²]
   BandValues<N> irradiance;
-  BandValues<N> shade;  ///< where in a series of ever darker profiles its own is; any unit
+  BandValues<N> albedo_index;  ///< where in a series of ever darker profiles its own is; any unit
 };
 
 /// Samples close together as one, from afar: an octree whose nodes hold what their samples give in
@@ -34,7 +34,7 @@ class IrradianceTree {
     Vec3f center;              ///< weighted by power
     Vec3f normal;              ///< the same; shorter the more the normals differ
     float mean_square = 0.0f;  ///< distance of the samples from the centre, the same [mm²]
-    float size = 0.0f;         ///< area, more where normals or shades differ [mm²]
+    float size = 0.0f;         ///< area, more where normals or albedo indices differ [mm²]
     float radius = 0.0f;       ///< around the centre, of all samples [mm]
     std::uint32_t next = 0;    ///< where to go on past all that is below
   };
@@ -42,21 +42,21 @@ class IrradianceTree {
   IrradianceTree() = default;
   explicit IrradianceTree(std::span<const IrradianceSample<N>> samples);
 
-  /// Calls on_node(node, shade, offset, distance²) for nodes that together hold all samples within
-  /// `reach` of a point, each as coarse as the criterion size <= error * (distance² + width²)
-  /// allows.
+  /// Calls on_node(node, albedo_index, offset, distance²) for nodes that together hold all samples
+  /// within `radius` of a point, each as coarse as the criterion size <= error * (distance² +
+  /// width²) allows.
   ///
   /// @param error  solid angle of a node [sr], > 0
   /// @param width  of the profile's middle, where it does not change much [mm]
   template <class OnNode>
-  void gather(const Vec3f& point, float reach, float error, float width,
+  void gather(const Vec3f& point, float radius, float error, float width,
               const OnNode& on_node) const {
     const std::size_t count = nodes_.size();
     const float width2 = width * width;
     for (std::size_t i = 0; i < count;) {
       const Node& node = nodes_[i];
       const Vec3f offset = node.center - point;
-      const float d2 = dot(offset, offset), far = reach + node.radius;
+      const float d2 = dot(offset, offset), far = radius + node.radius;
       if (d2 > far * far) {
         i = node.next;
       } else if (node.next == i + 1 || node.size <= error * (d2 + width2)) {

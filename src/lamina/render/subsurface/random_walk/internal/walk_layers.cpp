@@ -81,7 +81,8 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
   for (std::size_t b = 0; b < inside.bands.size(); ++b) {
     stacks.push_back(layer_stack(smooth, b));
     ior += inside.layers[0].ior[b] / inside.ior_above[b] / static_cast<double>(bands_);
-    reflectance_[static_cast<int>(b)] = static_cast<float>(exact_totals(smooth, b).reflectance);
+    reflectance_[static_cast<int>(b)] =
+        static_cast<float>(material_totals(stacks.back()).reflectance);
   }
   ior_ = static_cast<float>(ior);
   stack_ = make_first_order<N>(stacks);

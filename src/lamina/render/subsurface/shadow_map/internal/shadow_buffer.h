@@ -66,12 +66,12 @@ struct ShadowBuffer {
     float blocker = std::numeric_limits<float>::infinity();   ///< of an opaque object behind it
     float plane = 0.0f;   ///< of the facet that is seen: its normal times the offset from the grid
     Vec3f facet, normal;  ///< flat and smooth, unit length
-    BandValues<N> entering;  ///< share of the light that passes other objects and the boundary
+    BandValues<N> entering;  ///< fraction of the light that passes other objects and the boundary
   };
   LightView view;
   ShadowGrid grid;
   std::vector<Texel> texels;
-  std::vector<BandValues<N>> shades;  ///< [texel], see GatherProfiles; empty unless inverted
+  std::vector<BandValues<N>> albedo_index;  ///< [texel], see GatherProfiles; empty unless inverted
 };
 
 /// Distance along a ray from the light to the facet that a texel has seen [mm].

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/parallel.h"
+#include "lamina/core/parallel_chunks.h"
 #include "lamina/image/bilinear.h"
 
 namespace lamina {
@@ -28,28 +28,26 @@ TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& me
   TexelSkin result{.texels = texels.size(), .values = {}};
   for (const SkinMap& map : maps) {
     std::vector<float>& values = result.values.emplace_back(texels.size());
-    parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
-      for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
-        const AtlasTexel& texel = texels[i];
-        const Mesh& mesh = meshes[texel.mesh];
-        const auto& corners = mesh.triangles[texel.triangle];
-        const Vec2f uv = (1.0f - texel.u - texel.v) * mesh.uvs[corners[0]] +
-                         texel.u * mesh.uvs[corners[1]] + texel.v * mesh.uvs[corners[2]];
-        const float width = 1.0f / atlas.density(texel.chart);
-        // A tap for each texel of the map below this one, each way.
-        const float covered =
-            width * static_cast<float>(std::max(map.values.width, map.values.height));
-        const int taps = std::clamp(static_cast<int>(std::ceil(covered)), 1, 16);
-        float sum = 0.0f;
-        for (int y = 0; y < taps; ++y)
-          for (int x = 0; x < taps; ++x) {
-            const auto place = [&](int k) {
-              return width * ((static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f);
-            };
-            sum += bilinear(map.values, uv + Vec2f{place(x), place(y)});
-          }
-        values[i] = sum / static_cast<float>(taps * taps);
-      }
+    parallel_chunks(texels.size(), chunk, [&](std::size_t i) {
+      const AtlasTexel& texel = texels[i];
+      const Mesh& mesh = meshes[texel.mesh];
+      const auto& corners = mesh.triangles[texel.triangle];
+      const Vec2f uv = (1.0f - texel.u - texel.v) * mesh.uvs[corners[0]] +
+                       texel.u * mesh.uvs[corners[1]] + texel.v * mesh.uvs[corners[2]];
+      const float width = 1.0f / atlas.density(texel.chart);
+      // A tap for each texel of the map below this one, each way.
+      const float covered =
+          width * static_cast<float>(std::max(map.values.width, map.values.height));
+      const int taps = std::clamp(static_cast<int>(std::ceil(covered)), 1, 16);
+      float sum = 0.0f;
+      for (int y = 0; y < taps; ++y)
+        for (int x = 0; x < taps; ++x) {
+          const auto place = [&](int k) {
+            return width * ((static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f);
+          };
+          sum += bilinear(map.values, uv + Vec2f{place(x), place(y)});
+        }
+      values[i] = sum / static_cast<float>(taps * taps);
     });
   }
   return result;
