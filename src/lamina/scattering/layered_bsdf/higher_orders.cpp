@@ -12,7 +12,7 @@
 namespace lamina {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double grazing = 1e-3;  // stands in for a cosine of 0, where beams have no limit
 
 double cosine_at(int i) {

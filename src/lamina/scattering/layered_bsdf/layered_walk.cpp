@@ -14,7 +14,7 @@ namespace {
 
 using namespace first_order;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int long_walk = 1000;  // events; roulette ends those that nothing else does
 
 /// What a path is worth, by bands: throughput and density, both over the density of the band that
