@@ -20,6 +20,7 @@
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/scene.h"
 #include "lamina/scene/skin_totals.h"
+#include "lamina/scene/subsurface_methods.h"
 #include "picture_files.h"
 #include "render_comparison.h"
 

@@ -16,6 +16,7 @@
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/render.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scene/subsurface_methods.h"
 #include "mesh/mesh_samples.h"
 #include "render/small_scenes.h"
 

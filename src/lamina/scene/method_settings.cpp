@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/scene/subsurface_methods.h"
 
 namespace lamina {
 namespace {

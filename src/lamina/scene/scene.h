@@ -21,7 +21,7 @@
 #include "lamina/image/tone.h"
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/scene_method.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {

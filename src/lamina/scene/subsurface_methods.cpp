@@ -4,7 +4,6 @@
 #include <cstddef>
 
 #include "lamina/core/number_text.h"
-#include "lamina/scene/scene.h"
 
 namespace lamina {
 namespace {

@@ -9,6 +9,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/scene/subsurface_methods.h"
 
 namespace lamina {
 namespace {

@@ -9,6 +9,7 @@
 #include "lamina/image/map_description.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/scene/subsurface_methods.h"
 
 namespace lamina {
 namespace scene_file {
