@@ -5,6 +5,6 @@ cd "$(dirname "$0")"
 source ./setup.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
 
-cmake --preset dev
-cmake --build --preset dev
-ctest --preset dev --output-on-failure -j "$(nproc)"
+cmake --preset test
+cmake --build --preset test
+ctest --preset test -j "$(nproc)"
