@@ -27,7 +27,7 @@ if(LAMINA_FAST_BUILD)
   target_compile_options(lamina_flags INTERFACE
     -Wno-shadow  # of names in other sources
     # GCC 12 warns of its own headers once they are parsed.
-    "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than>")
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than;-Wno-subobject-linkage>")
 endif()
 
 # lamina_build_fast(TARGET): by the option LAMINA_FAST_BUILD.

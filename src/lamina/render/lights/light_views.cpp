@@ -7,13 +7,12 @@
 #include <numbers>
 #include <variant>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/lights/internal/environment.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Points spread evenly over the unit square: [Roberts2018]'s R2 sequence.
 Vec2f spread_point(int i) {
@@ -49,7 +48,7 @@ void add_views(const Environment& sky, int count, std::vector<LightView>& views)
   const auto add = [&](const Vec3f& direction) {
     const Environment::Seen seen = sky.evaluate(direction);
     const float density =
-        static_cast<float>(drawn) * seen.pdf + static_cast<float>(even) / (4.0f * pi);
+        static_cast<float>(drawn) * seen.pdf + static_cast<float>(even) / (4.0f * float_pi);
     if (density > 0.0f)
       views.push_back({.where = normalize(direction),
                        .is_far = true,

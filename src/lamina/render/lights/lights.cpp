@@ -5,12 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/vec_precision.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// A rectangle as seen from a point: its solid angle, and what sampling it evenly needs.
 /// Source: [Urena2013] §4.
@@ -42,7 +41,7 @@ SphericalRectangle see_rectangle(const Vec3f& corner, const Vec3f& axis_u, const
               g3 = angle(-n3 * n0);
   s.b0 = n0;
   s.b1 = n2;
-  s.k = 2.0f * pi - g2 - g3;
+  s.k = 2.0f * float_pi - g2 - g3;
   s.solid_angle = g0 + g1 - s.k;
   return s;
 }
@@ -86,7 +85,7 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
       const Vec3f to_middle = middle - to_float(rectangle->center);
       const float d2 = std::max(dot(to_middle, to_middle), 0.25f * radius * radius);
       area_light.probability =
-          mean_of_channels(area_light.radiance) * std::min(area / d2, 2.0f * pi);
+          mean_of_channels(area_light.radiance) * std::min(area / d2, 2.0f * float_pi);
       area_lights_.push_back(area_light);
     } else {
       const auto& sky = std::get<EnvironmentLight>(light);
@@ -96,9 +95,9 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
       else
         infinite_lights_.push_back({Environment(sky.scale), sky.is_visible, 0.0f});
       const Environment& environment = infinite_lights_.back().environment;
-      infinite_lights_.back().probability = pi * environment.mean_sampled();
+      infinite_lights_.back().probability = float_pi * environment.mean_sampled();
       typical_irradiance_ +=
-          pi * (mean_of_channels(environment.mean_radiance()) - environment.mean_sampled());
+          float_pi * (mean_of_channels(environment.mean_radiance()) - environment.mean_sampled());
     }
   }
   float total = 0.0f;
@@ -162,7 +161,7 @@ LightSample Lights::sample_infinite_light(const InfiniteLight& infinite_light, V
 /// an even sky, which they find well, takes no next-event estimation. Typical is at least the mean
 /// of the sky, so what is left to it can be sampled.
 float Lights::next_event_share_of(const Vec3f& radiance) const {
-  const float even = most_left * typical_irradiance_ / pi, whole = mean_of_channels(radiance);
+  const float even = most_left * typical_irradiance_ / float_pi, whole = mean_of_channels(radiance);
   return whole > even ? 1.0f - even / whole : 0.0f;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/paths/internal/direct_light.h"
 #include "lamina/render/paths/internal/path_step.h"
@@ -12,7 +13,6 @@
 namespace lamina {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
 constexpr int max_steps = 48;  // of one path, glass included
 
 }  // namespace
@@ -39,7 +39,7 @@ class PathTracer<N>::Gatherer final : public LightGatherer<N> {
 template <int N>
 BandValues<N> PathTracer<N>::clamp_indirect(Bands light, const PathState<N>& path) const {
   if (!path.is_scattered) return light;
-  const float limit = 10.0f * world_.scene.lights.typical_irradiance() / pi;
+  const float limit = 10.0f * world_.scene.lights.typical_irradiance() / float_pi;
   const float top = largest(light);
   return top > limit ? (limit / top) * light : light;
 }
@@ -53,7 +53,7 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
     const float cos_i = dot(light.direction, entry.normal);
     if (!(cos_i > 0.0f) || !(dot(light.direction, entry.geometric_normal) > 0.0f)) return 0.0f;
     return cos_i * (1.0f - reflectance(boundary, cos_i)) *
-           mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / pi);
+           mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / float_pi);
   };
   // One light of each stratum: whether one is seen would be noise on what another gives.
   for (const LightStratum& stratum : world_.scene.lights.strata()) {
@@ -67,10 +67,10 @@ BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int 
   const Vec3f wi = sample_cosine_hemisphere(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);
   if (wi.z > 0.0f && dot(direction, entry.geometric_normal) > 0.0f) {
-    irradiance += pi * (1.0f - reflectance(boundary, wi.z)) *
+    irradiance += float_pi * (1.0f - reflectance(boundary, wi.z)) *
                   trace_path({.ray = {leave_surface(entry, direction), direction},
                               .bounce = bounce + 1,
-                              .pdf = wi.z / pi,
+                              .pdf = wi.z / float_pi,
                               .spread = 0.3f,
                               .footprint = entry.footprint,
                               .is_scattered = true},

@@ -8,9 +8,9 @@
 namespace lamina {
 namespace {
 
-constexpr float least_cosine = 1e-3f;
-constexpr int most_steps = 10, most_halvings = 2;
-constexpr float tolerance = 1e-4f;  // of the miss, over the path's length
+constexpr float least_exit_cosine = 1e-3f;
+constexpr int most_newton_steps = 10, most_halvings = 2;
+constexpr float miss_tolerance = 1e-4f;  // of the miss, over the path's length
 constexpr float small_step = 0.1f;  // over that length: within a triangle it needs no ray
 
 /// The boundary on the way from inside, if it is what a ray meets first.
@@ -75,13 +75,13 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
   auto found = find(first);
   Vec3f last, move;  // the last point that the light reaches, and the step from there
   int halvings = 0;
-  for (int step = 0; found && step < most_steps; ++step) {
+  for (int step = 0; found && step < most_newton_steps; ++step) {
     const SurfacePoint& point = found->point;
     const Vec3f offset = light_position - point.position;
     const Vec3f to_light = is_far ? light.direction : normalize(offset);
     const float light_distance = is_far ? light.distance : length(offset);
     const Refraction r = refraction(to_light, point.smooth_normal, ior);
-    if (!(r.cos_outside > least_cosine)) {
+    if (!(r.cos_outside > least_exit_cosine)) {
       // Too far, over the horizon of the light: near grazing light steps must be small.
       if (step == 0 || halvings++ == most_halvings) return std::nullopt;
       move *= 0.5f;
@@ -96,7 +96,7 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
     const Vec3f area = cross(d.across[0], d.across[1]);
     const float area2 = dot(area, area);
     if (!(area2 > 0.0f)) return std::nullopt;
-    const float near = tolerance * length + 0.5f * least_distance(scene);
+    const float near = miss_tolerance * length + 0.5f * least_distance(scene);
     if (dot(miss, miss) < near * near) {
       const float nearer = is_far ? 1.0f : light.distance / light_distance;
       return RefractedEntry{.point = point,
@@ -141,7 +141,7 @@ std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, cons
   const auto found = meet_boundary(scene, inside, light.direction, material);
   if (!found || !(found->hit.distance < light.distance)) return std::nullopt;
   const Refraction r = refraction(light.direction, found->point.smooth_normal, ior);
-  if (!(r.cos_outside > least_cosine)) return std::nullopt;
+  if (!(r.cos_outside > least_exit_cosine)) return std::nullopt;
   return RefractedEntry{.point = found->point,
                         .to_light = light.direction,
                         .light_distance = light.distance - found->hit.distance,

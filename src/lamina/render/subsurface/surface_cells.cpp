@@ -31,7 +31,7 @@ Corners corners(const Mesh& mesh, std::size_t triangle) {
   return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
 }
 
-float area_of(const Corners& c) { return 0.5f * length(cross(c.p1 - c.p0, c.p2 - c.p0)); }
+float area_of_corners(const Corners& c) { return 0.5f * length(cross(c.p1 - c.p0, c.p2 - c.p0)); }
 
 /// A point drawn on each element, as cells are made of.
 struct Place {
@@ -58,7 +58,7 @@ float longest_edge(const Corners& c) {
 }
 
 std::uint32_t count_cuts(const Corners& c, float spacing) {
-  const float area = area_of(c);
+  const float area = area_of_corners(c);
   if (!(area > 0.0f)) return 0;
   const float wanted = std::max(std::sqrt(elements_per_cell * area) / spacing,  // small enough,
                                 longest_edge(c) / spacing);                     // slivers too
@@ -68,7 +68,7 @@ std::uint32_t count_cuts(const Corners& c, float spacing) {
 /// Cuts a triangle into congruent elements, with a random point on each.
 void cut(const Corners& c, const Piece& piece, std::uint64_t seed, SurfaceElement* element) {
   const int n = static_cast<int>(piece.cuts);
-  const float step = 1.0f / static_cast<float>(n), area = area_of(c) * step * step;
+  const float step = 1.0f / static_cast<float>(n), area = area_of_corners(c) * step * step;
   Random random = make_random(seed + (std::uint64_t{piece.part} << 32),
                               (std::uint64_t{piece.mesh} << 32) | piece.triangle);
   for (int i = 0; i < n; ++i)
@@ -199,7 +199,7 @@ void for_triangles(const std::vector<Mesh>& meshes, std::uint32_t material,
 double surface_area(const std::vector<Mesh>& meshes, std::uint32_t material) {
   double area = 0.0;
   for_triangles(meshes, material, [&](const Corners& c, std::uint32_t, std::uint32_t) {
-    area += static_cast<double>(area_of(c));
+    area += static_cast<double>(area_of_corners(c));
   });
   return area;
 }
@@ -340,7 +340,7 @@ std::vector<double> expected_cells(const std::vector<Mesh>& meshes, std::uint32_
   for (const std::vector<Piece>& pieces : make_pieces(meshes, material, field)) {
     const auto spacing = static_cast<double>(field.spacing(static_cast<int>(counts.size())));
     double area = 0.0;
-    for (const Piece& piece : pieces) area += static_cast<double>(area_of(corners(meshes, piece)));
+    for (const Piece& piece : pieces) area += static_cast<double>(area_of_corners(corners(meshes, piece)));
     counts.push_back(area / (spacing * spacing));
   }
   return counts;

@@ -9,7 +9,7 @@
 namespace lamina {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// What squares below the resolution of the fixed point can have lost, of n samples of this sum.
 double lost_squares(double n, double sum) {

@@ -14,14 +14,14 @@ Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 Complex inverse(Complex a) { return std::conj(a) / std::norm(a); }
-Complex exp(Complex a) { return std::polar(std::exp(a.real()), a.imag()); }
+Complex polar_exp(Complex a) { return std::polar(std::exp(a.real()), a.imag()); }
 
 /// Integral of exp(-a z) over [0, d]; d may be infinite.
-Complex decay(Complex a, double d) {
+Complex decay_integral(Complex a, double d) {
   if (!std::isfinite(d)) return inverse(a);
   const Complex x = a * d;
   if (std::abs(x) < 1e-3) return d * (1.0 - times(x, 1.0 - times(x, 1.0 - x / 4.0) / 3.0) / 2.0);
-  return times(1.0 - exp(-x), inverse(a));
+  return times(1.0 - polar_exp(-x), inverse(a));
 }
 
 /// Light of one direction and one azimuthal wave in a layer.
@@ -97,7 +97,7 @@ FrequencyResponse single_scattering_response(const FrequencySolver& solver, doub
         const double cos = layer.cos[i], d = layer.thickness;
         const double tangent = stack.grid.p[i] / (layer.ior * cos);
         const Complex rate = node_extinction(layer, i) / cos - k * tangent * solver.waves.rate[q];
-        at.across = std::isfinite(d) ? exp(-rate * d) : 0.0;
+        at.across = std::isfinite(d) ? polar_exp(-rate * d) : 0.0;
         if (layer.sigma_s == 0.0) continue;
         const double strength =
             0.25 * layer.sigma_s * stack.grid.etendue[i] / (layer.ior * layer.ior * cos);
@@ -105,10 +105,10 @@ FrequencyResponse single_scattering_response(const FrequencySolver& solver, doub
         const double back = strength * solver.phase[l][0].backward(i, beam);
         const double extinction = node_extinction(layer, beam);
         const double down = flux.down[2 * l], up = flux.up[2 * l + 1];
-        const Complex turned = back * decay(rate + extinction, d);
+        const Complex turned = back * decay_integral(rate + extinction, d);
         at.emitted_up = down * turned;
         if (!std::isfinite(d)) continue;
-        const Complex gone_on = on * std::exp(-extinction * d) * decay(rate - extinction, d);
+        const Complex gone_on = on * std::exp(-extinction * d) * decay_integral(rate - extinction, d);
         at.emitted_up += up * gone_on;
         at.emitted_down = down * gone_on + up * turned;
       }

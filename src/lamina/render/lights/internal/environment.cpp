@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
+
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Index of the first of the ascending ends that is above x, and the place of x between its ends.
 std::pair<int, float> find_segment(const float* ends, int count, float x) {
@@ -129,9 +129,9 @@ Environment::Seen Environment::evaluate(const Vec3f& direction) const {
   const float dx = cos_rotation_ * direction.x - sin_rotation_ * direction.z;
   const float dz = sin_rotation_ * direction.x + cos_rotation_ * direction.z;
   const float dy = std::clamp(direction.y, -1.0f, 1.0f);
-  float x = (0.5f + std::atan2(dx, -dz) / (2.0f * pi)) * static_cast<float>(width_) - 0.5f;
+  float x = (0.5f + std::atan2(dx, -dz) / (2.0f * float_pi)) * static_cast<float>(width_) - 0.5f;
   if (x < 0.0f) x += static_cast<float>(width_);
-  const float y = std::acos(dy) / pi * static_cast<float>(height_) + 0.5f;
+  const float y = std::acos(dy) / float_pi * static_cast<float>(height_) + 0.5f;
   const int column = std::min(static_cast<int>(x), width_ - 1);
   const int row = std::min(static_cast<int>(y), height_);
   const Texel texel =
@@ -150,9 +150,9 @@ Environment::Sample Environment::sample(Vec2f u) const {
   if (row == 0) fy = 0.5f + 0.5f * fy;  // the half row below the upper pole
   if (row == height_) fy = 0.5f * fy;
   const float fx = sample_linear(a + fy * (c - a), b + fy * (d - b), h);
-  const float theta = pi * (static_cast<float>(row) + fy - 0.5f) / static_cast<float>(height_);
+  const float theta = float_pi * (static_cast<float>(row) + fy - 0.5f) / static_cast<float>(height_);
   const float phi =
-      2.0f * pi * ((static_cast<float>(column) + fx + 0.5f) / static_cast<float>(width_) - 0.5f);
+      2.0f * float_pi * ((static_cast<float>(column) + fx + 0.5f) / static_cast<float>(width_) - 0.5f);
   const float sin_theta = std::sin(theta);
   const float dx = sin_theta * std::sin(phi), dz = -sin_theta * std::cos(phi);
   const Texel texel = interpolate(column, row, fx, fy);

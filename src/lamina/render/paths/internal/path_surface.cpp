@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
+
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 template <int N>
 float brightness(const BandValues<N>& values) {
@@ -28,10 +28,10 @@ Vec3f sample_cosine_hemisphere(Vec2f u) {
   float r = 0.0f, phi = 0.0f;
   if (std::abs(a) > std::abs(b)) {
     r = a;
-    phi = 0.25f * pi * (b / a);
+    phi = 0.25f * float_pi * (b / a);
   } else if (b != 0.0f) {
     r = b;
-    phi = 0.5f * pi - 0.25f * pi * (a / b);
+    phi = 0.5f * float_pi - 0.25f * float_pi * (a / b);
   }
   return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - r * r))};
 }
@@ -70,7 +70,7 @@ std::optional<BaseSample<N>> DiffuseBase<N>::sample(const BoundaryPoint&, float,
 
 template <int N>
 float DiffuseBase<N>::pdf(const Vec3f& wi) const {
-  return std::max(wi.z, 0.0f) / pi;
+  return std::max(wi.z, 0.0f) / float_pi;
 }
 
 template <int N>
@@ -104,12 +104,12 @@ std::optional<BaseSample<N>> LayeredBase<N>::sample(const BoundaryPoint& at, flo
 
 template <int N>
 float LayeredBase<N>::pdf(const Vec3f& wi) const {
-  return std::max(wi.z, 0.0f) / pi;
+  return std::max(wi.z, 0.0f) / float_pi;
 }
 
 template <int N>
 float LayeredBase<N>::estimate(const BoundaryPoint&, const Vec3f& wi) const {
-  return wi.z < 0.0f ? 0.0f : brightness(reflectance) * (1.0f / pi);
+  return wi.z < 0.0f ? 0.0f : brightness(reflectance) * (1.0f / float_pi);
 }
 
 // Thin sheets
@@ -144,7 +144,7 @@ std::optional<BaseSample<N>> SheetBase<N>::sample(const BoundaryPoint&, float u,
 template <int N>
 float SheetBase<N>::pdf(const Vec3f& wi) const {
   const float chance = beyond_chance();
-  return (wi.z > 0.0f ? 1.0f - chance : chance) * std::abs(wi.z) / pi;
+  return (wi.z > 0.0f ? 1.0f - chance : chance) * std::abs(wi.z) / float_pi;
 }
 
 template <int N>

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Samples to the radius that holds half of the light of the narrowest band.
 constexpr float samples_per_half_radius = 3.0f;
@@ -46,7 +45,7 @@ std::vector<float> balanced_areas(std::span<const CloudPoint> points, const Poin
       for (std::size_t k = 0; k < near.count; ++k)
         sum += areas[near.point[k]] *
                std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (blur * blur));
-      sums[i] = sum / (2.0f * pi * blur * blur);
+      sums[i] = sum / (2.0f * float_pi * blur * blur);
       if (round > 0) return;
       if (wide.near(points[i].position, points[i].normal).count > 0) {
         wanted[i] = 0.0f;  // stays as it is

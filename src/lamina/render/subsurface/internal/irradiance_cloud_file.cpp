@@ -47,7 +47,7 @@ const std::string first_words =
     "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
 const std::string no_checksum(16, '0');  // while the checksum of the file is taken
 
-std::uint64_t checksum(std::string_view bytes) {
+std::uint64_t cloud_checksum(std::string_view bytes) {
   Hash hash;
   hash.add_text(bytes);
   return hash.value();
@@ -140,7 +140,7 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   require(bytes.size() >= at + no_checksum.size());
   const std::string stated = bytes.substr(at, no_checksum.size());
   bytes.replace(at, no_checksum.size(), no_checksum);
-  require(stated == hexadecimal(checksum(bytes)));
+  require(stated == hexadecimal(cloud_checksum(bytes)));
   lines.expect(no_checksum + '\n');
   for (const auto& [part, value] : parts(wanted)) {
     std::string found;
@@ -234,7 +234,7 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
       }
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
     }
-  const std::string sum = hexadecimal(checksum(bytes));
+  const std::string sum = hexadecimal(cloud_checksum(bytes));
   bytes.replace(bytes.find("comment checksum ") + 17, sum.size(), sum);
   write_file_bytes(file, std::as_bytes(std::span(bytes)));
 }

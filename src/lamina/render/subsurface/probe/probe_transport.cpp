@@ -6,12 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Mean number of probes along the two tangents and the normal. On a flat surface the tangents find
 /// nothing, so the normal is always probed and one of the others every other time.
@@ -35,7 +34,7 @@ BandValues<N> ProbeTransport<N>::leaving_radiance(const ExitPoint& exit,
   SurfacePoint entry;
   const auto probe_along = [&](std::size_t axis, Vec2f u) {
     const Vec3f &probe = axes[axis], &across = axes[(axis + 1) % 3], &along = axes[(axis + 2) % 3];
-    const float r = profiles_.sample_radius(local, u.x), phi = 2.0f * pi * u.y;
+    const float r = profiles_.sample_radius(local, u.x), phi = 2.0f * float_pi * u.y;
     const float half = std::sqrt(std::max(support * support - r * r, 1e-6f * support * support));
     const Vec3f origin =
         point.position + r * (std::cos(phi) * across + std::sin(phi) * along) + half * probe;

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
+
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// exp(-x) I0(x) for x >= 0, within 2e-7. Source: [AbramowitzStegun1964] Eqs. 9.8.1, 9.8.2.
 double scaled_bessel_i0(double x) {
@@ -62,9 +62,9 @@ float ring_gaussian(float r, float s, float blur) {
 /// The integral over the plane of a table.
 template <int N>
 BandValues<N> integral(const RadialTable<N>& table) {
-  BandValues<N> total = pi * table.node_r2(0) * table[0];
+  BandValues<N> total = float_pi * table.node_r2(0) * table[0];
   for (std::size_t i = 0; i + 1 < table.size(); ++i)
-    total += 0.5f * pi * (table.node_r2(i + 1) - table.node_r2(i)) * (table[i] + table[i + 1]);
+    total += 0.5f * float_pi * (table.node_r2(i + 1) - table.node_r2(i)) * (table[i] + table[i + 1]);
   return total;
 }
 

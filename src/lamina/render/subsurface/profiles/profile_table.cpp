@@ -8,7 +8,7 @@
 namespace lamina {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// One band of a profile, between its radii a straight line in log-log, flat below the first.
 class Curve {

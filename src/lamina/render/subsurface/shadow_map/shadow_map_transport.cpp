@@ -7,13 +7,12 @@
 #include <numbers>
 #include <utility>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/parallel.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 constexpr int rings = 1024;  ///< of a profile, equal fractions of its light
 
@@ -45,7 +44,7 @@ SampledRadius sample_radius(const std::vector<float>& r2, float u) {
   const float at = u * rings;
   const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(rings - 1));
   const float ring = std::max(r2[i + 1] - r2[i], 1e-20f);
-  return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (rings * pi * ring)};
+  return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (rings * float_pi * ring)};
 }
 
 /// Of the texel of a buffer, and of a point that is drawn in one. Measured on one core of a Zen 4
@@ -259,7 +258,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     if (!(density > 0.0f)) continue;
     // A point in the plane across the light, and where light that crosses it meets the surface.
     const Framef frame = make_frame(across);
-    const float phi = 2.0f * pi * u.y;
+    const float phi = 2.0f * float_pi * u.y;
     const Vec3f drawn =
         exit.point.position + r * (std::cos(phi) * frame.x + std::sin(phi) * frame.y);
     const ShadowGrid::Place place = buffer.grid.find(drawn);

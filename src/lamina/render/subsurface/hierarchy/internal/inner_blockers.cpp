@@ -6,13 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina {
 namespace {
-
-constexpr float pi = std::numbers::pi_v<float>;
 
 /// Share of the fluence at a surface that it absorbs per area: of light that is diffuse, the flux
 /// towards the surface is a quarter of the fluence and half of the net flux.
@@ -56,7 +55,7 @@ InnerBlockers<N>::InnerBlockers(std::span<const Patch> patches, const DiffusionM
   const std::vector<Bands> fluences = solve(patches, light);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
-    const float radius = std::sqrt(patch.area / pi), apart = 0.25f * radius;
+    const float radius = std::sqrt(patch.area / float_pi), apart = 0.25f * radius;
     Source source{.inner = patch.position - apart * patch.normal,
                   .outer = patch.position + apart * patch.normal,
                   .power_inner = {},
@@ -98,7 +97,7 @@ BandValues<N> InnerBlockers<N>::fluence(const Vec3f& position,
                  };
                  total += node.power * (green(-1.0f * medium_.mfp) - green(above));
                });
-  return max(total, Bands{}) / (4.0f * pi * medium_.diffusion);
+  return max(total, Bands{}) / (4.0f * float_pi * medium_.diffusion);
 }
 
 /// Flux per area that leaves at a flat surface, of a source below it and its image above:
@@ -113,7 +112,7 @@ BandValues<N> InnerBlockers<N>::leaving(const Vec3f& to_source, const Vec3f& nor
     const Bands inverse = reciprocal_root(d2), x = medium_.sigma_tr * d2 * inverse;
     return z * (Bands::filled(1.0f) + x) * exp_minus(x) * inverse * inverse * inverse;
   };
-  return (1.0f / (4.0f * pi)) * (flux_from(depth) + flux_from(depth + medium_.height_of_image));
+  return (1.0f / (4.0f * float_pi)) * (flux_from(depth) + flux_from(depth + medium_.height_of_image));
 }
 
 /// The fluence at each patch, from half of it = what comes without the objects + what all patches
@@ -136,7 +135,7 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
     for (Eigen::Index j = 0; j < count; ++j) {
       const Patch& from = patches[index(j)];
       const float beta = absorbed_fraction(from.reflectance[b]);
-      const float radius = std::sqrt(from.area / pi);
+      const float radius = std::sqrt(from.area / float_pi);
       for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3f d = patches[index(i)].position - from.position;
         const float r = length(d);
@@ -146,7 +145,7 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
           matrix(i, j) = (i == j ? 0.5f : 0.0f) + beta * own / (2.0f * D);
           continue;
         }
-        const float green = from.area * std::exp(-kappa * r) / (4.0f * pi * r);
+        const float green = from.area * std::exp(-kappa * r) / (4.0f * float_pi * r);
         const float dipole = green * (1.0f + kappa * r) / (r * r) * dot(d, from.normal);
         matrix(i, j) = beta / D * green - dipole;
       }

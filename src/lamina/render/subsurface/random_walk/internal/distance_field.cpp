@@ -7,7 +7,7 @@ namespace lamina {
 namespace {
 
 constexpr float reach_in_spacings = 5.0f;
-constexpr int most_steps = 250;
+constexpr int most_marches = 250;
 
 }  // namespace
 
@@ -16,7 +16,7 @@ DistanceField::DistanceField(const RayGeometry& geometry, const std::vector<Mesh
     : geometry_(geometry),
       meshes_(meshes),
       lattice_(lattice),
-      step_(reach_in_spacings * lattice.spacing() / most_steps),
+      step_(reach_in_spacings * lattice.spacing() / most_marches),
       steps_(lattice.count()),
       normals_(lattice.count()) {}
 
@@ -24,7 +24,7 @@ int DistanceField::measure(std::size_t node) const {
   // Far inside, where all of the surface is as near, a query is slow and not needed.
   const float reach = reach_in_spacings * lattice_.spacing();
   const Hit hit = geometry_.closest_point(lattice_.position(node), reach);
-  int steps = most_steps;
+  int steps = most_marches;
   if (hit.is_hit()) {
     const Vec3f n = make_bare_surface_point(meshes_, hit).smooth_normal;
     std::uint32_t packed = 0;

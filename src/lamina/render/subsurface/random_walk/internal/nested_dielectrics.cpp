@@ -10,7 +10,7 @@ namespace {
 
 // How far apart faces are one: below that by which rays leave surfaces.
 constexpr float coincident = 1.5e-6f;  // over the size of coordinates
-constexpr float least_cosine = 0.02f;
+constexpr float least_body_cosine = 0.02f;
 
 bool is_medium(const SurfaceMaterial& material) {
   return std::holds_alternative<SubsurfaceSurface>(material.surface) ||
@@ -39,12 +39,12 @@ double enclosed_volume(const Mesh& mesh, const std::vector<bool>& is_closed) {
   return std::abs(sum) / 6.0;
 }
 
-struct Box {
+struct BodyBox {
   Vec3f low, high;
 };
-Box box_of(const Mesh& mesh) {
+BodyBox box_of(const Mesh& mesh) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  BodyBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   for (const Vec3f& p : mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
       box.low[axis] = std::min(box.low[axis], p[axis]);
@@ -53,7 +53,7 @@ Box box_of(const Mesh& mesh) {
   return box;
 }
 
-bool meet(const Box& a, const Box& b) {
+bool meet(const BodyBox& a, const BodyBox& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const float slack = 1e-5f * std::max(std::abs(a.low[axis]), std::abs(a.high[axis]));
     if (a.low[axis] > b.high[axis] + slack || b.low[axis] > a.high[axis] + slack) return false;
@@ -107,7 +107,7 @@ ProbeHits NestedDielectrics::coincident_hits(const SurfacePoint& point,
   const Vec3f& p = point.position;
   const float size = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), 1e-3f});
   const float half =
-      coincident * size / std::max(std::abs(dot(point.geometric_normal, direction)), least_cosine);
+      coincident * size / std::max(std::abs(dot(point.geometric_normal, direction)), least_body_cosine);
   ProbeHits hits;
   scene_.geometry.all_hits({p - half * direction, direction}, 2.0f * half, std::nullopt, hits);
   return hits;
@@ -152,7 +152,7 @@ bool NestedDielectrics::is_near_others(std::uint32_t material) const {
   const std::vector<Mesh>& meshes = scene_.scene->meshes;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (material_[m] != material) continue;
-    const Box box = box_of(meshes[m]);
+    const BodyBox box = box_of(meshes[m]);
     for (std::size_t other = 0; other < meshes.size(); ++other)
       if (other != m && material_[other] != none && meet(box, box_of(meshes[other]))) return true;
   }

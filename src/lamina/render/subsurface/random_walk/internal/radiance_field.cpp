@@ -8,19 +8,19 @@
 #include <functional>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/core/parallel.h"
 
 namespace lamina {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
-constexpr double most_nodes = 4e4;
+constexpr double most_field_nodes = 4e4;
 constexpr double most_links = 8e6;  // over lanes
 constexpr std::size_t most_links_of_node = 32, least_links_of_node = 16;
-constexpr std::size_t chunk = 64;  // nodes that one thread takes at a time
+constexpr std::size_t nodes_at_once = 64;  // nodes that one thread takes at a time
 constexpr int most_sweeps = 60;
 constexpr float over_relaxation = 1.4f;
-constexpr float tolerance = 2e-3f;  // of a sweep's change, over the brightest node
+constexpr float sweep_tolerance = 2e-3f;  // of a sweep's change, over the brightest node
 
 /// Isotropic scattering in place of anisotropic, by similarity.
 template <int N>
@@ -76,7 +76,7 @@ struct Links {
         given(nodes * each) {}
 };
 
-constexpr float isotropic = 0.25f / pi;
+constexpr float isotropic = 0.25f / float_pi;
 
 /// As they are stored: to_light, deviation, direct_deviation, net_flux.
 template <int N>
@@ -145,7 +145,7 @@ RadianceField<N>::RadianceField(const BodyInterior<N>& interior,
 
 template <int N>
 bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& progress) {
-  const NodeLattice lattice = interior_.lattice(reduced_free_path_, most_nodes);
+  const NodeLattice lattice = interior_.lattice(reduced_free_path_, most_field_nodes);
   const std::size_t nodes = lattice.count();
   const std::uint64_t seed = interior_.scene().scene->render.seed;
   std::vector<FieldRadiance<N>> field(nodes);
@@ -154,10 +154,10 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
   std::vector<Bands> reduced_direct(nodes);  // its mean radiance
   std::atomic<bool> is_stopped = false;
   const auto for_nodes = [&](const auto& body) {
-    parallel_for((nodes + chunk - 1) / chunk, [&](std::size_t c) {
+    parallel_for((nodes + nodes_at_once - 1) / nodes_at_once, [&](std::size_t c) {
       if (!is_stopped && !report_progress(progress, 0.0)) is_stopped = true;
       if (is_stopped) return;
-      for (std::size_t n = c * chunk; n < std::min((c + 1) * chunk, nodes); ++n) body(n);
+      for (std::size_t n = c * nodes_at_once; n < std::min((c + 1) * nodes_at_once, nodes); ++n) body(n);
     });
   };
   for_nodes([&](std::size_t n) {
@@ -187,7 +187,7 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
       // Directions on a spiral, evenly over the sphere.
       const float z =
           1.0f - 2.0f * (static_cast<float>(i) + shift.x) / static_cast<float>(links.of_node);
-      const float phi = 2.0f * pi * (shift.y + 0.618034f * static_cast<float>(i));
+      const float phi = 2.0f * float_pi * (shift.y + 0.618034f * static_cast<float>(i));
       const float r = std::sqrt(std::max(1.0f - z * z, 0.0f));
       links.direction[k] = {r * std::cos(phi), r * std::sin(phi), z};
       const Vec3f start = points[n].at[i % points[n].count];
@@ -242,7 +242,7 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
       change = std::max(change, renew(n));
       brightest = std::max(brightest, largest(field[n].scattered));
     }
-    if (!(change > tolerance * brightest)) break;
+    if (!(change > sweep_tolerance * brightest)) break;
   }
   for_nodes([&](std::size_t n) {
     if (!is_inside(n)) return;

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/core/float_pi.h"
 #include "lamina/optics/same_ior.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
@@ -18,7 +19,6 @@
 namespace lamina {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
 constexpr float huge = 1e9f;
 
 /// Nothing but an index, in the bands of the scene.
@@ -142,7 +142,7 @@ float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const 
 
 template <int N>
 BandValues<N> WalkLayers<N>::phase(std::size_t layer, float one_minus_cos) const {
-  if (layers_[layer].is_isotropic) return Bands::filled(0.25f / pi);
+  if (layers_[layer].is_isotropic) return Bands::filled(0.25f / float_pi);
   return first_order::layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
 }
 
@@ -160,7 +160,7 @@ void WalkLayers<N>::sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbe
   const std::vector<PhaseFunction>& phases = layers_[layer].phases;
   const bool is_same = layers_[layer].is_same_phase;
   const Vec2f u = numbers.pair();
-  const float phi = 2.0f * pi * u.y;
+  const float phi = 2.0f * float_pi * u.y;
   if (layers_[layer].is_isotropic) {
     const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
     path.ray.direction = {r * std::cos(phi), r * std::sin(phi), z};

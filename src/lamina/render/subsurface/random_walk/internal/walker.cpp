@@ -6,10 +6,11 @@
 #include <functional>
 #include <numbers>
 
+#include "lamina/core/float_pi.h"
+
 namespace lamina {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
 constexpr int most_steps = 200'000;
 // Probabilities of next-event estimation and of going on where a radiance field is the control
 // variate: these times what either may change of the light that the path finds, and at least so
@@ -102,7 +103,7 @@ typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N
           ? std::clamp(continuation_scale * importance * expected.field.deviation,
                        least_continuation * most, 1.0f)
           : most;
-  const float peak = std::max(largest(phase), 0.25f / pi);
+  const float peak = std::max(largest(phase), 0.25f / float_pi);
   if (medium.next_event.has_lights())
     expected.next_event =
         std::clamp(next_event_scale * peak * importance * expected.field.direct_deviation,

@@ -8,7 +8,7 @@
 namespace lamina {
 namespace {
 
-constexpr int most_bodies = 1000;  // along one ray
+constexpr int most_bodies_of_ray = 1000;  // along one ray
 
 }  // namespace
 
@@ -23,7 +23,7 @@ typename Walker<N>::Step Walker<N>::advance() {
   Step step;
   float begin = 0.0f;  // of the segment in one body
   float t_near = path_.has_scattered ? 0.0f : least_distance(media_.scene());
-  for (int bodies = 0; bodies < most_bodies; ++bodies) {
+  for (int bodies = 0; bodies < most_bodies_of_ray; ++bodies) {
     const WalkLayers<N>& layers = place_.medium->layers;
     const float least = layers.least_extinction(band);
     const float t_far = least > 0.0f ? begin + 1.001f * left / least : 1e9f;

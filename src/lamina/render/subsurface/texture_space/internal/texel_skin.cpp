@@ -10,7 +10,7 @@
 namespace lamina {
 namespace {
 
-constexpr std::size_t chunk = 4096;
+constexpr std::size_t texels_at_once = 4096;
 
 float bilinear(const Image& image, Vec2f uv) {
   const float x = uv.x * static_cast<float>(image.width);
@@ -28,7 +28,7 @@ TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& me
   TexelSkin result{.texels = texels.size(), .values = {}};
   for (const SkinMap& map : maps) {
     std::vector<float>& values = result.values.emplace_back(texels.size());
-    parallel_chunks(texels.size(), chunk, [&](std::size_t i) {
+    parallel_chunks(texels.size(), texels_at_once, [&](std::size_t i) {
       const AtlasTexel& texel = texels[i];
       const Mesh& mesh = meshes[texel.mesh];
       const auto& corners = mesh.triangles[texel.triangle];
