@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bsdf_options.h"
+#include "degrees.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/io/nearest_name.h"
@@ -18,8 +19,6 @@
 
 namespace lamina::cli {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 /// The angles to look from, in degrees.
 struct Angles {
@@ -60,13 +59,13 @@ JsonOutput by_band(const std::vector<StackBsdf>& bands,
 }
 
 /// A method and what it found, [band].
-struct Named {
+struct NamedBsdf {
   std::string method;
   std::vector<StackBsdf> bands;
 };
 
 JsonOutput to_json(const BsdfOptions& options, const Material& material, const Angles& angles,
-                   const Named& result) {
+                   const NamedBsdf& result) {
   const std::vector<StackBsdf>& bands = result.bands;
   JsonOutput json = make_result("bsdf");
   json["material"] = material.name;
@@ -93,7 +92,7 @@ JsonOutput to_json(const BsdfOptions& options, const Material& material, const A
 }
 
 std::string to_text(const BsdfOptions& options, const Material& material, const Angles& angles,
-                    const Named& result) {
+                    const NamedBsdf& result) {
   const std::vector<StackBsdf>& bands = result.bands;
   std::string text = fmt::format(
       "{}, light from {:.4g}°, {}: 1/sr in the plane of "
@@ -125,9 +124,9 @@ std::string to_text(const BsdfOptions& options, const Material& material, const 
   return text;
 }
 
-Named solve(const BsdfOptions& options, const Material& material, const Angles& angles,
-            const std::string& method) {
-  Named result{method, std::vector<StackBsdf>(material.bands.size())};
+NamedBsdf solve(const BsdfOptions& options, const Material& material, const Angles& angles,
+                const std::string& method) {
+  NamedBsdf result{method, std::vector<StackBsdf>(material.bands.size())};
   const double theta_i = options.theta_i_deg * degree;
   const std::vector<double> theta_o = in_radians(angles.theta), phi_o = in_radians(angles.phi);
   if (method == "radiative_transfer") {
@@ -151,7 +150,7 @@ Named solve(const BsdfOptions& options, const Material& material, const Angles& 
 
 /// Polar diagrams of the plane of incidence, as [HanrahanKrueger1993] Figure 9.
 void write_plot(const BsdfOptions& options, const Material& material, const Angles& angles,
-                const std::vector<Named>& results) {
+                const std::vector<NamedBsdf>& results) {
   if (options.plot.empty()) return;
   constexpr std::array styles = {CurveStyle::line, CurveStyle::dashed, CurveStyle::dotted};
   Plot plot{.title = fmt::format("{}, light from {:.4g}°", material.name, options.theta_i_deg),
@@ -193,7 +192,7 @@ void write_plot(const BsdfOptions& options, const Material& material, const Angl
 
 /// All methods beside radiative transfer, with the fraction of the light that each sends elsewhere.
 void compare_methods(const BsdfOptions& options, const Material& material, const Angles& angles) {
-  std::vector<Named> results;
+  std::vector<NamedBsdf> results;
   for (const char* method : {"radiative_transfer", "layered_bsdf", "first_order"})
     results.push_back(solve(options, material, angles, method));
   const std::vector<StackBsdf>& truth = results.front().bands;
@@ -208,7 +207,7 @@ void compare_methods(const BsdfOptions& options, const Material& material, const
     for (std::size_t band = 0; band < truth.size(); ++band)
       text += fmt::format("{:>19}", fmt::format("{} {}", side, band_name(material.bands, band)));
   text += "\n";
-  for (const Named& result : results) {
+  for (const NamedBsdf& result : results) {
     JsonOutput& entry = json["methods"].emplace_back(to_json(options, material, angles, result));
     if (&result == &results.front()) continue;
     text += fmt::format("{:<20}", result.method);
@@ -246,7 +245,7 @@ void run_material_bsdf(const BsdfOptions& options) {
   const Material material = find_material(options.material, options.common.memory);
   const Angles angles = make_angles(options.step_deg);
   if (options.compare) return compare_methods(options, material, angles);
-  const Named result = solve(options, material, angles, method);
+  const NamedBsdf result = solve(options, material, angles, method);
   write_plot(options, material, angles, {result});
   write_json(to_json(options, material, angles, result), options.common);
   print(options.common, to_text(options, material, angles, result));

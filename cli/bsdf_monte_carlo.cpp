@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bsdf_options.h"
+#include "degrees.h"
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/plot/plot.h"
@@ -18,7 +19,6 @@ namespace {
 
 using Estimates = std::vector<Estimate>;
 
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr auto brdf = &TwoSided::reflection;
 constexpr auto btdf = &TwoSided::transmission;
 using SideOf = Estimates TwoSided::*;

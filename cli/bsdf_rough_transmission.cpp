@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "bsdf_options.h"
+#include "degrees.h"
 #include "lamina/core/error.h"
 #include "lamina/optics/rough/rough_surface_scattering.h"
 #include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 std::int64_t rays(const BsdfOptions& options) {
   if (options.effort.relative_error > 0.0 || options.effort.seconds > 0.0)
@@ -147,7 +146,7 @@ std::string to_text(const BsdfOptions& options, const std::string& method,
 }
 
 /// A method and what it found.
-struct Named {
+struct NamedScattering {
   std::string name;
   RoughSurfaceScattering result;
 };
@@ -155,7 +154,7 @@ struct Named {
 /// Light that leaves in the plane of incidence, from the cells along it: bsdf * cos(theta_o) over
 /// the angle from the upward normal, positive away from the light. Where the cells are noisy, means
 /// over three by three of them.
-PlotCurve lobe_of(const Named& named, bool is_transmitted) {
+PlotCurve lobe_of(const NamedScattering& named, bool is_transmitted) {
   const RoughSurfaceScattering& result = named.result;
   const auto& [thetas, phis] = result.cells;
   const std::vector<double>& bsdf = is_transmitted ? result.btdf : result.brdf;
@@ -186,7 +185,7 @@ PlotCurve lobe_of(const Named& named, bool is_transmitted) {
 }
 
 /// Polar diagrams in the style of [XuSun2008] Figures 5 to 9.
-void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
+void write_plot(const BsdfOptions& options, const std::vector<NamedScattering>& results) {
   if (options.plot.empty()) return;
   Plot plot{.title = fmt::format("Rough surface, eta {:.4g}, smoothness {:.4g}", options.eta,
                                  options.smoothness),
@@ -197,7 +196,8 @@ void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
     panel.kind = PlotPanelKind::polar;
     panel.y.label = "[1/sr]";
     panel.arrow_angle = -options.theta_i_deg * degree;
-    for (const Named& named : results) panel.curves.push_back(lobe_of(named, is_transmitted));
+    for (const NamedScattering& named : results)
+      panel.curves.push_back(lobe_of(named, is_transmitted));
     if (is_transmitted)  // one legend serves both
       for (PlotCurve& curve : panel.curves) curve.name.clear();
   }
@@ -205,7 +205,7 @@ void write_plot(const BsdfOptions& options, const std::vector<Named>& results) {
 }
 
 void compare_methods(const BsdfOptions& options) {
-  const std::vector<Named> all = {
+  const std::vector<NamedScattering> all = {
       {"analytic", scatter(options, "analytic", {})},
       {"monte_carlo, xu_sun", scatter(options, "monte_carlo", FacetVisibility::xu_sun)},
       {"monte_carlo, smith", scatter(options, "monte_carlo", FacetVisibility::smith)},

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "degrees.h"
 #include "incidence_option.h"
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
@@ -18,8 +19,6 @@
 
 namespace lamina::cli {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 constexpr std::string_view tally_names[] = {"r",     "angle", "rz",     "fluence",
                                             "log_r", "bsdf",  "orders", "path"};

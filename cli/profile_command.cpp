@@ -64,8 +64,8 @@ TransferProfileOptions transfer_options(const ProfileOptions& options) {
           .progress = make_progress("radiative transfer", Keeps::nothing)};
 }
 
-ProfileResult by_radiative_transfer(const std::vector<LayerStack>& stacks,
-                                    const ProfileOptions& options) {
+ProfileResult profile_by_radiative_transfer(const std::vector<LayerStack>& stacks,
+                                            const ProfileOptions& options) {
   auto [result, was_cached] =
       cached_transfer_profile(options.no_cache ? std::nullopt : user_cache(), stacks, options.grid,
                               transfer_options(options));
@@ -86,7 +86,8 @@ ProfileResult by_radiative_transfer(const std::vector<LayerStack>& stacks,
   return {std::move(result.profile), std::move(remarks), std::move(more)};
 }
 
-ProfileResult by_diffusion(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+ProfileResult profile_by_diffusion(const std::vector<LayerStack>& stacks,
+                                   const ProfileOptions& options) {
   DiffusionProfile result = make_diffusion_profile(stacks, {}, options.grid);
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
@@ -107,7 +108,8 @@ ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOpti
   return {make_dipole_profile(stacks, {}, options.grid)};
 }
 
-ProfileResult by_monte_carlo(const std::vector<LayerStack>& stacks, const ProfileOptions& options) {
+ProfileResult profile_by_monte_carlo(const std::vector<LayerStack>& stacks,
+                                     const ProfileOptions& options) {
   MonteCarloProfile result =
       monte_carlo_profile(stacks, options.grid.first, options.grid.last,
                           static_cast<int>(options.grid.size), options.effort, options.common);
@@ -119,10 +121,11 @@ ProfileResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Profil
 
 /// Every method of `lamina profile`; the first is the default.
 const std::vector<ProfileMethod>& profile_methods() {
-  static const std::vector<ProfileMethod> methods = {{"radiative_transfer", by_radiative_transfer},
-                                                     {"diffusion", by_diffusion},
-                                                     {"dipole", by_dipole},
-                                                     {"monte_carlo", by_monte_carlo}};
+  static const std::vector<ProfileMethod> methods = {
+      {"radiative_transfer", profile_by_radiative_transfer},
+      {"diffusion", profile_by_diffusion},
+      {"dipole", by_dipole},
+      {"monte_carlo", profile_by_monte_carlo}};
   return methods;
 }
 
@@ -202,8 +205,8 @@ Rival make_rival(const std::vector<LayerStack>& stacks, const ProfileOptions& op
   std::vector<double> entry;
   for (const LayerStack& stack : stacks)
     entry.push_back(1.0 - fresnel(1.0, stack.layers()[0].medium.ior / stack.ior_above()));
-  return {per_arriving_flux(by_diffusion(stacks, options).profile, entry), "diffusion", "diffusion",
-          ", diffusion"};
+  return {per_arriving_flux(profile_by_diffusion(stacks, options).profile, entry), "diffusion",
+          "diffusion", ", diffusion"};
 }
 
 /// Relative difference of the rival; not a number where the shown profile is 0 or lost in rounding.

@@ -46,8 +46,8 @@ struct SlabMethod {
       solve;
 };
 
-SlabResult by_radiative_transfer(const std::vector<LayerStack>& stacks, const Incidence& incidence,
-                                 const SlabOptions& options) {
+SlabResult slab_by_radiative_transfer(const std::vector<LayerStack>& stacks,
+                                      const Incidence& incidence, const SlabOptions& options) {
   SlabResult result;
   double error = 0.0;  // the largest that is not as small as asked
   AddingDoublingOptions effort = options.adding_doubling;
@@ -65,16 +65,16 @@ SlabResult by_radiative_transfer(const std::vector<LayerStack>& stacks, const In
   return result;
 }
 
-SlabResult by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& incidence,
-                        const SlabOptions&) {
+SlabResult slab_by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                             const SlabOptions&) {
   SlabResult result;
   for (std::size_t band = 0; band < stacks.size(); ++band)
     result.totals.push_back(diffusion_totals(stacks[band], incidence));
   return result;
 }
 
-SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence& incidence,
-                          const SlabOptions& options) {
+SlabResult slab_by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence& incidence,
+                               const SlabOptions& options) {
   MonteCarloTotals result = monte_carlo_totals(stacks, incidence, options.effort, options.common);
   SlabResult slab{.totals = std::move(result.totals),
                   .standard_error = std::move(result.standard_error)};
@@ -86,9 +86,10 @@ SlabResult by_monte_carlo(const std::vector<LayerStack>& stacks, const Incidence
 
 /// Every method of `lamina slab`; the first is the default.
 const std::vector<SlabMethod>& slab_methods() {
-  static const std::vector<SlabMethod> methods = {{"radiative_transfer", by_radiative_transfer},
-                                                  {"diffusion", by_diffusion},
-                                                  {"monte_carlo", by_monte_carlo}};
+  static const std::vector<SlabMethod> methods = {
+      {"radiative_transfer", slab_by_radiative_transfer},
+      {"diffusion", slab_by_diffusion},
+      {"monte_carlo", slab_by_monte_carlo}};
   return methods;
 }
 
