@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -129,6 +130,14 @@ struct StackCase {
       {layer(0.0, 5.0, 0.9, 1.5, 0.3, fine), layer(1.0, 4.0, 0.0, 1.2, 0.2, coarse)}, 1.3, 1.6,
       {.top = middle_ggx});
   return table;
+}
+
+/// The stack of that name. @throws std::out_of_range
+[[nodiscard]] inline const LayerStack& find_stack(const std::string& name) {
+  static const std::vector<StackCase> table = stack_table();
+  for (const StackCase& entry : table)
+    if (entry.name == name) return entry.stack;
+  throw std::out_of_range(name);
 }
 
 }  // namespace lamina::reference

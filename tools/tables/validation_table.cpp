@@ -17,6 +17,7 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "literal/h_function.h"
 #include "literal/stack_table.h"
 
 namespace {
@@ -25,23 +26,9 @@ using namespace lamina;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Plane albedo of an isotropic half-space, 1 - sqrt(1 - W) H(mu), by iterating the integral
-/// equation of H. Source: [Chandrasekhar1960] §38.
+/// Plane albedo of an isotropic half-space, 1 - sqrt(1 - W) H(mu). Source: [Chandrasekhar1960] §38.
 double plane_albedo(double albedo, double mu) {
-  const Quadrature rule = gauss_legendre(60, 0.0, 1.0);
-  std::vector<double> h(60, 1.0);
-  const auto inverse_h = [&](double at) {
-    double value = std::sqrt(1.0 - albedo);
-    for (std::size_t i = 0; i < 60; ++i)
-      value += 0.5 * albedo * rule.weights[i] * rule.nodes[i] * h[i] / (at + rule.nodes[i]);
-    return value;
-  };
-  for (int pass = 0; pass < 300; ++pass) {
-    std::vector<double> next;
-    for (const double node : rule.nodes) next.push_back(1.0 / inverse_h(node));
-    h = next;
-  }
-  return 1.0 - std::sqrt(1.0 - albedo) / inverse_h(mu);
+  return 1.0 - std::sqrt(1.0 - albedo) * reference::h_function(albedo, mu);
 }
 
 SlabTotals solve(const LayerStack& stack, double degrees = 0.0) {

@@ -27,19 +27,12 @@ Layer layer(double sigma_a, double sigma_s, double g, double ior, double thickne
           .thickness = thickness};
 }
 
-const LayerStack& named(const std::string& name) {
-  static const std::vector<reference::StackCase> table = reference::stack_table();
-  for (const auto& entry : table)
-    if (entry.name == name) return entry.stack;
-  throw std::out_of_range(name);
-}
-
 // No wave: adding-doubling's totals for diffuse light.
 TEST(DiffuseResponse, IsTheTotalAtZeroFrequency) {
   for (const char* name : {"skin, red", "glass slab", "Giovanelli half-space", "denser below"}) {
-    const auto solver = detail::make_frequency_solver(named(name), 8, 1);
+    const auto solver = detail::make_frequency_solver(reference::find_stack(name), 8, 1);
     const auto wave = detail::diffuse_response(solver, 0.0);
-    const auto totals = adding_doubling(named(name), {.is_diffuse = true}, {.max_nodes = 8}).totals;
+    const auto totals = adding_doubling(reference::find_stack(name), {.is_diffuse = true}, {.max_nodes = 8}).totals;
     EXPECT_NEAR(wave.reflectance, totals.diffuse_reflectance, 1e-10) << name;
     EXPECT_NEAR(wave.transmittance, totals.transmittance, 1e-10) << name;
   }
@@ -49,7 +42,7 @@ TEST(DiffuseResponse, IsTheTotalAtZeroFrequency) {
 // lit.
 TEST(DiffuseResponse, IsReciprocal) {
   for (const char* name : {"on glass", "denser below", "lighter on denser", "air gap"}) {
-    const LayerStack& stack = named(name);
+    const LayerStack& stack = reference::find_stack(name);
     const auto down = detail::make_frequency_solver(stack, 5, 5);
     const auto up = detail::make_frequency_solver(flipped(stack), 5, 5);
     for (const double k : {0.0, 2.0, 30.0})
@@ -84,11 +77,11 @@ TEST(DiffuseSingle, LeavesHigherOrdersOnly) {
 // Bessel functions in the place of azimuths.
 TEST(DiffuseSingle, IsTheLimitOfFineGrids) {
   for (const char* name : {"skin, red", "glass slab"}) {
-    const auto fine = detail::make_frequency_solver(named(name), 24, 41);
+    const auto fine = detail::make_frequency_solver(reference::find_stack(name), 24, 41);
     std::vector<double> extinction;
     for (const detail::GridLayer& l : fine.stack.layers) extinction.push_back(l.sigma_t);
     const auto exact = detail::single_response(detail::make_diffuse_single(fine, extinction), 5.0);
-    const auto solver = detail::make_frequency_solver(named(name), 12, 11);
+    const auto solver = detail::make_frequency_solver(reference::find_stack(name), 12, 11);
     const auto on_grid = detail::diffuse_single_on_grid(solver, 5.0);
     EXPECT_NEAR(on_grid.reflectance / exact.reflectance, 1.0, 2e-4) << name;
     if (exact.transmittance > 0.0) {
@@ -99,7 +92,7 @@ TEST(DiffuseSingle, IsTheLimitOfFineGrids) {
 
 // Rays over radius in the place of waves.
 TEST(DiffuseSingle, IsTheTransformOfItsRays) {
-  const LayerStack& stack = named("glass slab");
+  const LayerStack& stack = reference::find_stack("glass slab");
   const auto fine = detail::make_frequency_solver(stack, 24, 41);
   const auto wave = detail::single_response(
       detail::make_diffuse_single(fine, {fine.stack.layers[0].sigma_t}), 5.0);
@@ -124,7 +117,7 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
 }
 
 TEST(DiffuseProfile, RingsAddUpToTheTotal) {
-  const std::vector<LayerStack> bands = {named("skin, red"), named("Giovanelli half-space")};
+  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"), reference::find_stack("Giovanelli half-space")};
   const TransferProfile exact = transfer_profile(bands, {.first = 1e-4, .last = 50.0, .size = 200},
                                                  {.illumination = Illumination::diffuse});
   EXPECT_TRUE(exact.is_accurate);
@@ -143,7 +136,7 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
   constexpr double ring = 0.02;
   constexpr std::size_t rings = 20;
   const std::vector<LayerStack> stacks = {
-      named("Giovanelli half-space"),
+      reference::find_stack("Giovanelli half-space"),
       LayerStack({layer(1.0, 20.0, 0.6, 1.3, 0.05), layer(0.5, 8.0, 0.0, 1.5, 0.1)}, 1.33)};
   for (std::size_t band = 0; band < stacks.size(); ++band)
     for (const bool is_from_below : {false, true}) {
@@ -189,7 +182,7 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
 }
 
 TEST(TransferProfile, DoesNotDependOnThreads) {
-  const std::vector<LayerStack> bands = {named("glass slab"), named("skin, red")};
+  const std::vector<LayerStack> bands = {reference::find_stack("glass slab"), reference::find_stack("skin, red")};
   for (const Illumination illumination : {Illumination::normal_beam, Illumination::diffuse}) {
     const auto solved = [&](int threads) {
       set_thread_count(threads);
@@ -208,7 +201,7 @@ TEST(TransferProfile, DoesNotDependOnThreads) {
 }
 
 TEST(TransferProfile, RefusesLightFromBelowWhereThereIsNone) {
-  const std::vector<LayerStack> endless = {named("Giovanelli half-space")};
+  const std::vector<LayerStack> endless = {reference::find_stack("Giovanelli half-space")};
   EXPECT_THROW((void)transfer_profile(endless, {}, {.is_from_below = true}), InvalidInput);
   const std::vector<LayerStack> on_ground = {
       LayerStack({layer(1.0, 9.0, 0.0, 1.4, 1.0)}, 1.0, 1.0, {.reflectance = 0.5})};

@@ -29,13 +29,6 @@ Layer layer(double sigma_a, double sigma_s, double g, double ior, double thickne
           .thickness = thickness};
 }
 
-const LayerStack& named(const std::string& name) {
-  static const std::vector<reference::StackCase> table = reference::stack_table();
-  for (const auto& entry : table)
-    if (entry.name == name) return entry.stack;
-  throw std::out_of_range(name);
-}
-
 /// Integral of 2 pi r f(r) w(r) over all r, in log r.
 template <class F>
 double over_plane(const F& f) {
@@ -50,9 +43,9 @@ double over_plane(const F& f) {
 TEST(FrequencyResponse, IsTheTotalAtZeroFrequency) {
   for (const char* name : {"skin, red", "skin, blue", "glass slab", "Giovanelli half-space",
                            "denser below", "thin isotropic", "high index"}) {
-    const auto solver = detail::make_frequency_solver(named(name), 8, 3);
+    const auto solver = detail::make_frequency_solver(reference::find_stack(name), 8, 3);
     const auto wave = detail::response(solver, 0.0);
-    const auto same_grid = adding_doubling(named(name), {}, {.max_nodes = 8});
+    const auto same_grid = adding_doubling(reference::find_stack(name), {}, {.max_nodes = 8});
     const SlabTotals& totals = same_grid.totals;
     EXPECT_NEAR(wave.reflectance,
                 totals.specular_reflectance + totals.diffuse_reflectance -
@@ -69,7 +62,7 @@ TEST(FrequencyResponse, IsTheTotalAtZeroFrequency) {
 // beams alone, both of no width, do not see one another.
 TEST(FrequencyResponse, IsReciprocal) {
   for (const char* name : {"skin, red", "denser below", "on glass", "air gap"}) {
-    const LayerStack& stack = named(name);
+    const LayerStack& stack = reference::find_stack(name);
     const auto solver = detail::make_frequency_solver(
         stack, 5, 5,
         std::array{direction_in(stack.ior_above(), 0.3), direction_in(stack.ior_above(), 0.9)});
@@ -135,7 +128,7 @@ TEST(AzimuthWaves, AreBesselFunctionsWhereLightIsLeft) {
 // What is taken out at each frequency is what is put in over radius.
 TEST(SingleScatteringProfile, TransformsToItsResponse) {
   for (const char* name : {"skin, red", "glass slab", "Giovanelli half-space", "denser below"}) {
-    const LayerStack& stack = named(name);
+    const LayerStack& stack = reference::find_stack(name);
     const auto solver = detail::make_frequency_solver(stack, 40, 41);
     const auto once = detail::make_once_scattered(stack, solver.stack);
     for (const double k : {0.0, 5.0}) {
@@ -159,7 +152,7 @@ TEST(SingleScatteringProfile, TransformsToItsResponse) {
 
 // Within the grid the series is exact; beyond, the law of the tail goes on from what it has seen.
 TEST(Spectrum, GoesThroughAndBeyondItsValues) {
-  const auto solver = detail::make_frequency_solver(named("Giovanelli half-space"), 4, 1);
+  const auto solver = detail::make_frequency_solver(reference::find_stack("Giovanelli half-space"), 4, 1);
   const auto grid = detail::make_frequency_grid(solver.stack, 24);
   EXPECT_EQ(grid.highest, 40.0);
   const auto f = [](double k) { return 1.0 / (1.0 + k * k / 30.0); };
@@ -175,8 +168,8 @@ TEST(Spectrum, GoesThroughAndBeyondItsValues) {
 // The total of each way by depth first is that of its profile by distance first.
 TEST(SingleScatteringProfile, AddsUpToItsTotal) {
   for (const char* name : {"skin, red", "glass slab", "half-space, forward", "denser below"}) {
-    const auto solver = detail::make_frequency_solver(named(name), 8, 1);
-    const auto once = detail::make_once_scattered(named(name), solver.stack);
+    const auto solver = detail::make_frequency_solver(reference::find_stack(name), 8, 1);
+    const auto once = detail::make_once_scattered(reference::find_stack(name), solver.stack);
     const auto totals = detail::single_scattering_totals(once);
     const auto sum = [&](bool is_reflectance) {
       return over_plane([&](double r) {
@@ -191,8 +184,8 @@ TEST(SingleScatteringProfile, AddsUpToItsTotal) {
 
 // All rings together hold as much light as adding-doubling finds to leave scattered.
 TEST(TransferProfile, RingsAddUpToTheTotal) {
-  const std::vector<LayerStack> bands = {named("skin, red"), named("skin, blue"),
-                                         named("glass slab")};
+  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"), reference::find_stack("skin, blue"),
+                                         reference::find_stack("glass slab")};
   const TransferProfile exact =
       transfer_profile(bands, {.first = 3e-6, .last = 200.0, .size = 540});
   EXPECT_TRUE(exact.is_accurate);
@@ -220,9 +213,9 @@ TEST(TransferProfile, AgreesWithMonteCarloRingByRing) {
         estimate_of_error;  // of the error, at most: for some the tail of the spectrum adds to .005
   };
   const std::vector<Case> cases = {
-      {named("Giovanelli half-space"), 0.4, 0.006},
-      {named("skin, green"), 0.6, 0.005},
-      {named("van de Hulst slab"), 0.4, 0.03},
+      {reference::find_stack("Giovanelli half-space"), 0.4, 0.006},
+      {reference::find_stack("skin, green"), 0.6, 0.005},
+      {reference::find_stack("van de Hulst slab"), 0.4, 0.03},
       {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.04)}), 0.3, 0.005},     // optical thickness 0.2
       {LayerStack({layer(0.5, 4.5, 0.0, 1.5, 0.01)}), 0.2, 0.005},     // 0.05
       {LayerStack({layer(0.01, 100.0, 0.8, 1.5, 1.0)}), 1.0, 0.005}};  // white paint
@@ -265,7 +258,7 @@ TEST(TransferProfile, RefusesWhatItCannotDo) {
   EXPECT_THROW((void)transfer_profile(clear), InvalidInput);
   for (const char* name : {"cover glass", "air gap"}) {
     try {
-      (void)transfer_profile(std::vector{named(name)});
+      (void)transfer_profile(std::vector{reference::find_stack(name)});
       ADD_FAILURE() << name << " not refused";
     } catch (const InvalidInput& error) {
       EXPECT_NE(std::string(error.what()).find("does not scatter"), std::string::npos);
@@ -287,7 +280,7 @@ TEST(TransferProfile, RefusesStacksThatTakeTooLongWithTheEstimate) {
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("GiB"), std::string::npos) << error.what();
   }
-  const auto few = detail::solution_cost(std::vector{named("skin, red")}, 5, 5, 24);
+  const auto few = detail::solution_cost(std::vector{reference::find_stack("skin, red")}, 5, 5, 24);
   EXPECT_GT(few.seconds, 0.02);  // 0.12 s measured
   EXPECT_LT(few.seconds, 0.5);
   EXPECT_LT(few.mebibytes, 20.0);
