@@ -8,6 +8,7 @@
 
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/layered_bsdf/internal/rough_top_orders.h"
 
 namespace lamina {
 namespace {
@@ -27,6 +28,8 @@ double at(const HigherOrders::Row& row, double mu) {
   return row[k] + (x - i) * (row[k + 1] - row[k]);
 }
 
+Vec3 direction_of(double mu) { return {std::sqrt(1.0 - mu * mu), 0.0, mu}; }
+
 LayerStack with_smooth_top(const LayerStack& stack) {
   std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
   layers.front().top.roughness = 0.0;
@@ -37,7 +40,8 @@ struct Fluxes {
   HigherOrders::Row back{}, through{};
 };
 
-/// All scattered light at the table's angles, for light from above.
+/// All scattered light at the table's angles, for light from above; what a rough top reflects is
+/// not of it.
 Fluxes scattered_flux(const LayerStack& stack, int nodes) {
   std::vector<GridDirection> beams;
   for (int i = 0; i < HigherOrders::angles; ++i) {
@@ -46,6 +50,7 @@ Fluxes scattered_flux(const LayerStack& stack, int nodes) {
   }
   const detail::GridStack on_grid = detail::make_grid_stack(stack, nodes, beams);
   const detail::StackOperators operators = detail::stack_operators(on_grid, 0);
+  const bool is_rough = detail::has_rough_top(stack);
   const auto& etendue = on_grid.grid.etendue;
   const auto flux = [&](const std::vector<double>& state) {
     double sum = 0.0;
@@ -59,7 +64,9 @@ Fluxes scattered_flux(const LayerStack& stack, int nodes) {
     down[beam] = 1.0 / std::sqrt(etendue[beam]);
     const auto unscattered =
         detail::unscattered_flux(on_grid, beam, detail::Unscattered::by_medium);
-    result.back[k] = flux(detail::product(operators.reflection, down)) - unscattered.reflectance;
+    const double not_scattered = is_rough ? flux(detail::product(operators.first_reflection, down))
+                                          : unscattered.reflectance;
+    result.back[k] = flux(detail::product(operators.reflection, down)) - not_scattered;
     if (on_grid.is_semi_infinite || on_grid.ground_reflectance > 0.0) continue;
     for (const detail::Crossing& crossing : operators.crossings)
       down = detail::product(crossing.pass, down);
@@ -98,37 +105,56 @@ struct Split {
   Fluxes all, rest;
 };
 
+void split_angle(const Fluxes& fluxes, std::size_t k, double first_back, double first_through,
+                 double surface, Split& split) {
+  const double entered = std::max(1.0 - surface, 1e-12);
+  split.all.back[k] = fluxes.back[k] / entered;
+  split.all.through[k] = fluxes.through[k] / entered;
+  split.rest.back[k] = std::max(fluxes.back[k] - first_back, 0.0) / entered;
+  split.rest.through[k] = std::max(fluxes.through[k] - first_through, 0.0) / entered;
+}
+
 Split split_first_order(const LayerStack& stack, const Fluxes& fluxes) {
   const FirstOrderStack<double> first = make_first_order(stack);
   Split split;
   for (int i = 0; i < HigherOrders::angles; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double mu = cosine_at(i);
-    const StackBeam<double> beam = make_beam(first, {std::sqrt(1.0 - mu * mu), 0.0, mu});
-    const double entered = std::max(1.0 - beam.surface, 1e-12);
-    split.all.back[k] = fluxes.back[k] / entered;
-    split.all.through[k] = fluxes.through[k] / entered;
-    split.rest.back[k] =
-        std::max(fluxes.back[k] - first_order_flux(first, beam, true), 0.0) / entered;
-    split.rest.through[k] =
-        std::max(fluxes.through[k] - first_order_flux(first, beam, false), 0.0) / entered;
+    const StackBeam<double> beam = make_beam(first, direction_of(cosine_at(i)));
+    split_angle(fluxes, static_cast<std::size_t>(i), first_order_flux(first, beam, true),
+                first_order_flux(first, beam, false), beam.surface, split);
   }
   return split;
 }
 
-/// Integral of 2 mu row(mu) (1 - surface) over the side's hemisphere.
-double diffuse_mean(const LayerStack& stack, const HigherOrders::Row& row) {
-  const FirstOrderStack<double> first = make_first_order(stack);
+/// Under a rough top the light that is not scattered at all has directions, too, and counts here.
+Split split_first_order(const detail::RoughTop& top, const Fluxes& fluxes) {
+  const detail::Hemispheres directions = detail::make_hemispheres(top);
+  Split split;
+  for (int i = 0; i < HigherOrders::angles; ++i) {
+    const auto in = detail::cross_facets(top, direction_of(cosine_at(i)), detail::OfPair::first);
+    const detail::VolumeFlux first = detail::volume_flux(top, in, directions);
+    split_angle(fluxes, static_cast<std::size_t>(i), first.back, first.through, in.reflected,
+                split);
+  }
+  return split;
+}
+
+/// Integral of 2 mu row(mu) (1 - surface(mu)) over the side's hemisphere.
+template <class Surface>
+double diffuse_mean(const HigherOrders::Row& row, const Surface& surface) {
   const Quadrature rule = gauss_legendre(4, 0.0, 1.0);
   constexpr int pieces = HigherOrders::angles - 1;
   double sum = 0.0;
   for (int piece = 0; piece < pieces; ++piece)
     for (std::size_t q = 0; q < rule.nodes.size(); ++q) {
       const double x = (piece + rule.nodes[q]) / pieces, mu = x * x;
-      const StackBeam<double> beam = make_beam(first, {std::sqrt(1.0 - mu * mu), 0.0, mu});
-      sum += rule.weights[q] / pieces * 2.0 * x * 2.0 * mu * at(row, mu) * (1.0 - beam.surface);
+      sum += rule.weights[q] / pieces * 2.0 * x * 2.0 * mu * at(row, mu) * (1.0 - surface(mu));
     }
   return sum;
+}
+
+double diffuse_mean(const LayerStack& stack, const HigherOrders::Row& row) {
+  const FirstOrderStack<double> first = make_first_order(stack);
+  return diffuse_mean(row, [&](double mu) { return make_beam(first, direction_of(mu)).surface; });
 }
 
 }  // namespace
@@ -156,6 +182,25 @@ HigherOrders make_higher_orders(const LayerStack& given, double accuracy) {
   const double n_above = stack.ior_above(), n_below = stack.ior_below();
   orders.mean_through = 0.5 * (n_above * n_above * diffuse_mean(stack, orders.down) +
                                n_below * n_below * diffuse_mean(turned, orders.up));
+  return orders;
+}
+
+HigherOrders detail::make_higher_orders(const LayerStack& stack, const RoughTop& top,
+                                        double accuracy) {
+  const Solved from_above = solve(stack, std::max(accuracy, rough_boundary_error));
+  const Split above = split_first_order(top, from_above.fluxes);
+  HigherOrders orders{.above = above.rest.back,
+                      .down = above.rest.through,
+                      .reflected = above.all.back,
+                      .transmitted = above.all.through,
+                      .mean_above = diffuse_mean(
+                          above.rest.back, [&](double mu) { return reflectance(top.outside, mu); }),
+                      .estimated_error = from_above.estimated_error};
+  if (!top.below.is_transmissive()) return orders;
+  // The shape over the angle below is that of the stack under a smooth top.
+  const LayerStack turned = flipped(with_smooth_top(stack));
+  orders.up = split_first_order(turned, solve(turned, accuracy).fluxes).rest.through;
+  orders.mean_through = stack.ior_below() * stack.ior_below() * diffuse_mean(turned, orders.up);
   return orders;
 }
 

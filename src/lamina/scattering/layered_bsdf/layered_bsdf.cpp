@@ -10,6 +10,8 @@
 #include "lamina/core/number_text.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/scattering/layered_bsdf/higher_orders.h"
+#include "lamina/scattering/layered_bsdf/internal/rough_top.h"
+#include "lamina/scattering/layered_bsdf/internal/rough_top_orders.h"
 
 namespace lamina {
 namespace {
@@ -24,6 +26,51 @@ Vec3 direction(double theta, double phi, bool is_above) {
   return {sine * std::cos(phi), sine * std::sin(phi), is_above ? z : -z};
 }
 
+/// As higher_orders_bsdf wants a direction.
+StackBeam<double> outside_beam(const detail::RoughTop& top, const detail::FacetBeams& light) {
+  StackBeam<double> beam;
+  beam.surface = light.reflected;
+  beam.toward = light.toward;
+  beam.mu = light.toward.z;
+  beam.ior = top.ior_outside;
+  return beam;
+}
+
+StackBsdf under_rough_top(const LayerStack& stack, ScatteringOrders which, double theta_i,
+                          std::span<const double> theta_o, std::span<const double> phi_o) {
+  const detail::RoughTop top = detail::make_rough_top(stack);
+  HigherOrders higher;
+  if (which == ScatteringOrders::all) higher = detail::make_higher_orders(stack, top);
+  const detail::FacetBeams in = detail::cross_facets(
+      top, {-std::sin(theta_i), 0.0, std::cos(theta_i)}, detail::OfPair::first);
+  const StackBeam<double> in_outside = outside_beam(top, in);
+  const auto rest = [&](const StackBeam<double>& out) {
+    return which == ScatteringOrders::all ? higher_orders_bsdf(higher, in_outside, out) : 0.0;
+  };
+  const std::size_t count = theta_o.size() * phi_o.size();
+  StackBsdf result{.brdf = std::vector<double>(count),
+                   .btdf = std::vector<double>(count),
+                   .estimated_error = higher.estimated_error,
+                   .is_accurate = true};
+  for (std::size_t i = 0; i < theta_o.size(); ++i) {
+    detail::FacetBeams out =
+        detail::cross_facets(top, direction(theta_o[i], 0.0, true), detail::OfPair::second);
+    double turned = 0.0;
+    for (std::size_t j = 0; j < phi_o.size(); ++j) {
+      detail::turn(out, phi_o[j] - turned);
+      turned = phi_o[j];
+      const std::size_t k = i * phi_o.size() + j;
+      result.brdf[k] = detail::surface_brdf(top, in, out) + detail::volume_bsdf(top, in, out) +
+                       rest(outside_beam(top, out));
+      if (!top.below.is_transmissive()) continue;
+      const StackBeam<double> below =
+          detail::beam_from_below(top, direction(theta_o[i], phi_o[j], false));
+      result.btdf[k] = detail::volume_bsdf(top, in, below) + rest(below);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 StackBsdf layered_bsdf(const LayerStack& stack, ScatteringOrders which, double theta_i,
@@ -31,6 +78,7 @@ StackBsdf layered_bsdf(const LayerStack& stack, ScatteringOrders which, double t
   check_angle(theta_i, "angle of incidence");
   for (const double theta : theta_o) check_angle(theta, "angle to look from");
   const FirstOrderStack<double> first = make_first_order(stack);
+  if (detail::has_rough_top(stack)) return under_rough_top(stack, which, theta_i, theta_o, phi_o);
   HigherOrders higher;
   if (which == ScatteringOrders::all) higher = make_higher_orders(stack);
   const StackBeam<double> in =

@@ -12,12 +12,14 @@ enum class ScatteringOrders {
   all     ///< with the term of higher orders, sized to give adding-doubling's fluxes
 };
 
-/// BRDF and BTDF by the first order in closed form: what the renderer's layered_bsdf evaluates.
+/// BRDF and BTDF by the first order in closed form: what the renderer's layered_bsdf evaluates, but
+/// under a rough top. Here light goes in and out by facets, where the renderer scales beams of a
+/// smooth top by what the facets let through; and all that the surface reflects is in the BRDF.
 ///
 /// @param theta_i, theta_o, phi_o  as for stack_bsdf, which has the truth.
 /// @throws InvalidInput for angles out of range and for rough boundaries below the top.
 ///
-/// Source: [HanrahanKrueger1993] §§4-5; see first_order.h and higher_orders.h.
+/// Source: [HanrahanKrueger1993] §§2, 4-5; see first_order.h, higher_orders.h and rough_top.cpp.
 [[nodiscard]] StackBsdf layered_bsdf(const LayerStack& stack, ScatteringOrders orders,
                                      double theta_i, std::span<const double> theta_o,
                                      std::span<const double> phi_o);
