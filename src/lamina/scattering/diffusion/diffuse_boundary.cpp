@@ -13,20 +13,20 @@
 namespace lamina {
 namespace {
 
-/// A table costs a tenth of a second, and the bands and variants of a material ask for the same one
-/// again and again. So the last few are kept: they depend on nothing but these three numbers.
-InterfaceReflectance torrance_sparrow_table(const Interface& boundary, double ior_before,
-                                            double ior_beyond) {
-  using Key = std::tuple<double, MicrofacetDistribution, double>;
+/// A table costs up to half a second, and the bands and variants of a material ask for the same one
+/// again and again. So the last few are kept: they depend on nothing but the key.
+InterfaceReflectance table_of(const Interface& boundary, double ior_before, double ior_beyond,
+                              FacetMasking masking) {
+  using Key = std::tuple<double, MicrofacetDistribution, double, FacetMasking>;
   static std::mutex mutex;
   static std::map<Key, InterfaceReflectance> tables;
-  const Key key(boundary.roughness, boundary.distribution, ior_beyond / ior_before);
+  const Key key(boundary.roughness, boundary.distribution, ior_beyond / ior_before, masking);
   {
     const std::scoped_lock lock(mutex);
     if (const auto found = tables.find(key); found != tables.end()) return found->second;
   }
   InterfaceReflectance table = make_interface_reflectance(
-      make_rough_interface<double>(boundary, ior_before, ior_beyond), FacetMasking::v_cavity);
+      make_rough_interface<double>(boundary, ior_before, ior_beyond), masking);
   const std::scoped_lock lock(mutex);
   if (tables.size() >= 64) tables.clear();
   tables.emplace(key, table);
@@ -42,7 +42,10 @@ double diffuse_reflectance_inside(const Interface& boundary, double ior_inside, 
   const double eta = ior_outside / ior_inside;
   if (eta == 1.0) return 0.0;
   if (!is_smooth(boundary))
-    return torrance_sparrow_table(boundary, ior_inside, ior_outside).diffuse_reflectance;
+    return table_of(boundary, ior_inside, ior_outside,
+                    fresnel == DiffuseFresnel::exact ? FacetMasking::smith_multiple
+                                                     : FacetMasking::v_cavity)
+        .diffuse_reflectance;
   // The polynomials leave [0, 1) far from the indices that they were fitted to.
   return fresnel == DiffuseFresnel::exact ? fresnel_diffuse(eta)
                                           : std::clamp(fresnel_diffuse_polynomial(eta), 0.0, 0.999);
@@ -67,7 +70,7 @@ double entry_transmittance(const LayerStack& stack, const Incidence& incidence) 
     return 1.0 - (incidence.is_diffuse ? fresnel_diffuse(eta) : fresnel(cos_i, eta));
   }
   const InterfaceReflectance table =
-      torrance_sparrow_table(first.top, stack.ior_above(), first.medium.ior);
+      table_of(first.top, stack.ior_above(), first.medium.ior, FacetMasking::v_cavity);
   return incidence.is_diffuse ? table.diffuse_transmittance : transmittance(table, cos_i);
 }
 

@@ -26,7 +26,7 @@ double reflection_of_ground(const Ground& ground, double reflectance_outside) {
   return rho * (1.0 - reflectance_outside) / (1.0 - rho * reflectance_outside);
 }
 
-/// What boundaries reflect from inside, each found once: a rough one takes a tenth of a second.
+/// What boundaries reflect from inside, each found once: a rough one takes half a second.
 class BoundaryReflectances {
  public:
   explicit BoundaryReflectances(DiffuseFresnel fresnel) : fresnel_(fresnel) {}
