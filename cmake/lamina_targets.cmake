@@ -48,6 +48,11 @@ function(lamina_build_fast target)
   endforeach()
 endfunction()
 
+# lamina_is_cold(TARGET): reads, checks and prints, and is seldom waited for.
+function(lamina_is_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # lamina_library(NAME [FOLDERS f...] [SOURCES s...] [HEADERS h...] [LINKS l...] [PRIVATE_LINKS l...]):
 # this folder, and those below it that are named, as lamina::NAME. Headers are public, unless they lie
 # in a folder "internal" or others are named.

@@ -4,11 +4,13 @@
 #
 # Runs slab, profile, photons, bsdf, patch and merge of two versions of the command, over all
 # built-in materials or those named, and prints a table material x command: "identical" where every
-# number of --json is, else the largest relative difference; "refused" where both versions refuse
-# with the same words, else who refuses. Names that the old version had for methods and keys are
-# known. Wall-clock times are the only numbers left out. Exits with 1 unless all is identical.
+# number of --json is, else the largest difference relative to the number itself and, in brackets,
+# relative to the largest number of the same list (the tail of a profile is a small difference of
+# large numbers: it shows rounding first); "refused" where both versions refuse with the same words,
+# else who refuses. Names that the old version had for methods and keys are known. Wall-clock times
+# are the only numbers left out. Exits with 1 unless all is identical.
 set -eu
-[ $# -ge 2 ] || { sed -n '3,10s/^# \{0,1\}//p' "$0"; exit 2; }
+[ $# -ge 2 ] || { sed -n '3,12s/^# \{0,1\}//p' "$0"; exit 2; }
 old=$(realpath "$1") new=$(realpath "$2")
 shift 2
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -129,7 +131,14 @@ def compare(name, before, after):
         return "identical"
     if before.keys() != after.keys():
         return "other keys: " + ", ".join(sorted({".".join(map(str, p)) for p in before.keys() ^ after.keys()})[:3])
-    largest = 0.0
+    def list_of(path):
+        return tuple(part for part in path if isinstance(part, str))
+
+    scale = {}
+    for path, a in before.items():
+        if isinstance(a, (int, float)) and not isinstance(a, bool):
+            scale[list_of(path)] = max(scale.get(list_of(path), 0.0), abs(a))
+    largest = of_list = 0.0
     for path, a in before.items():
         b = after[path]
         if a == b:
@@ -137,7 +146,8 @@ def compare(name, before, after):
         if isinstance(a, (str, bool, type(None))) or isinstance(b, (str, bool, type(None))):
             return f"other {'.'.join(map(str, path))}: {a}, {b}"
         largest = max(largest, abs(a - b) / max(abs(a), abs(b)))
-    return f"{largest:.1e}"
+        of_list = max(of_list, abs(a - b) / max(scale[list_of(path)], abs(b)))
+    return f"{largest:.1e} ({of_list:.0e})"
 
 
 def patch_result(binary, totals, transport):

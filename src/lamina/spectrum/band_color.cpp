@@ -1,18 +1,15 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/spectrum/band_color.h"
 
-#include <Eigen/Dense>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
+#include "lamina/core/dense_matrix.h"
+
 namespace lamina {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 const BandWeights identity = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
 
@@ -26,21 +23,19 @@ double correlation(double a, double b) {
 
 /// Weights of the bands for the integrals of each column of `response`, [row of the table].
 /// They sum to the sum of the column: the estimate of a constant spectrum is that constant.
-MatrixXd estimate_weights(std::span<const double> bands, const MatrixXd& response) {
-  const Index n = static_cast<Index>(bands.size());
-  const auto band = [&](Index i) { return bands[static_cast<std::size_t>(i)]; };
+DenseMatrix estimate_weights(std::span<const double> bands, const DenseMatrix& response) {
   // Ordinary kriging: correlations between bands, bordered by the condition on the sum.
-  MatrixXd system = MatrixXd::Ones(n + 1, n + 1);
-  system(n, n) = 0.0;
-  for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < n; ++j) system(i, j) = correlation(band(i), band(j));
+  const std::size_t n = bands.size();
   const auto table = color_matching_table();
-  MatrixXd to_table = MatrixXd::Ones(n + 1, static_cast<Index>(table.size()));
-  for (Index i = 0; i < n; ++i)
+  DenseMatrix system(n + 1, n + 1), to_table(n + 1, table.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    system(i, n) = system(n, i) = 1.0;
+    for (std::size_t j = 0; j < n; ++j) system(i, j) = correlation(bands[i], bands[j]);
     for (std::size_t row = 0; row < table.size(); ++row)
-      to_table(i, static_cast<Index>(row)) = correlation(band(i), table[row].wavelength);
-  const MatrixXd right = to_table * response;
-  return system.fullPivLu().solve(right).topRows(n);
+      to_table(i, row) = correlation(bands[i], table[row].wavelength);
+  }
+  for (double& value : to_table.row(n)) value = 1.0;
+  return solve_linear(system, multiply(to_table, response));
 }
 
 /// Rounds the weights of a channel to multiples of 2^-22 that sum to 1. Sums of them with ones are
@@ -61,49 +56,55 @@ void make_sum_exact(BandWeights& weights, std::size_t channel) {
 /// The smoothest spectra of red and blue, stacked, for weights [3, band]: least squares of the
 /// slopes of all three spectra (green is what red and blue leave of 1) and of their negative parts,
 /// under the exact condition that each gives its colour.
-VectorXd smooth_primaries(std::span<const double> bands, const MatrixXd& weights) {
-  const Index n = weights.cols();
+std::vector<double> smooth_primaries(std::span<const double> bands, const DenseMatrix& weights) {
+  const std::size_t n = weights.columns;
   const double mean_step = (bands.back() - bands.front()) / static_cast<double>(n - 1);
-  MatrixXd slopes = MatrixXd::Zero(n - 1, n);
-  for (Index i = 0; i + 1 < n; ++i) {
-    const std::size_t b = static_cast<std::size_t>(i);
-    const double scale = std::sqrt(mean_step / (bands[b + 1] - bands[b]));
-    slopes(i, i) = -scale;
-    slopes(i, i + 1) = scale;
+  DenseMatrix roughness(n, n);
+  for (std::size_t i = 0; i < n; ++i) roughness(i, i) = 1e-6;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double weight = mean_step / (bands[i + 1] - bands[i]);
+    roughness(i, i) += weight;
+    roughness(i + 1, i + 1) += weight;
+    roughness(i, i + 1) = roughness(i + 1, i) = -weight;
   }
-  const MatrixXd roughness = slopes.transpose() * slopes + 1e-6 * MatrixXd::Identity(n, n);
 
-  VectorXd x = VectorXd::Zero(2 * n);
-  std::vector<bool> is_negative(static_cast<std::size_t>(3 * n), false);
+  std::vector<double> x(2 * n, 0.0);
+  std::vector<bool> is_negative(3 * n, false);
   for (int round = 0; round < 60; ++round) {
     // Quadratic in x = (red, blue): x' H x - 2 f' x, where green = 1 - red - blue.
     constexpr double penalty = 1e3;  // of the square of a negative value, against that of a slope
-    const auto weighted = [&](Index primary) {
-      MatrixXd quadratic = roughness;
-      for (Index i = 0; i < n; ++i)
-        if (is_negative[static_cast<std::size_t>(primary * n + i)]) quadratic(i, i) += penalty;
+    const auto weighted = [&](std::size_t primary) {
+      DenseMatrix quadratic = roughness;
+      for (std::size_t i = 0; i < n; ++i)
+        if (is_negative[primary * n + i]) quadratic(i, i) += penalty;
       return quadratic;
     };
-    const MatrixXd red = weighted(0), blue = weighted(1), green = weighted(2);
-    MatrixXd system = MatrixXd::Zero(2 * n + 6, 2 * n + 6);
-    VectorXd right = VectorXd::Zero(2 * n + 6);
-    system.block(0, 0, n, n) = red + green;
-    system.block(n, n, n, n) = blue + green;
-    system.block(0, n, n, n) = system.block(n, 0, n, n) = green;
-    right.head(n) = right.segment(n, n) = green * VectorXd::Ones(n);
-    for (Index primary = 0; primary < 2; ++primary) {
-      system.block(2 * n + 3 * primary, primary * n, 3, n) = weights;
-      system.block(primary * n, 2 * n + 3 * primary, n, 3) = weights.transpose();
-    }
-    right(2 * n) = right(2 * n + 5) = 1.0;  // red is (1, 0, 0), blue (0, 0, 1)
-    x = system.fullPivLu().solve(right).head(2 * n);
+    const DenseMatrix red = weighted(0), blue = weighted(1), green = weighted(2);
+    DenseMatrix system(2 * n + 6, 2 * n + 6), right(2 * n + 6, 1);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        system(i, j) = red(i, j) + green(i, j);
+        system(n + i, n + j) = blue(i, j) + green(i, j);
+        system(i, n + j) = system(n + i, j) = green(i, j);
+        right(i, 0) += green(i, j);
+        right(n + i, 0) += green(i, j);
+      }
+    for (std::size_t primary = 0; primary < 2; ++primary)
+      for (std::size_t channel = 0; channel < 3; ++channel)
+        for (std::size_t i = 0; i < n; ++i) {
+          const std::size_t row = 2 * n + 3 * primary + channel, column = primary * n + i;
+          system(row, column) = system(column, row) = weights(channel, i);
+        }
+    right(2 * n, 0) = right(2 * n + 5, 0) = 1.0;  // red is (1, 0, 0), blue (0, 0, 1)
+    const DenseMatrix solution = solve_linear(system, right);
+    x.assign(solution.values.begin(), solution.values.begin() + static_cast<std::ptrdiff_t>(2 * n));
 
     bool is_settled = true;
-    for (Index i = 0; i < n; ++i) {
-      const std::array<double, 3> values = {x(i), x(n + i), 1.0 - x(i) - x(n + i)};
-      for (Index primary = 0; primary < 3; ++primary) {
-        const bool now = values[static_cast<std::size_t>(primary)] < 0.0;
-        auto before = is_negative[static_cast<std::size_t>(primary * n + i)];
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::array<double, 3> values = {x[i], x[n + i], 1.0 - x[i] - x[n + i]};
+      for (std::size_t primary = 0; primary < 3; ++primary) {
+        const bool now = values[primary] < 0.0;
+        auto before = is_negative[primary * n + i];
         is_settled = is_settled && now == before;
         before = now;
       }
@@ -120,21 +121,19 @@ BandWeights make_band_weights(const BandSet& bands, Illuminant illuminant) {
   const Xyz white = white_point(illuminant);
   const Matrix3 to_srgb = xyz_to_linear_srgb() * bradford_adaptation(white, srgb_white());
   const auto table = color_matching_table();
-  MatrixXd response(static_cast<Index>(table.size()), 3);  // of linear sRGB at each wavelength
+  DenseMatrix response(table.size(), 3);  // of linear sRGB at each wavelength
   double luminance = 0.0;
   for (std::size_t row = 0; row < table.size(); ++row) {
     const double power = illuminant_power(illuminant, table[row].wavelength);
     luminance += power * table[row].y;
     const std::array<double, 3> rgb = to_srgb * Xyz{table[row].x, table[row].y, table[row].z};
-    for (Index c = 0; c < 3; ++c)
-      response(static_cast<Index>(row), c) = power * rgb[static_cast<std::size_t>(c)];
+    for (std::size_t c = 0; c < 3; ++c) response(row, c) = power * rgb[c];
   }
-  response /= luminance;
-  const MatrixXd estimated = estimate_weights(bands.wavelengths(), response);
+  for (double& value : response.values) value /= luminance;
+  const DenseMatrix estimated = estimate_weights(bands.wavelengths(), response);
   BandWeights weights(bands.size());
   for (std::size_t b = 0; b < weights.size(); ++b)
-    for (std::size_t c = 0; c < 3; ++c)
-      weights[b][c] = estimated(static_cast<Index>(b), static_cast<Index>(c));
+    for (std::size_t c = 0; c < 3; ++c) weights[b][c] = estimated(b, c);
   for (std::size_t c = 0; c < 3; ++c) make_sum_exact(weights, c);
   return weights;
 }
@@ -153,23 +152,22 @@ BandBasis make_band_basis(const BandSet& bands, Illuminant illuminant) {
 
 BandBasis make_band_basis(const BandSet& bands, const BandWeights& weights) {
   if (bands.is_rgb()) return identity;
-  const Index n = static_cast<Index>(bands.size());
-  MatrixXd matrix(3, n);
-  for (Index b = 0; b < n; ++b)
-    for (Index c = 0; c < 3; ++c)
-      matrix(c, b) = weights[static_cast<std::size_t>(b)][static_cast<std::size_t>(c)];
+  const std::size_t n = bands.size();
+  DenseMatrix matrix(3, n);
+  for (std::size_t b = 0; b < n; ++b)
+    for (std::size_t c = 0; c < 3; ++c) matrix(c, b) = weights[b][c];
   // Colours that the bands cannot show would take spectra far below 0 and above 1.
   constexpr double least_distinction = 0.02;
-  const VectorXd strengths = Eigen::JacobiSVD<MatrixXd>(matrix).singularValues();
-  if (n < 3 || strengths(2) < least_distinction * strengths(0)) {
+  const std::vector<double> strengths = singular_values(matrix);
+  if (n < 3 || strengths[2] < least_distinction * strengths[0]) {
     const std::array<double, 3> luminance = linear_srgb_to_xyz()[1];
-    return BandBasis(bands.size(), luminance);
+    return BandBasis(n, luminance);
   }
-  const VectorXd primaries = smooth_primaries(bands.wavelengths(), matrix);
-  BandBasis basis(bands.size());
-  for (Index b = 0; b < n; ++b) {
-    const double red = primaries(b), blue = primaries(n + b);
-    basis[static_cast<std::size_t>(b)] = {red, 1.0 - red - blue, blue};
+  const std::vector<double> primaries = smooth_primaries(bands.wavelengths(), matrix);
+  BandBasis basis(n);
+  for (std::size_t b = 0; b < n; ++b) {
+    const double red = primaries[b], blue = primaries[n + b];
+    basis[b] = {red, 1.0 - red - blue, blue};
   }
   return basis;
 }

@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "lamina/core/dense_matrix.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
 
@@ -129,12 +129,13 @@ BlurPyramid make_blur_pyramid(int width, int height, double largest_variance) {
 std::vector<double> detail::fit_scales(std::span<const double> variances, double lowest,
                                        std::size_t scale_count,
                                        const ScaleTransfers& transfers_at) {
-  constexpr int count = 400;
+  constexpr std::size_t count = 400;
   constexpr double ridge = 1e-4, weight_of_total = 100.0;
-  const auto scales = static_cast<Eigen::Index>(scale_count);
-  const auto gaussians = static_cast<Eigen::Index>(variances.size());
-  Eigen::MatrixXd a(count + 1, scales), wanted(count + 1, gaussians);
-  for (Eigen::Index j = 0; j <= count; ++j) {
+  // Rows: one per frequency, then a ridge for each scale.
+  const std::size_t gaussians = variances.size();
+  DenseMatrix given(count + 1 + scale_count, scale_count);
+  DenseMatrix wanted(count + 1 + scale_count, gaussians);
+  for (std::size_t j = 0; j <= count; ++j) {
     const double k =
         j == 0 ? 0.0 : std::numbers::pi * std::pow(lowest, 1.0 - static_cast<double>(j) / count);
     const double weight = j == 0 ? weight_of_total : 1.0;
@@ -142,17 +143,19 @@ std::vector<double> detail::fit_scales(std::span<const double> variances, double
     // in k is right.
     const double rise = 1.0 - std::cos(k), half_square = rise + rise * rise / 8.0;
     const std::vector<double> transfers = transfers_at(k);
-    for (Eigen::Index i = 0; i < scales; ++i)
-      a(j, i) = weight * transfers[static_cast<std::size_t>(i)];
-    for (Eigen::Index i = 0; i < gaussians; ++i)
-      wanted(j, i) = weight * std::exp(-variances[static_cast<std::size_t>(i)] * half_square);
+    for (std::size_t i = 0; i < scale_count; ++i) given(j, i) = weight * transfers[i];
+    for (std::size_t i = 0; i < gaussians; ++i)
+      wanted(j, i) = weight * std::exp(-variances[i] * half_square);
   }
-  Eigen::MatrixXd all(count + 1 + scales, scales), of(count + 1 + scales, gaussians);
-  all << a, ridge * std::sqrt(count + 1.0) * Eigen::MatrixXd::Identity(scales, scales);
-  of << wanted, Eigen::MatrixXd::Zero(scales, gaussians);
-  Eigen::MatrixXd weights = all.householderQr().solve(of);
-  for (Eigen::Index i = 0; i < gaussians; ++i) weights.col(i) /= weights.col(i).sum();
-  return {weights.data(), weights.data() + weights.size()};
+  for (std::size_t i = 0; i < scale_count; ++i)
+    given(count + 1 + i, i) = ridge * std::sqrt(count + 1.0);
+  const DenseMatrix weights = transpose(solve_least_squares(given, wanted));
+  std::vector<double> result;
+  for (std::size_t i = 0; i < gaussians; ++i) {
+    const double sum = std::accumulate(weights.row(i).begin(), weights.row(i).end(), 0.0);
+    for (const double weight : weights.row(i)) result.push_back(weight / sum);
+  }
+  return result;
 }
 
 std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,

@@ -1,13 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/heterogeneous/gaussian_tables.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "lamina/core/dense_matrix.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/internal/operator_profile.h"
@@ -17,9 +18,6 @@
 
 namespace lamina {
 namespace {
-
-using Eigen::Index;
-using MatrixOfRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Frequencies in a geometric series, and 0. Every second one is used for the fit, all for its
 /// error.
@@ -31,60 +29,67 @@ std::vector<double> test_frequencies(const std::vector<double>& variances) {
   return k;
 }
 
-MatrixOfRows gaussians_at(const std::vector<double>& k, const std::vector<double>& variances) {
-  MatrixOfRows g(static_cast<Index>(k.size()), static_cast<Index>(variances.size()));
-  for (Index j = 0; j < g.rows(); ++j)
-    for (Index i = 0; i < g.cols(); ++i) {
-      const double at = k[static_cast<std::size_t>(j)];
-      g(j, i) = std::exp(-0.5 * at * at * variances[static_cast<std::size_t>(i)]);
-    }
+/// [k][Gaussian]
+DenseMatrix gaussians_at(const std::vector<double>& k, const std::vector<double>& variances) {
+  DenseMatrix g(k.size(), variances.size());
+  for (std::size_t j = 0; j < g.rows; ++j)
+    for (std::size_t i = 0; i < g.columns; ++i)
+      g(j, i) = std::exp(-0.5 * k[j] * k[j] * variances[i]);
   return g;
 }
 
-/// The matrix that turns a spectrum at every second frequency into weights.
-MatrixOfRows fitting_matrix(const MatrixOfRows& all, double ridge) {
+/// The matrix that turns a spectrum at every second frequency into weights: of least squares, held
+/// small by a ridge.
+DenseMatrix fitting_matrix(const DenseMatrix& all, double ridge) {
   constexpr double weight_of_total = 30.0;
-  MatrixOfRows a((all.rows() + 1) / 2, all.cols());
-  for (Index j = 0; j < a.rows(); ++j) a.row(j) = all.row(2 * j);
-  a.row(0) *= weight_of_total;
-  const double size = static_cast<double>(a.rows());
-  const Eigen::MatrixXd normal =
-      a.transpose() * a + ridge * ridge * size * Eigen::MatrixXd::Identity(all.cols(), all.cols());
-  MatrixOfRows fit = normal.ldlt().solve(Eigen::MatrixXd(a.transpose()));
-  fit.col(0) *= weight_of_total;
+  const std::size_t frequencies = (all.rows + 1) / 2;
+  DenseMatrix a(frequencies + all.columns, all.columns), unit(a.rows, frequencies);
+  for (std::size_t j = 0; j < frequencies; ++j) {
+    std::ranges::copy(all.row(2 * j), a.row(j).begin());
+    unit(j, j) = 1.0;
+  }
+  for (double& value : a.row(0)) value *= weight_of_total;
+  for (std::size_t i = 0; i < all.columns; ++i)
+    a(frequencies + i, i) = ridge * std::sqrt(static_cast<double>(frequencies));
+  DenseMatrix fit = solve_least_squares(a, unit);
+  for (std::size_t i = 0; i < fit.rows; ++i) fit(i, 0) *= weight_of_total;
   return fit;
 }
 
 /// Spectra of one operator, [row][k], as weights with the same totals.
-GaussianTable fit(const MatrixOfRows& spectra, const MatrixOfRows& gaussians,
-                  const MatrixOfRows& fitting) {
-  MatrixOfRows shapes = spectra;
-  for (Index row = 0; row < shapes.rows(); ++row)
-    if (shapes(row, 0) > 0.0) shapes.row(row) /= shapes(row, 0);
-  MatrixOfRows fitted((shapes.cols() + 1) / 2, shapes.rows());
-  for (Index j = 0; j < fitted.rows(); ++j) fitted.row(j) = shapes.col(2 * j).transpose();
-  MatrixOfRows weights = (fitting * fitted).transpose();
-  const MatrixOfRows error = (weights * gaussians.transpose() - shapes).cwiseAbs();
-  GaussianTable table;
-  for (Index row = 0; row < shapes.rows(); ++row) {
-    table.error.push_back(error.row(row).maxCoeff());
-    const double sum = weights.row(row).sum();
-    if (sum != 0.0) weights.row(row) *= spectra(row, 0) / sum;
+GaussianTable fit(const DenseMatrix& spectra, const DenseMatrix& gaussians,
+                  const DenseMatrix& fitting) {
+  DenseMatrix shapes = spectra, fitted((shapes.columns + 1) / 2, shapes.rows);
+  for (std::size_t row = 0; row < shapes.rows; ++row) {
+    if (const double total = shapes(row, 0); total > 0.0)
+      for (double& value : shapes.row(row)) value /= total;
+    for (std::size_t j = 0; j < fitted.rows; ++j) fitted(j, row) = shapes(row, 2 * j);
   }
-  table.weights.assign(weights.data(), weights.data() + weights.size());
+  DenseMatrix weights = transpose(multiply(fitting, fitted));
+  const DenseMatrix found = multiply(weights, transpose(gaussians));
+  GaussianTable table;
+  for (std::size_t row = 0; row < shapes.rows; ++row) {
+    double error = 0.0, sum = 0.0;
+    for (std::size_t j = 0; j < shapes.columns; ++j)
+      error = std::max(error, std::abs(found(row, j) - shapes(row, j)));
+    table.error.push_back(error);
+    for (const double weight : weights.row(row)) sum += weight;
+    if (sum != 0.0)
+      for (double& weight : weights.row(row)) weight *= spectra(row, 0) / sum;
+  }
+  table.weights = std::move(weights.values);
   return table;
 }
 
 /// R+, T+, R-, T- of a layer by the closed form, each [row][k].
-using LayerSpectra = std::array<MatrixOfRows, 4>;
+using LayerSpectra = std::array<DenseMatrix, 4>;
 
 LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const GaussianTableGrid& grid,
                          const std::vector<double>& k) {
   const MappedLayer& layer = stack.layers[i];
   const auto [top, bottom] = detail::boundary_reflectances(stack, i);
   LayerSpectra spectra;
-  for (MatrixOfRows& s : spectra)
-    s.resize(static_cast<Index>(grid.rows), static_cast<Index>(k.size()));
+  spectra.fill(DenseMatrix(grid.rows, k.size()));
   for (std::size_t row = 0; row < grid.rows; ++row) {
     const Medium medium{.sigma_a = row_absorption(grid, static_cast<double>(row)),
                         .sigma_s = layer.sigma_s,
@@ -93,9 +98,7 @@ LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const Gaussian
     const Multipole multipole = make_multipole(medium, layer.thickness, top, bottom);
     for (std::size_t j = 0; j < k.size(); ++j) {
       const LayerResponse r = response(multipole, k[j]);
-      const auto at = [&](std::size_t which) -> double& {
-        return spectra[which](static_cast<Index>(row), static_cast<Index>(j));
-      };
+      const auto at = [&](std::size_t which) -> double& { return spectra[which](row, j); };
       at(0) = r.reflection_above, at(1) = r.transmission_down;
       at(2) = r.reflection_below, at(3) = r.transmission_up;
     }
@@ -105,14 +108,14 @@ LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const Gaussian
 
 void scale_to(const detail::LayerTotals& totals, LayerSpectra& spectra) {
   for (std::size_t which = 0; which < 4; ++which)
-    for (Index row = 0; row < spectra[which].rows(); ++row)
+    for (std::size_t row = 0; row < spectra[which].rows; ++row)
       if (const double closed = spectra[which](row, 0); closed > 0.0)
-        spectra[which].row(row) *= totals[which][static_cast<std::size_t>(row)] / closed;
+        for (double& value : spectra[which].row(row)) value *= totals[which][row] / closed;
 }
 
 /// A layer's response at an absorption between rows.
 LayerResponse response_at(const LayerSpectra& spectra, const GaussianTableGrid& grid,
-                          double sigma_a, Index j) {
+                          double sigma_a, std::size_t j) {
   const detail::FourRows near =
       detail::four_rows(std::log(sigma_a / grid.lowest) / std::log(grid.highest / grid.lowest) *
                             static_cast<double>(grid.rows - 1),
@@ -120,7 +123,7 @@ LayerResponse response_at(const LayerSpectra& spectra, const GaussianTableGrid& 
   std::array<double, 4> values{};
   for (std::size_t which = 0; which < 4; ++which)
     for (std::size_t r = 0; r < 4; ++r)
-      values[which] += near.share[r] * spectra[which](static_cast<Index>(near.first + r), j);
+      values[which] += near.share[r] * spectra[which](near.first + r, j);
   return {values[0], values[1], values[2], values[3]};
 }
 
@@ -131,20 +134,19 @@ void correct_profile(std::vector<LayerSpectra>& spectra, const GaussianTableGrid
                      const std::vector<std::vector<double>>& shapes) {
   LayerSpectra& first = spectra[0];
   std::vector<double> whole_at_0(grid.rows, 0.0), last_factor(grid.rows, 1.0);
-  for (Index j = 0; j < first[0].cols(); ++j) {
+  for (std::size_t j = 0; j < k.size(); ++j) {
     LayerResponse below{0.0, 1.0, 0.0, 1.0};
     for (std::size_t i = 1; i < spectra.size(); ++i)
       below = stacked(below, response_at(spectra[i], grid, reference_sigma_a[i], j));
-    const auto column = static_cast<std::size_t>(j);
     for (std::size_t row = 0; row < grid.rows; ++row) {
-      const auto r = static_cast<Index>(row);
-      const LayerResponse top{first[0](r, j), first[1](r, j), first[2](r, j), first[3](r, j)};
+      const LayerResponse top{first[0](row, j), first[1](row, j), first[2](row, j),
+                              first[3](row, j)};
       const double whole = stacked(top, below).reflection_above;
       if (j == 0) whole_at_0[row] = whole;
       double& factor = last_factor[row];  // stays as it is where frequencies are too high
-      if (k[column] <= detail::highest_transfer_frequency)
-        factor = whole_at_0[row] * shapes[row][column] / whole;
-      first[0](r, j) += (factor - 1.0) * whole;
+      if (k[j] <= detail::highest_transfer_frequency)
+        factor = whole_at_0[row] * shapes[row][j] / whole;
+      first[0](row, j) += (factor - 1.0) * whole;
     }
   }
 }
@@ -165,8 +167,8 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
       .variances = doubling_variances(grid.first_variance, static_cast<int>(grid.gaussians)),
       .layers = {}};
   const std::vector<double> k = test_frequencies(result.variances);
-  const MatrixOfRows gaussians = gaussians_at(k, result.variances);
-  const MatrixOfRows fitting = fitting_matrix(gaussians, grid.ridge);
+  const DenseMatrix gaussians = gaussians_at(k, result.variances);
+  const DenseMatrix fitting = fitting_matrix(gaussians, grid.ridge);
   std::vector<LayerSpectra> spectra;
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     spectra.push_back(closed_form(stack, i, grid, k));

@@ -1,54 +1,82 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/profile/gaussian_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "lamina/core/dense_matrix.h"
 
 namespace lamina {
 namespace {
 
 struct NonNegative {
-  Eigen::VectorXd x;
+  std::vector<double> x;
   int iterations;
   bool converged;
 };
 
+/// b - A x
+std::vector<double> residual_of(const DenseMatrix& A, std::span<const double> x,
+                                std::span<const double> b) {
+  std::vector<double> residual(b.begin(), b.end());
+  for (std::size_t j = 0; j < A.rows; ++j)
+    residual[j] -= std::inner_product(x.begin(), x.end(), A.row(j).begin(), 0.0);
+  return residual;
+}
+
+/// A' y
+std::vector<double> projected(const DenseMatrix& A, std::span<const double> y) {
+  std::vector<double> sums(A.columns, 0.0);
+  for (std::size_t j = 0; j < A.rows; ++j)
+    for (std::size_t i = 0; i < A.columns; ++i) sums[i] += A(j, i) * y[j];
+  return sums;
+}
+
+double largest_magnitude(std::span<const double> values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 /// min |A x - b| over x >= 0: variables enter the free set one by one, the one with the steepest
 /// descent first, and leave it where the free solution would turn negative.
-NonNegative nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  const Eigen::Index n = A.cols();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<Eigen::Index> free;
-  const double tolerance = 1e-13 * (A.transpose() * b).cwiseAbs().maxCoeff();
+NonNegative nonnegative_least_squares(const DenseMatrix& A, const std::vector<double>& b) {
+  const std::size_t n = A.columns;
+  std::vector<double> x(n, 0.0);
+  std::vector<std::size_t> free;
+  const double tolerance = 1e-13 * largest_magnitude(projected(A, b));
+  DenseMatrix right(A.rows, 1);
+  right.values = b;
   const auto solve_free = [&] {
-    Eigen::MatrixXd columns(A.rows(), static_cast<Eigen::Index>(free.size()));
-    for (std::size_t i = 0; i < free.size(); ++i)
-      columns.col(static_cast<Eigen::Index>(i)) = A.col(free[i]);
-    return Eigen::VectorXd(columns.colPivHouseholderQr().solve(b));
+    DenseMatrix columns(A.rows, free.size());
+    for (std::size_t j = 0; j < A.rows; ++j)
+      for (std::size_t i = 0; i < free.size(); ++i) columns(j, i) = A(j, free[i]);
+    return solve_least_squares(columns, right).values;
   };
-  for (int iteration = 0; iteration < 30 * static_cast<int>(n); ++iteration) {
-    const Eigen::VectorXd descent = A.transpose() * (b - A * x);
-    Eigen::Index enter = -1;
-    for (Eigen::Index i = 0; i < n; ++i)
+  const int most = 30 * static_cast<int>(n);
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const std::vector<double> descent = projected(A, residual_of(A, x, b));
+    std::size_t enter = n;
+    for (std::size_t i = 0; i < n; ++i)
       if (std::ranges::find(free, i) == free.end() && descent[i] > tolerance &&
-          (enter < 0 || descent[i] > descent[enter]))
+          (enter == n || descent[i] > descent[enter]))
         enter = i;
-    if (enter < 0) return {x, iteration, true};
+    if (enter == n) return {x, iteration, true};
     free.push_back(enter);
-    Eigen::VectorXd solution = solve_free();
-    while (solution.minCoeff() <= 0.0) {
+    std::vector<double> solution = solve_free();
+    while (std::ranges::min(solution) <= 0.0) {
       // Go as far as all stay >= 0; those that reach 0 are bound again.
       double step = 1.0;
       for (std::size_t i = 0; i < free.size(); ++i) {
-        const double to = solution[static_cast<Eigen::Index>(i)], from = x[free[i]];
+        const double to = solution[i], from = x[free[i]];
         if (to <= 0.0) step = std::min(step, from / (from - to));
       }
-      for (std::size_t i = 0; i < free.size(); ++i)
-        x[free[i]] += step * (solution[static_cast<Eigen::Index>(i)] - x[free[i]]);
-      std::erase_if(free, [&](Eigen::Index i) {
+      for (std::size_t i = 0; i < free.size(); ++i) x[free[i]] += step * (solution[i] - x[free[i]]);
+      std::erase_if(free, [&](std::size_t i) {
         const bool is_bound = x[i] <= 1e-15;
         if (is_bound) x[i] = 0.0;
         return is_bound;
@@ -56,10 +84,9 @@ NonNegative nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen::Vec
       if (free.empty()) return {x, iteration, true};
       solution = solve_free();
     }
-    for (std::size_t i = 0; i < free.size(); ++i)
-      x[free[i]] = solution[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < free.size(); ++i) x[free[i]] = solution[i];
   }
-  return {x, 30 * static_cast<int>(n), false};
+  return {x, most, false};
 }
 
 }  // namespace
@@ -105,22 +132,18 @@ std::vector<double> fit_frequencies(std::span<const double> variances, std::size
 GaussianFit fit_gaussians(std::span<const double> spectrum, std::span<const double> k,
                           std::span<const double> variances) {
   assert(spectrum.size() == k.size() && !k.empty() && !variances.empty());
-  Eigen::MatrixXd A(static_cast<Eigen::Index>(k.size()),
-                    static_cast<Eigen::Index>(variances.size()));
-  Eigen::VectorXd b(static_cast<Eigen::Index>(k.size()));
-  for (Eigen::Index j = 0; j < A.rows(); ++j) {
-    const double at = k[static_cast<std::size_t>(j)];
-    for (Eigen::Index i = 0; i < A.cols(); ++i)
-      A(j, i) = std::exp(-0.5 * at * at * variances[static_cast<std::size_t>(i)]);
-    b[j] = spectrum[static_cast<std::size_t>(j)];
-  }
-  const NonNegative found = nonnegative_least_squares(A, b);
-  const Eigen::VectorXd residual = A * found.x - b;
-  const double scale = std::max(b.cwiseAbs().maxCoeff(), 1e-300);
-  return {.sum = {.variances = {variances.begin(), variances.end()},
-                  .weights = {found.x.begin(), found.x.end()}},
-          .rms_error = residual.norm() / std::sqrt(static_cast<double>(k.size())) / scale,
-          .largest_error = residual.cwiseAbs().maxCoeff() / scale,
+  DenseMatrix A(k.size(), variances.size());
+  for (std::size_t j = 0; j < A.rows; ++j)
+    for (std::size_t i = 0; i < A.columns; ++i)
+      A(j, i) = std::exp(-0.5 * k[j] * k[j] * variances[i]);
+  const std::vector<double> b(spectrum.begin(), spectrum.end());
+  NonNegative found = nonnegative_least_squares(A, b);
+  const std::vector<double> residual = residual_of(A, found.x, b);
+  const double scale = std::max(largest_magnitude(b), 1e-300);
+  const double square = std::inner_product(residual.begin(), residual.end(), residual.begin(), 0.0);
+  return {.sum = {.variances = {variances.begin(), variances.end()}, .weights = std::move(found.x)},
+          .rms_error = std::sqrt(square / static_cast<double>(k.size())) / scale,
+          .largest_error = largest_magnitude(residual) / scale,
           .iterations = found.iterations,
           .converged = found.converged};
 }

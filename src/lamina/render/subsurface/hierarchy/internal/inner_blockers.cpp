@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/dense_matrix.h"
 #include "lamina/core/float_pi.h"
 #include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
@@ -112,7 +112,8 @@ BandValues<N> InnerBlockers<N>::leaving(const Vec3f& to_source, const Vec3f& nor
     const Bands inverse = reciprocal_root(d2), x = medium_.sigma_tr * d2 * inverse;
     return z * (Bands::filled(1.0f) + x) * exp_minus(x) * inverse * inverse * inverse;
   };
-  return (1.0f / (4.0f * float_pi)) * (flux_from(depth) + flux_from(depth + medium_.height_of_image));
+  return (1.0f / (4.0f * float_pi)) *
+         (flux_from(depth) + flux_from(depth + medium_.height_of_image));
 }
 
 /// The fluence at each patch, from half of it = what comes without the objects + what all patches
@@ -123,21 +124,20 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
   std::vector<Bands> fluences(patches.size());
   parallel_for(patches.size(),
                [&](std::size_t i) { fluences[i] = fluence(patches[i].position, light); });
-  const auto count = static_cast<Eigen::Index>(patches.size());
-  const auto index = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
+  const std::size_t count = patches.size();
   parallel_for(static_cast<std::size_t>(N), [&](std::size_t lane) {
     const int b = static_cast<int>(lane);
-    Eigen::VectorXf arriving(count);
-    for (Eigen::Index i = 0; i < count; ++i) arriving[i] = fluences[index(i)][b];
-    if (!(arriving.maxCoeff() > 0.0f)) return;  // an unused lane
+    std::vector<float> arriving(count);
+    for (std::size_t i = 0; i < count; ++i) arriving[i] = fluences[i][b];
+    if (std::ranges::none_of(arriving, [](float value) { return value > 0.0f; })) return;
     const float kappa = medium_.sigma_tr[b], D = medium_.diffusion[b];
-    Eigen::MatrixXf matrix(count, count);
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const Patch& from = patches[index(j)];
+    BasicDenseMatrix<float> matrix(count, count);
+    for (std::size_t j = 0; j < count; ++j) {
+      const Patch& from = patches[j];
       const float beta = absorbed_fraction(from.reflectance[b]);
       const float radius = std::sqrt(from.area / float_pi);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Vec3f d = patches[index(i)].position - from.position;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f d = patches[i].position - from.position;
         const float r = length(d);
         if (!(r > 0.1f * radius)) {
           // Within a disc: the integral of G is (1 - exp(-kappa radius)) / (2 D kappa).
@@ -150,9 +150,9 @@ std::vector<BandValues<N>> InnerBlockers<N>::solve(std::span<const Patch> patche
         matrix(i, j) = beta / D * green - dipole;
       }
     }
-    const Eigen::VectorXf solved = matrix.partialPivLu().solve(arriving);
-    for (Eigen::Index i = 0; i < count; ++i)
-      fluences[index(i)][b] = std::isfinite(solved[i]) ? std::max(solved[i], 0.0f) : 0.0f;
+    const std::vector<float> solved = solve_linear(matrix, arriving);
+    for (std::size_t i = 0; i < count; ++i)
+      fluences[i][b] = std::isfinite(solved[i]) ? std::max(solved[i], 0.0f) : 0.0f;
   });
   return fluences;
 }
