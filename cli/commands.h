@@ -17,6 +17,7 @@ void add_patch_command(CLI::App& app);
 void add_photons_command(CLI::App& app);
 void add_profile_command(CLI::App& app);
 void add_render_command(CLI::App& app);
+void add_reproduce_command(CLI::App& app);
 void add_slab_command(CLI::App& app);
 
 }  // namespace lamina::cli

@@ -71,6 +71,7 @@ int run(int argc, char** argv) {
 #ifdef LAMINA_RENDER
   add_render_command(app);
 #endif
+  add_reproduce_command(app);
   add_slab_command(app);
   try {
     app.parse(argc, argv);

@@ -253,7 +253,7 @@ class Names(unittest.TestCase):
         for key, entry in value.items() if isinstance(value, dict) else []:
             if not are_free:
                 self.assertTrue(key in keys_of_schemas(), f"no such key: {key}")
-            self.check_keys(entry, key in ("materials", "parts", "maps"))
+            self.check_keys(entry, key in ("materials", "parts", "maps", "for", "values"))
 
     def test_every_name_is_in_the_sources(self):
         for page in PAGES:

@@ -1,0 +1,165 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/io/nearest_name.h"
+#include "lamina/reproduction/page.h"
+#include "reproduce_run.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReproduceOptions {
+  CommonOptions common;
+  std::vector<std::string> items;
+  std::string output = "reproduction", sources, markdown, before;
+  ReproductionQuality quality = ReproductionQuality::draft;
+  bool only_lists = false;
+};
+
+/// The folder of lamina's sources, above the program or the current one; empty if there is none.
+fs::path find_sources() {
+  std::error_code error;
+  for (fs::path start : {fs::read_symlink("/proc/self/exe", error), fs::current_path(error)})
+    for (; start != start.parent_path(); start = start.parent_path())
+      if (fs::exists(start / "reproduce", error) && fs::exists(start / "scenes", error))
+        return start;
+  return {};
+}
+
+/// The items that are asked for: all, those of papers, single ones, or those of files.
+std::vector<ReproductionItem> find_items(const ReproduceOptions& options) {
+  std::vector<ReproductionItem> known, found;
+  for (const BuiltinReproduction& item : builtin_reproductions())
+    known.push_back(decode_reproduction(parse_json(item.text, item.name).root(), options.quality));
+  if (options.items.empty()) return known;
+  for (const std::string& name : options.items) {
+    const auto is_meant = [&](const ReproductionItem& item) {
+      return item.id == name || item.paper == name;
+    };
+    if (name.ends_with(".json")) {
+      found.push_back(decode_reproduction(load_json(name).root(), options.quality));
+      continue;
+    }
+    if (std::ranges::none_of(known, is_meant)) {
+      std::vector<std::string_view> names;
+      for (const ReproductionItem& item : known) names.insert(names.end(), {item.id, item.paper});
+      throw InvalidInput(
+          fmt::format("there is no item or paper \"{}\"{}; see lamina reproduce --list", name,
+                      did_you_mean(name, names)));
+    }
+    std::ranges::copy_if(known, std::back_inserter(found), is_meant);
+  }
+  return found;
+}
+
+void list_items(const std::vector<ReproductionItem>& items, const CommonOptions& options) {
+  std::string text, paper;
+  JsonOutput json = make_result("reproduce");
+  json["items"] = JsonOutput::array();
+  for (const ReproductionItem& item : items) {
+    if (item.paper != paper) text += fmt::format("{}{}\n", text.empty() ? "" : "\n", item.paper);
+    paper = item.paper;
+    text += fmt::format("  {:<18} {}\n", item.id, item.title);
+    json["items"].push_back({{"id", item.id}, {"paper", item.paper}, {"title", item.title}});
+  }
+  write_json(json, options);
+  print(options, text);
+}
+
+void run_reproduce(const ReproduceOptions& options) {
+  const std::vector<ReproductionItem> items = find_items(options);
+  if (options.only_lists) return list_items(items, options.common);
+  const fs::path out = fs::absolute(options.output);
+  const fs::path sources = options.sources.empty() ? find_sources() : fs::absolute(options.sources);
+  std::vector<ReproductionResult> results;
+  bool has_failed = false;
+  const Progress progress = make_progress("reproduce");
+  for (const ReproductionItem& item : items) {
+    const double finished = static_cast<double>(results.size()) / static_cast<double>(items.size());
+    if (!report_progress(progress, finished)) break;
+    const RunLamina run = [&](std::vector<std::string> arguments, const fs::path& folder) {
+      if (options.common.threads > 0)
+        arguments.insert(arguments.end(), {"--threads", std::to_string(options.common.threads)});
+      return run_this_program(arguments, folder,
+                              [&](double) { return report_progress(progress, finished); });
+    };
+    try {
+      results.push_back(make_reproduction(item, out / item.id, sources, run));
+    } catch (const Interrupted&) {
+      break;
+    } catch (const WriteError&) {
+      throw;
+    } catch (const Error& error) {
+      has_failed = true;
+      results.push_back({.item = item, .why_not_made = error.what()});
+    }
+    const ReproductionResult& result = results.back();
+    say(fmt::format("{:<18} {} ({:.1f} s){}", item.id, name_of(result.verdict), result.seconds,
+                    result.why_not_made.empty() ? "" : ": " + result.why_not_made));
+  }
+  if (results.empty()) throw Interrupted();
+  write_file((out / "index.html").string(), format_page(results, options.quality));
+  const JsonOutput summary = reproduction_json(results, options.quality);
+  write_file((out / "summary.json").string(), summary.text(1) + "\n");
+  if (!options.markdown.empty())
+    write_file(options.markdown, format_markdown(results, options.quality));
+  JsonOutput json = make_result("reproduce");
+  json["summary"] = summary;
+  write_json(json, options.common);
+  print(options.common, fmt::format("{}\n", (out / "index.html").string()));
+  if (!options.before.empty()) {
+    const auto worse = worse_verdicts(results, load_json(options.before).root());
+    for (const std::string& line : worse) say(line);
+    if (!worse.empty())
+      throw WriteError(
+          fmt::format("{} verdicts are worse than in {}", worse.size(), options.before));
+  }
+  if (has_failed) throw WriteError("not all items could be made");
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& app) {
+  auto options = std::make_shared<ReproduceOptions>();
+  const Command command(app, "reproduce",
+                        "Tables and figures of the five papers, made again, each with a verdict.");
+  command
+      .add_option("items", options->items, "papers, items, or files of items; all if none is named")
+      .type_name("ITEM");
+  command.add_flag("--list", options->only_lists, "the papers and items that there are");
+  command.add_choice("--quality", options->quality,
+                     "draft: minutes for all; full: the photons and samples of a publication");
+  command.add_option("-o,--output", options->output, "a folder for the page and what it shows")
+      .type_name("DIR")
+      .show_default();
+  command
+      .add_option("--sources", options->sources,
+                  "the folder with lamina's scenes/ and demo/, if it is not found")
+      .type_name("DIR");
+  command.add_output_file("--markdown", options->markdown, "the verdicts as Markdown");
+  command
+      .add_option("--before", options->before,
+                  "summary.json of an earlier run: exit code 1 if a verdict is worse")
+      .type_name("FILE");
+  add_common_options(command, options->common);
+  command.footer(
+      "DIR/index.html shows all; DIR/ITEM/ has numbers.csv, pictures and what each command wrote.\n"
+      "Exit code 1: an item could not be made, or --before found a worse verdict.\n\n"
+      "Example: the tables of Donner & Jensen 2005, and one figure of another paper\n"
+      "  lamina reproduce donner_jensen_2005 hk93.fig8 -o papers");
+  command.callback([options] { run_reproduce(*options); });
+}
+
+}  // namespace lamina::cli
