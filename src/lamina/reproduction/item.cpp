@@ -2,19 +2,16 @@
 #include "lamina/reproduction/item.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 
 #include "lamina/core/error.h"
 #include "lamina/io/json_output.h"
 #include "lamina/reproduction/internal/expansion.h"
+#include "lamina/reproduction/internal/papers.h"
 
 namespace lamina {
 namespace {
-
-constexpr std::array<std::string_view, 5> papers = {
-    "hanrahan_krueger_1993", "xu_sun_2008", "hery_2003", "donner_jensen_2005", "donner_2008"};
 
 std::string optional_string(const JsonObject& object, std::string_view key) {
   const auto value = object.optional(key);
@@ -149,6 +146,8 @@ ReproductionItem decode_expanded(const JsonInput& root) {
       {"paper", "id", "title", "shows", "inputs", "needs", "files", "runs", "values", "numbers",
        "features", "figure", "pictures", "picture_columns", "table", "differs_because"});
   ReproductionItem item;
+  std::vector<std::string_view> papers;
+  for (const detail::Paper& paper : detail::papers) papers.push_back(paper.name);
   item.paper = std::string(papers[file.required("paper").choice(papers)]);
   item.id = file.required("id").string();
   item.title = file.required("title").string();

@@ -10,20 +10,13 @@
 #include "lamina/core/number_text.h"
 #include "lamina/io/base64.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/reproduction/internal/papers.h"
 
 namespace lamina {
 namespace {
 
-struct Paper {
-  std::string_view name, title, subject;
-};
-constexpr std::array<Paper, 5> papers = {{
-    {"hanrahan_krueger_1993", "Hanrahan & Krueger 1993", "Reflection from layered surfaces"},
-    {"xu_sun_2008", "Xu & Sun 2008", "Transmission through rough surfaces"},
-    {"hery_2003", "Hery 2003", "A BSSRDF in production"},
-    {"donner_jensen_2005", "Donner & Jensen 2005", "Multipoles and layers"},
-    {"donner_2008", "Donner et al. 2008", "Heterogeneous skin"},
-}};
+using detail::Paper;
+using detail::papers;
 
 constexpr std::string_view style = R"css(
 :root { color-scheme: light dark; --ink: #1b1d21; --soft: #5b6270; --paper: #fff; --line: #d9dde3;

@@ -223,7 +223,7 @@ class MaterialDecoder {
 
   /// A built-in material by name, a material file by path, or a material file as an object.
   static Material decode_layers_of(const JsonInput& value, const RecipeMaps& maps = {}) {
-    if (value.is_object() && value.peek("diffuse_color")) return decode_look(value);
+    if (value.is_object() && value.peek("diffuse_color")) return decode_color_material(value);
     if (value.is_object()) return decode_material(value, maps);
     if (!value.is_string())
       value.refuse("must be a built-in material, a material file, or what one says");

@@ -75,7 +75,7 @@ struct DecodedMaterial {
 /// A homogeneous material by its look: the color that it has in diffuse light once that has
 /// entered, and how far light spreads in it. By the dipole, of whose half-space both are met
 /// exactly. Source: [JensenBuhler2002] §5, [Hery2003] §2.
-[[nodiscard]] Material decode_look(const JsonInput& value);
+[[nodiscard]] Material decode_color_material(const JsonInput& value);
 
 /// The quantity of a material that a key such as "dermis.blood" names; its terms are left empty.
 [[nodiscard]] LayerMap find_quantity(const JsonInput& value, const std::string& key,
