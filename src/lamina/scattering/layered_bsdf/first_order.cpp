@@ -7,7 +7,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 #include "lamina/scattering/layered_bsdf/internal/first_order_beam-inl.h"
 
 namespace lamina {

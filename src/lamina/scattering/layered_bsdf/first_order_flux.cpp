@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "lamina/core/quadrature.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {
 namespace {

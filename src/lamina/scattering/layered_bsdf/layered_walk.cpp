@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {
 namespace {

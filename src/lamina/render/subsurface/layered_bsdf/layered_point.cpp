@@ -5,7 +5,7 @@
 
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 #include "lamina/scattering/layered_bsdf/layered_walk.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cassert>
 
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {
 namespace first_order {

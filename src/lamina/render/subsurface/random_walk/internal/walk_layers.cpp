@@ -14,7 +14,7 @@
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/scattering/layered_bsdf/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {
 namespace {
