@@ -1,12 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// The layered BSDF at one point: three layers, eight bands. One item is a value with its density
-// for a given direction and one drawn direction with its value and density, as a hit of a path
-// needs.
+// The layered BSDF at one point: three layers; 4, 8 or 16 bands. One item is a value with its
+// density for a given direction and one drawn direction with its value and density, as a hit of a
+// path needs.
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "lamina/core/random.h"
@@ -16,11 +18,11 @@ namespace {
 
 using namespace lamina;
 
-/// The skin of [DonnerJensen2005] Table 3, its red to blue stretched over eight bands.
-std::vector<LayerStack> skin(bool is_matched) {
+/// The skin of [DonnerJensen2005] Table 3, its red to blue stretched over all bands.
+std::vector<LayerStack> skin(int count, bool is_matched) {
   std::vector<LayerStack> bands;
-  for (int b = 0; b < 8; ++b) {
-    const double t = b / 7.0;
+  for (int b = 0; b < count; ++b) {
+    const double t = b / (count - 1.0);
     const auto layer = [&](double a0, double a1, double s0, double s1, double g, double ior,
                            double thickness) {
       return Layer{.medium = {.sigma_a = a0 * std::pow(a1 / a0, t),
@@ -38,17 +40,19 @@ std::vector<LayerStack> skin(bool is_matched) {
   return bands;
 }
 
-void evaluate_and_sample(benchmark::State& state) {
-  const std::vector<LayerStack> bands = skin(state.range(0) != 0);
-  const auto stack = make_first_order<8>(bands);
+/// @param target  0: the best instruction set that the processor has.
+template <int N>
+void evaluate_and_sample(benchmark::State& state, bool is_matched, std::int64_t target) {
+  const std::vector<LayerStack> bands = skin(N, is_matched);
+  const auto stack = make_first_order<N>(bands);
   std::vector<HigherOrders> orders;
   for (const LayerStack& band : bands) orders.push_back(make_higher_orders(band, 1e-3));
-  const auto higher = make_higher_order_bands<8>(orders);
-  const auto target =
-      std::min(static_cast<std::size_t>(state.range(1)), sampled_layers_targets().size() - 1);
-  const SampledLayers<8> layers(stack, &higher, {0.6, 0.0, 0.8}, target);
+  const auto higher = make_higher_order_bands<N>(orders);
+  hwy::SetSupportedTargetsForTest(target);
+  const SampledLayers<N> layers(stack, &higher, {0.6, 0.0, 0.8});
+  hwy::SetSupportedTargetsForTest(0);
   Random random(1);
-  BandValues<8> total;
+  BandValues<N> total;
   for (auto _ : state) {
     const double mu = 0.05 + 0.9 * random.uniform(), x = std::sqrt(1.0 - mu * mu);
     total += layers.evaluate({x, 0.0, mu}).bsdf;
@@ -57,15 +61,33 @@ void evaluate_and_sample(benchmark::State& state) {
   }
   benchmark::DoNotOptimize(total);
   state.SetItemsProcessed(state.iterations());
-  state.SetLabel(sampled_layers_targets()[target]);
 }
-BENCHMARK(evaluate_and_sample)->ArgNames({"matched", "target"})->ArgsProduct({{0, 1}, {0, 1}});
 
+template <int N>
 void prepare(benchmark::State& state) {  // what depends on the direction of the eye
-  const auto stack = make_first_order<8>(skin(false));
+  const auto stack = make_first_order<N>(skin(N, false));
   for (auto _ : state)
-    benchmark::DoNotOptimize(SampledLayers<8>(stack, nullptr, {0.6, 0.0, 0.8}).mirrored_inside());
+    benchmark::DoNotOptimize(SampledLayers<N>(stack, nullptr, {0.6, 0.0, 0.8}).mirrored_inside());
 }
-BENCHMARK(prepare);
+
+template <int N>
+void register_all() {
+  const std::string bands = std::to_string(N) + " bands/";
+  for (const bool is_matched : {false, true})
+    for (const std::int64_t target : {std::int64_t{0}, std::int64_t{HWY_STATIC_TARGET}})
+      benchmark::RegisterBenchmark((bands + (is_matched ? "one index/" : "three indices/") +
+                                    (target == 0 ? "best" : "baseline"))
+                                       .c_str(),
+                                   evaluate_and_sample<N>, is_matched, target);
+  benchmark::RegisterBenchmark((bands + "prepare").c_str(), prepare<N>);
+}
 
 }  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  register_all<4>();
+  register_all<8>();
+  register_all<16>();
+  benchmark::RunSpecifiedBenchmarks();
+}

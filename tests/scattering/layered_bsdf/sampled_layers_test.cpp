@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "lamina/core/quadrature.h"
 #include "lamina/core/random.h"
+#include "scattering/only_target.h"
 
 namespace lamina {
 namespace {
@@ -103,7 +105,8 @@ TEST(SampledLayers, KeepsTheForwardPeak) {
                   1.0, 1e-3)
           << g << ' ' << off;
       // The density is phase_chance times the phase function, and the cosine for either side.
-      const double share = (static_cast<double>(value.pdf) - 0.5 * mu_i / pi) / (phase - 0.5 * mu_i / pi);
+      const double share =
+          (static_cast<double>(value.pdf) - 0.5 * mu_i / pi) / (phase - 0.5 * mu_i / pi);
       if (off == 0.0) phase_chance = share;
       if (off <= 0.01) {
         EXPECT_NEAR(share / phase_chance, 1.0, 1e-3) << g << ' ' << off;
@@ -238,10 +241,11 @@ TEST(SampledLayers, ValuesAreThoseOfTheSolversInDouble) {
       const auto in = make_beam(stack, wi), out = make_beam(stack, prepared.wo);
       const double expected =
           first_order_bsdf(stack, in, out) + higher_orders_bsdf(higher, in, out);
-      for (std::size_t target = 0; target < sampled_layers_targets().size(); ++target) {
-        const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo, target);
+      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        const OnlyTarget only(target);
+        const SampledLayers<4> layers(prepared.stack, &prepared.higher, prepared.wo);
         EXPECT_NEAR(static_cast<double>(layers.evaluate(wi).bsdf[2]), expected, 1e-4 * expected)
-            << sampled_layers_targets()[target];
+            << hwy::TargetName(target);
       }
     }
   }
@@ -261,11 +265,12 @@ TEST(SampledLayers, AnyNumberOfLayersAndBandsGivesTheSameValues) {
       for (const double mu : {1.0, 0.4, 1e-3, -0.8}) {
         const Vec3 wi = direction(mu, 2.0);
         const double expected = first_order_bsdf(first, make_beam(first, wi), make_beam(first, wo));
-        for (std::size_t target = 0; target < sampled_layers_targets().size(); ++target) {
-          const SampledLayers<16> seen(bands, nullptr, wo, target);
+        for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+          const OnlyTarget only(target);
+          const SampledLayers<16> seen(bands, nullptr, wo);
           const auto value = seen.evaluate(wi);
           EXPECT_NEAR(static_cast<double>(value.bsdf[15]), expected, 1e-4 * expected)
-              << count << " layers, mu " << mu << ", " << sampled_layers_targets()[target];
+              << count << " layers, mu " << mu << ", " << hwy::TargetName(target);
         }
       }
   }

@@ -7,13 +7,12 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 #include "lamina/scattering/layered_bsdf/internal/first_order_beam-inl.h"
 
 namespace lamina {
 namespace {
 
-using namespace first_order;
+using namespace first_order::HWY_NAMESPACE;
 
 constexpr double half_space = 1e12;  // [mm], thicker than anything seen through
 
@@ -156,6 +155,23 @@ FirstOrderStack<BandValues<N>> make_first_order(std::span<const LayerStack> band
   return make_stack<BandValues<N>>(bands, N, reflections);
 }
 
+template <class V>
+StackBeam<V> make_beam(const FirstOrderStack<V>& stack, const Vec3& toward) {
+  return beam_toward(stack, toward);
+}
+
+template <class V>
+V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
+                   const StackBeam<V>& out) {
+  return V(bsdf(stack, in, out));
+}
+
+template <class V>
+V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
+              const V& one_minus_cos) {
+  return V(phases<V, LanesOf<V>, 1>(stack, layer, {one_minus_cos})[0]);
+}
+
 template StackBeam<double> make_beam(const FirstOrderStack<double>&, const Vec3&);
 template double first_order_bsdf(const FirstOrderStack<double>&, const StackBeam<double>&,
                                  const StackBeam<double>&);
@@ -166,7 +182,9 @@ template double first_order_bsdf(const FirstOrderStack<double>&, const StackBeam
   template StackBeam<BandValues<N>> make_beam(const FirstOrderStack<BandValues<N>>&, const Vec3&); \
   template BandValues<N> first_order_bsdf(const FirstOrderStack<BandValues<N>>&,                   \
                                           const StackBeam<BandValues<N>>&,                         \
-                                          const StackBeam<BandValues<N>>&);
+                                          const StackBeam<BandValues<N>>&);                        \
+  template BandValues<N> layer_phase(const FirstOrderStack<BandValues<N>>&,                        \
+                                     const FirstOrderLayer<BandValues<N>>&, const BandValues<N>&);
 LAMINA_FIRST_ORDER(4)
 LAMINA_FIRST_ORDER(8)
 LAMINA_FIRST_ORDER(16)

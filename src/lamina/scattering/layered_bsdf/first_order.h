@@ -123,7 +123,13 @@ template <class V>
 [[nodiscard]] V first_order_bsdf(const FirstOrderStack<V>& stack, const StackBeam<V>& in,
                                  const StackBeam<V>& out);
 
-/// The same, averaged over azimuth.
+/// Density of a layer's scattering over the sphere [1/sr], where it turns light by angles of these
+/// 1 - cos.
+template <class V>
+[[nodiscard]] V layer_phase(const FirstOrderStack<V>& stack, const FirstOrderLayer<V>& layer,
+                            const V& one_minus_cos);
+
+/// The same as first_order_bsdf, averaged over azimuth.
 [[nodiscard]] double mean_first_order_bsdf(const FirstOrderStack<double>& stack,
                                            const StackBeam<double>& in,
                                            const StackBeam<double>& out);

@@ -8,7 +8,7 @@
 namespace lamina {
 namespace {
 
-using namespace first_order;
+using namespace first_order::HWY_NAMESPACE;
 
 /// Mean of the phase function over azimuth, for cosines cos_theta = a + b cos(phi).
 ///

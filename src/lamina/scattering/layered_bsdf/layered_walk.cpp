@@ -7,12 +7,10 @@
 #include <numbers>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {
-
-using namespace first_order;
 
 using std::numbers::pi;
 constexpr int long_walk = 1000;  // events; roulette ends those that nothing else does

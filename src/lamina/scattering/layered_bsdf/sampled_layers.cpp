@@ -4,44 +4,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <vector>
 
 #include "lamina/scattering/layered_bsdf/internal/sampled_layers-inl.h"
 #include "lamina/scattering/layered_bsdf/internal/sampled_layers_kernels.h"
 
 namespace lamina {
-namespace {
-
-struct Target {
-  const char* name;
-  const SampledLayersKernels* kernels;  ///< for 4, 8 and 16 bands
-};
-
-/// Those that this processor can run, the best first.
-const std::vector<Target>& runnable_targets() {
-  static const std::vector<Target> targets = [] {
-    std::vector<Target> found;
-#if defined(LAMINA_X86_KERNELS)
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("x86-64-v3")) found.push_back({"x86-64-v3", sampled_layers_v3});
-#endif
-    found.push_back({"baseline", sampled_layers_baseline});
-    return found;
-  }();
-  return targets;
-}
-
-}  // namespace
-
-std::span<const char* const> sampled_layers_targets() {
-  static const std::vector<const char*> names = [] {
-    std::vector<const char*> all;
-    for (const Target& target : runnable_targets()) all.push_back(target.name);
-    return all;
-  }();
-  return names;
-}
-
 template <int N>
 HigherOrderBands<N> make_higher_order_bands(std::span<const HigherOrders> bands) {
   assert(!bands.empty());
@@ -66,30 +33,27 @@ HigherOrderBands<N> make_higher_order_bands(std::span<const HigherOrders> bands)
 
 template <int N>
 BandValues<N> value_at(const std::array<BandValues<N>, HigherOrders::angles>& row, float mu) {
-  return sampled_layers::value_in(row, mu);
+  return BandValues<N>(sampled_layers::HWY_NAMESPACE::value_in(row, mu));
 }
 
 template <int N>
 SampledLayers<N>::SampledLayers(const FirstOrderStack<Bands>& stack,
-                                const HigherOrderBands<N>* higher, const Vec3& wo,
-                                std::size_t target) {
-  assert(target < runnable_targets().size());
-  constexpr int kind = N == 4 ? 0 : N == 8 ? 1 : 2;
-  kernels_ = runnable_targets()[target].kernels + kind;
-  kernels_->look(&stack, higher, &wo, &seen_);
+                                const HigherOrderBands<N>* higher, const Vec3& wo)
+    : kernels_(&sampled_layers_kernels<N>()) {
+  kernels_->look(stack, higher, wo, seen_);
 }
 
 template <int N>
 LayersValue<N> SampledLayers<N>::evaluate(const Vec3& wi) const {
   Value value;
-  kernels_->evaluate(&seen_, &wi, &value);
+  kernels_->evaluate(seen_, wi, value);
   return value;
 }
 
 template <int N>
 LayersSample<N> SampledLayers<N>::sample(float u, float u1, float u2) const {
   Sample drawn;
-  kernels_->sample(&seen_, u, u1, u2, &drawn);
+  kernels_->sample(seen_, u, u1, u2, drawn);
   return drawn;
 }
 

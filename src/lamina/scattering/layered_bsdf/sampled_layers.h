@@ -7,9 +7,10 @@
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/scattering/layered_bsdf/higher_orders.h"
 
-struct SampledLayersKernels;
-
 namespace lamina {
+
+template <int N>
+struct SampledLayersKernels;
 
 /// HigherOrders of the bands of a pass, side by side.
 template <int N>
@@ -64,10 +65,6 @@ struct LayersSample {
   LayersValue<N> value;  ///< pdf 0: nothing was drawn
 };
 
-/// The instruction sets that SampledLayers can use here, the best first: "x86-64-v3" (AVX2),
-/// "baseline".
-[[nodiscard]] std::span<const char* const> sampled_layers_targets();
-
 /// How a layer stack scatters light to one direction: all orders, as a BSDF that can be sampled.
 /// The stack and the orders must outlive it.
 template <int N>
@@ -77,9 +74,8 @@ class SampledLayers {
 
   /// @param wo  unit vector towards the eye; z < 0 is below the stack, if that transmits.
   /// @param higher  null: the first order alone.
-  /// @param target  one of sampled_layers_targets, by its place.
   SampledLayers(const FirstOrderStack<Bands>& stack, const HigherOrderBands<N>* higher,
-                const Vec3& wo, std::size_t target = 0);
+                const Vec3& wo);
 
   using Value = LayersValue<N>;
   using Sample = LayersSample<N>;
@@ -100,7 +96,7 @@ class SampledLayers {
   [[nodiscard]] const StackBeam<Bands>& beam() const { return seen_.out; }
 
  private:
-  const SampledLayersKernels* kernels_;
+  const SampledLayersKernels<N>* kernels_;
   LayersSeen<N> seen_;
 };
 

@@ -5,7 +5,7 @@
 
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
-#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/scattering/layered_bsdf/layered_walk.h"
 
 namespace lamina {
@@ -59,9 +59,8 @@ typename LayeredPoint<N>::Value LayeredPoint<N>::factors(const Vec3f& wi) const 
     const auto across = static_cast<float>(in.toward.x * out.toward.x + in.toward.y * out.toward.y);
     const Bands one_minus_cos =
         one + (across * in.ior[0] * out.ior[0]) * layer.inverse_ior2 + a.mu * b.mu;
-    product *=
-        4.0f * std::numbers::pi_v<float> *
-        first_order::layer_phase(layers_.stack, layer, min(one_minus_cos, Bands::filled(2.0f)));
+    product *= 4.0f * std::numbers::pi_v<float> *
+               layer_phase(layers_.stack, layer, min(one_minus_cos, Bands::filled(2.0f)));
   }
   return {.bsdf = product, .pdf = wi.z * std::numbers::inv_pi_v<float>};
 }

@@ -9,7 +9,7 @@
 
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/shading/refracted_entry.h"
-#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {
@@ -129,9 +129,8 @@ BandValues<N> SingleScattering<N>::next_event_radiance(const Event& event,
   const float entering = 1.0f - reflectance(boundary_at(scene_, entry->point), entry->cos_outside);
   const Bands way_in =
       exp_minus((1.0f / entry->cos_inside) * optical_depth(entry->length * entry->cos_inside));
-  const Bands phase =
-      first_order::layer_phase(layers_, layers_.layers[event.layer],
-                               Bands::filled(one_minus_cos(-entry->to_surface, event.to_exit)));
+  const Bands phase = layer_phase(layers_, layers_.layers[event.layer],
+                                  Bands::filled(one_minus_cos(-entry->to_surface, event.to_exit)));
   const Bands clear =
       light.shadow_transmittance({leave_surface(entry->point, entry->to_light), entry->to_light},
                                  0.9999f * entry->light_distance);
@@ -163,7 +162,7 @@ BandValues<N> SingleScattering<N>::phase_sampled_radiance(const Event& event,
       normalize(ior_ * to_surface + (cos_outside - ior_ * cos_inside) * surface.smooth_normal);
   if (!(dot(outside, surface.geometric_normal) > 0.0f)) return {};
   const Bands phase =
-      first_order::layer_phase(layers_, layers_.layers[event.layer], Bands::filled(one_minus_cos));
+      layer_phase(layers_, layers_.layers[event.layer], Bands::filled(one_minus_cos));
   const auto density = static_cast<float>(evaluate(phases_[event.layer], cosine));
   const Bands way_in = exp_minus((1.0f / cos_inside) * optical_depth(hit.distance * cos_inside));
   const float entering = 1.0f - reflectance(boundary_at(scene_, surface), cos_outside);

@@ -1,7 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#pragma once
 
-// What SampledLayers does, compiled once per instruction set: see sampled_layers_kernels.h.
+// What SampledLayers does; included once per instruction set.
+
+#if defined(LAMINA_SAMPLED_LAYERS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LAMINA_SAMPLED_LAYERS_INL_H
+#undef LAMINA_SAMPLED_LAYERS_INL_H
+#else
+#define LAMINA_SAMPLED_LAYERS_INL_H
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -11,17 +17,19 @@
 #include "lamina/scattering/layered_bsdf/internal/first_order_beam-inl.h"
 #include "lamina/scattering/layered_bsdf/sampled_layers.h"
 
-namespace lamina::sampled_layers {
+HWY_BEFORE_NAMESPACE();
+namespace lamina::sampled_layers::HWY_NAMESPACE {
+using namespace first_order::HWY_NAMESPACE;
 
 inline constexpr float pi = std::numbers::pi_v<float>;
 
 template <int N>
-[[nodiscard]] float mean(const BandValues<N>& values) {
-  return sum(values) / static_cast<float>(N);
+float mean(const BandLanes<N>& values) {
+  return sum(BandValues<N>(values)) / static_cast<float>(N);
 }
 
 /// Chance that scattering turns by an angle of more than acos(c).
-[[nodiscard]] inline float chance_beyond(float g, float c) {
+inline float chance_beyond(float g, float c) {
   if (std::abs(g) < 1e-3f) return 0.5f * (1.0f + c);
   return (1.0f - g * g) / (2.0f * g) *
          (1.0f / std::sqrt((1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - c)) - 1.0f / (1.0f + g));
@@ -29,44 +37,46 @@ template <int N>
 
 /// Mean g of a layer's particles, over bands.
 template <int N>
-[[nodiscard]] float mean_g(const FirstOrderStack<BandValues<N>>& stack,
-                           const FirstOrderLayer<BandValues<N>>& layer) {
+float mean_g(const FirstOrderStack<BandValues<N>>& stack,
+             const FirstOrderLayer<BandValues<N>>& layer) {
   float g = 0.0f;
   for (std::size_t l = layer.first_lobe; l < layer.first_lobe + layer.lobes; ++l)
-    g += mean(stack.lobes[l].weight * stack.lobes[l].g);
+    g += mean(lanes_of(stack.lobes[l].weight) * stack.lobes[l].g);
   return g;
 }
 
 /// A row's value at a cosine outside.
 template <int N>
-[[nodiscard]] BandValues<N> value_in(const std::array<BandValues<N>, HigherOrders::angles>& row,
-                                     float mu) {
+BandLanes<N> value_in(const std::array<BandValues<N>, HigherOrders::angles>& row, float mu) {
   const float x = std::sqrt(std::clamp(mu, 0.0f, 1.0f)) * (HigherOrders::angles - 1);
   const int i = std::min(static_cast<int>(x), HigherOrders::angles - 2);
   const auto k = static_cast<std::size_t>(i);
-  return row[k] + (x - static_cast<float>(i)) * (row[k + 1] - row[k]);
+  const BandLanes<N> low = row[k], high = row[k + 1];
+  return low + (x - static_cast<float>(i)) * (high - low);
 }
 
 /// The part of the higher orders that depends on the eye alone, for light from either side.
 template <int N>
 void look_at_higher(LayersSeen<N>& seen) {
   using Bands = BandValues<N>;
+  using V = BandLanes<N>;
   const HigherOrderBands<N>& orders = *seen.higher;
   const StackBeam<Bands>& out = seen.out;
-  const Bands crossing = (1.0f / pi) * (Bands::filled(1.0f) - out.surface);
-  const auto over = [&](const auto& row, const Bands& mean) {
-    return crossing * value_in(row, out.mu[0]) / max(mean, Bands::filled(1e-30f));
+  const V crossing = (1.0f / pi) * (V::filled(1.0f) - out.surface), ior = out.ior;
+  const auto over = [&](const auto& row, const V& mean) {
+    return crossing * value_in(row, out.mu[0]) / max(mean, V::filled(1e-30f));
   };
   const bool is_above = out.toward.z >= 0.0;
-  seen.higher_same =
-      is_above ? over(orders.above, orders.mean_above) : over(orders.below, orders.mean_below);
-  seen.higher_other =
-      out.ior * out.ior * over(is_above ? orders.down : orders.up, orders.mean_through);
+  store(is_above ? over(orders.above, orders.mean_above) : over(orders.below, orders.mean_below),
+        seen.higher_same);
+  store(ior * ior * over(is_above ? orders.down : orders.up, orders.mean_through),
+        seen.higher_other);
 }
 
 template <int N>
 void look_at_lobes(LayersSeen<N>& seen) {
   using Bands = BandValues<N>;
+  using V = BandLanes<N>;
   const FirstOrderStack<Bands>& stack = *seen.stack;
   const HigherOrderBands<N>* higher = seen.higher;
   const StackBeam<Bands>& out = seen.out;
@@ -77,8 +87,8 @@ void look_at_lobes(LayersSeen<N>& seen) {
   for (std::size_t k = 0; k < count; ++k) {
     const FirstOrderLayer<Bands>& layer = stack.layers[k];
     const LayerBeam<Bands>& beam = out.layers[k];
-    const Bands taken = (is_above ? beam.down : beam.up) * (Bands::filled(1.0f) - beam.pass) *
-                        layer.sigma_s / max(layer.sigma_t, Bands::filled(1e-30f));
+    const V taken = V(is_above ? beam.down : beam.up) * (V::filled(1.0f) - beam.pass) *
+                    layer.sigma_s / max(lanes_of(layer.sigma_t), V::filled(1e-30f));
     const float inverse_ior = 1.0f / layer.ior[0];
     LobeSeen& lobe = seen.lobes[k];
     lobe = {.chance = mean(taken),
@@ -119,14 +129,14 @@ void look(const FirstOrderStack<BandValues<N>>& stack, const HigherOrderBands<N>
           const Vec3& wo, LayersSeen<N>& seen) {
   seen.stack = &stack;
   seen.higher = higher;
-  seen.out = make_beam(stack, wo);
+  seen.out = beam_toward(stack, wo);
   seen.lobes = InlineVector<LobeSeen, 4>(stack.layers.size());
   look_at_lobes(seen);
   if (higher) look_at_higher(seen);
 }
 
 template <int N>
-[[nodiscard]] float pdf(const LayersSeen<N>& seen, const StackBeam<BandValues<N>>& in) {
+float pdf(const LayersSeen<N>& seen, const StackBeam<BandValues<N>>& in) {
   const float mu = static_cast<float>(std::abs(in.toward.z));
   const Vec3& wo = seen.out.toward;
   const bool is_same = (in.toward.z >= 0.0) == (wo.z >= 0.0);
@@ -152,22 +162,23 @@ template <int N>
 
 template <int N>
 void evaluate(const LayersSeen<N>& seen, const Vec3& wi, LayersValue<N>& value) {
-  using Bands = BandValues<N>;
-  const StackBeam<Bands> in = make_beam(*seen.stack, wi);
-  value.bsdf = first_order_bsdf(*seen.stack, in, seen.out);
+  using V = BandLanes<N>;
+  const StackBeam<BandValues<N>> in = beam_toward(*seen.stack, wi);
+  const V first = bsdf(*seen.stack, in, seen.out);
+  store(first, value.bsdf);
   value.pdf = pdf(seen, in);
   value.surface = in.surface;
   if (!seen.higher) return;
   const HigherOrderBands<N>& orders = *seen.higher;
   const bool from_above = wi.z >= 0.0, to_above = seen.out.toward.z >= 0.0;
-  const Bands& eye = from_above == to_above ? seen.higher_same : seen.higher_other;
+  const V eye = from_above == to_above ? seen.higher_same : seen.higher_other;
   const auto& row =
       from_above ? (to_above ? orders.above : orders.down) : (to_above ? orders.up : orders.below);
-  value.bsdf += (Bands::filled(1.0f) - in.surface) * eye * value_in(row, in.mu[0]);
+  store(first + (V::filled(1.0f) - in.surface) * eye * value_in(row, in.mu[0]), value.bsdf);
 }
 
 template <int N>
-[[nodiscard]] Vec3 draw_by_phase(const LayersSeen<N>& seen, float u, float u1, float u2) {
+Vec3 draw_by_phase(const LayersSeen<N>& seen, float u, float u1, float u2) {
   std::size_t k = 0;
   while (k + 1 < seen.lobes.size() && u >= seen.lobes[k].chance) u -= seen.lobes[k++].chance;
   const LobeSeen& lobe = seen.lobes[k];
@@ -211,4 +222,7 @@ void sample(const LayersSeen<N>& seen, float u, float u1, float u2, LayersSample
     evaluate(seen, wi, drawn.value);
 }
 
-}  // namespace lamina::sampled_layers
+}  // namespace lamina::sampled_layers::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

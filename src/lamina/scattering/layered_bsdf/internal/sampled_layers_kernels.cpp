@@ -1,42 +1,69 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/layered_bsdf/internal/sampled_layers_kernels.h"
 
+// Each takes seconds to compile. SSE4 gains little over what all processors have, AVX-512 over AVX2
+// with less than 16 bands.
+#undef HWY_DISABLED_TARGETS
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "lamina/scattering/layered_bsdf/internal/sampled_layers_kernels.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once per instruction set
+#include <hwy/highway.h>
+//
 #include "lamina/scattering/layered_bsdf/internal/sampled_layers-inl.h"
 
-#if !defined(LAMINA_KERNELS)
-#define LAMINA_KERNELS sampled_layers_baseline
-#endif
+HWY_BEFORE_NAMESPACE();
+namespace lamina::sampled_layers::HWY_NAMESPACE {
 
-// With all calls inside made inline: twice as fast.
-#define LAMINA_FLATTEN __attribute__((flatten))
+/// HWY_FLATTEN makes all calls inside inline: twice as fast.
+template <int N>
+struct Kernels {
+  static void look(const FirstOrderStack<BandValues<N>>& stack, const HigherOrderBands<N>* higher,
+                   const Vec3& wo, LayersSeen<N>& seen) {
+    HWY_NAMESPACE::look(stack, higher, wo, seen);
+  }
+  HWY_FLATTEN static void evaluate(const LayersSeen<N>& seen, const Vec3& wi,
+                                   LayersValue<N>& value) {
+    HWY_NAMESPACE::evaluate(seen, wi, value);
+  }
+  HWY_FLATTEN static void sample(const LayersSeen<N>& seen, float u, float u1, float u2,
+                                 LayersSample<N>& drawn) {
+    HWY_NAMESPACE::sample(seen, u, u1, u2, drawn);
+  }
+  static constexpr SampledLayersKernels<N> all{look, evaluate, sample};
+};
 
-namespace {
+const SampledLayersKernels<4>& kernels_of_4() { return Kernels<4>::all; }
+const SampledLayersKernels<8>& kernels_of_8() { return Kernels<8>::all; }
+const SampledLayersKernels<16>& kernels_of_16() { return Kernels<16>::all; }
 
-using namespace lamina;
+}  // namespace lamina::sampled_layers::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace lamina {
+namespace sampled_layers {
+
+HWY_EXPORT(kernels_of_4);
+HWY_EXPORT(kernels_of_8);
+HWY_EXPORT(kernels_of_16);
+
+}  // namespace sampled_layers
 
 template <int N>
-constexpr SampledLayersKernels kernels_for() {
-  return {.look =
-              [](const void* stack, const void* higher, const void* wo, void* seen) {
-                sampled_layers::look(*static_cast<const FirstOrderStack<BandValues<N>>*>(stack),
-                                     static_cast<const HigherOrderBands<N>*>(higher),
-                                     *static_cast<const Vec3*>(wo),
-                                     *static_cast<LayersSeen<N>*>(seen));
-              },
-          .evaluate =
-              [](const void* seen, const void* wi, void* value) LAMINA_FLATTEN {
-                sampled_layers::evaluate(*static_cast<const LayersSeen<N>*>(seen),
-                                         *static_cast<const Vec3*>(wi),
-                                         *static_cast<LayersValue<N>*>(value));
-              },
-          .sample =
-              [](const void* seen, float u, float u1, float u2, void* drawn) LAMINA_FLATTEN {
-                sampled_layers::sample(*static_cast<const LayersSeen<N>*>(seen), u, u1, u2,
-                                       *static_cast<LayersSample<N>*>(drawn));
-              }};
+const SampledLayersKernels<N>& sampled_layers_kernels() {
+  using namespace sampled_layers;
+  if constexpr (N == 4)
+    return HWY_DYNAMIC_DISPATCH(kernels_of_4)();
+  else if constexpr (N == 8)
+    return HWY_DYNAMIC_DISPATCH(kernels_of_8)();
+  else
+    return HWY_DYNAMIC_DISPATCH(kernels_of_16)();
 }
 
-}  // namespace
+template const SampledLayersKernels<4>& sampled_layers_kernels();
+template const SampledLayersKernels<8>& sampled_layers_kernels();
+template const SampledLayersKernels<16>& sampled_layers_kernels();
 
-const SampledLayersKernels LAMINA_KERNELS[3] = {kernels_for<4>(), kernels_for<8>(),
-                                                kernels_for<16>()};
+}  // namespace lamina
+#endif

@@ -14,7 +14,7 @@
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
-#include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
+#include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {
@@ -143,7 +143,7 @@ float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const 
 template <int N>
 BandValues<N> WalkLayers<N>::phase(std::size_t layer, float one_minus_cos) const {
   if (layers_[layer].is_isotropic) return Bands::filled(0.25f / float_pi);
-  return first_order::layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
+  return layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
 }
 
 template <int N>
