@@ -37,6 +37,7 @@ TEST(Expression, BindsAsArithmeticDoes) {
   EXPECT_EQ(number("(1 + 2) * 1.5e1"), 45.0);
   EXPECT_EQ(number("2e-3 * 1000"), 2.0);
   EXPECT_EQ(number("1 < 2 & 3 >= 4 | 1 == 1"), 1.0);
+  EXPECT_EQ(number("two - 1 + two"), 3.0);
 }
 
 TEST(Expression, WorksElementByElement) {

@@ -171,8 +171,10 @@ class Evaluation {
     if (!is_name_character(c)) fail("must have a number, a name or a bracket");
     const std::size_t start = at_;
     while (at_ < text_.size() && is_name_character(text_[at_])) ++at_;
+    const std::size_t end_of_name = at_;
     const std::string name(text_.substr(start, at_ - start));
     if (takes("(")) return function(name);
+    at_ = end_of_name;  // before the space that was skipped
     // The path: .key, [index], [:]
     for (;;) {
       if (at_ < text_.size() && text_[at_] == '.') {
