@@ -62,8 +62,8 @@ TEST(DiffuseSingle, LeavesHigherOrdersOnly) {
           {layer(2.0, sigma_s, 0.4, 1.0, 0.1), layer(1.0, 2.0 * sigma_s, 0.0, 1.0, 0.2)});
       const auto solver = detail::make_frequency_solver(stack, 5, 3);
       const auto all = detail::diffuse_response(solver, k);
-      const auto none = detail::unscattered_response(
-          solver.stack, detail::unscattered_paths(solver.stack), solver.waves, k);
+      const auto none =
+          detail::unscattered_response(solver, detail::unscattered_paths(solver.stack), k);
       const auto once = detail::diffuse_single_on_grid(solver, k);
       return std::pair{all.reflectance - none.reflectance - once.reflectance,
                        all.transmittance - none.transmittance - once.transmittance};
@@ -105,11 +105,11 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
     for (std::size_t i = 0; i < log_r.nodes.size(); ++i) {
       const double r = std::exp(log_r.nodes[i]);
       sum += log_r.weights[i] * 2.0 * std::numbers::pi * r * r * std::cyl_bessel_j(0.0, 5.0 * r) *
-             (detail::diffuse_single_profile(stack, fine.stack, r).*side);
+             (detail::diffuse_single_profile(stack, fine.stack, fine.top, r).*side);
     }
     return sum;
   };
-  const double reflected = nearest * detail::diffuse_single_at_contact(stack, fine.stack) +
+  const double reflected = nearest * detail::diffuse_single_at_contact(stack, fine.stack, fine.top) +
                            over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
   const double transmitted = over_rays(&detail::SingleScatteringProfile::transmittance, widest);
   EXPECT_NEAR(reflected / wave.reflectance, 1.0, 5e-3);

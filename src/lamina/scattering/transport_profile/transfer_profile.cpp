@@ -28,7 +28,7 @@ void check(std::span<const LayerStack> stacks, const TransferProfileOptions& opt
                        number_text(options.accuracy));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
     const std::string band = "band " + std::to_string(b);
-    detail::require_smooth(stacks[b], "the profile by radiative transfer of " + band);
+    detail::require_smooth_below_top(stacks[b], "the profile by radiative transfer of " + band);
     const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
                                       [](const Layer& l) { return l.medium.sigma_s > 0.0; });
     if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");
@@ -36,12 +36,14 @@ void check(std::span<const LayerStack> stacks, const TransferProfileOptions& opt
   detail::require_affordable(detail::solution_cost(stacks, fewest_nodes, fewest_modes, 24));
 }
 
-/// Light that the profile adds up to: what leaves scattered, of diffuse light all but what the
-/// surface mirrors.
+/// Light that the profile adds up to: what leaves scattered; of diffuse light, and under a rough
+/// top, all but what the surface alone throws back.
 detail::FrequencyResponse flux_of_profile(const AddingDoublingTotals& solved,
                                           const LayerStack& stack, Illumination illumination) {
   const SlabTotals& totals = solved.totals;
-  if (illumination == Illumination::diffuse)
+  const Layer& first = stack.layers().front();
+  if (illumination == Illumination::diffuse ||
+      detail::is_rough(first.top, stack.ior_above(), first.medium.ior))
     return {totals.diffuse_reflectance, totals.transmittance};
   return {
       totals.specular_reflectance + totals.diffuse_reflectance - solved.unscattered_reflectance,

@@ -51,9 +51,12 @@ struct TransferProfile {
 /// entry and one at the exit needs: see docs/radiative_transfer_profiles.md.
 ///
 /// @param stacks  [band], at least one; every band must scatter.
-/// @throws InvalidInput naming a rough boundary, a wrong grid, a stack without a lower side, or a
-/// plate that neither scatters nor absorbs nine tenths: its reflections throw rings far out, which
-/// frequencies do not resolve.
+/// The top may be rough. What it throws back by itself is not in R(r), as a smooth top's mirror
+/// light is not.
+///
+/// @throws InvalidInput naming a rough boundary below the top, a wrong grid, a stack without a
+/// lower side, or a plate that neither scatters nor absorbs nine tenths: its reflections throw
+/// rings far out, which frequencies do not resolve.
 /// @throws Interrupted if progress asks to stop.
 ///
 /// Source: docs/radiative_transfer_profiles.md.

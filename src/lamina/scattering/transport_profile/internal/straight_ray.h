@@ -7,6 +7,7 @@
 
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
 
 namespace lamina::detail {
 
@@ -32,8 +33,9 @@ inline bool has_open_bottom(const GridStack& stack) {
 struct Leg {
   const GridStack* stack;
   std::size_t layer;
-  bool is_above;  ///< whether it starts at the top
-  double z;       ///< [mm] inside the layer, from the face nearer to the start
+  bool is_above;                    ///< whether it starts at the top
+  double z;                         ///< [mm] inside the layer, from the face nearer to the start
+  const TopPassage* top = nullptr;  ///< if it is rough
 
   [[nodiscard]] std::size_t first() const { return is_above ? 0 : layer + 1; }
   [[nodiscard]] std::size_t last() const { return is_above ? layer : stack->layers.size(); }
@@ -57,14 +59,15 @@ struct Leg {
     double t = std::exp(-sum([&](const GridLayer& l, double d) {
       return l.sigma_t > 0.0 ? l.sigma_t * d / ray_cos(p, l.ior) : 0.0;
     }));
-    for (std::size_t q = first(); q <= last(); ++q) t *= 1.0 - interface_reflectance(*stack, q, p);
+    for (std::size_t q = first(); q <= last(); ++q)
+      t *= q > 0 || top == nullptr ? 1.0 - interface_reflectance(*stack, q, p) : top->out_at(p);
     return t;
   }
   /// The widest p that gets through.
   [[nodiscard]] double widest() const {
     double p = stack->ior[layer + 1];
     for (std::size_t q = first(); q <= last(); ++q)
-      p = std::min({p, stack->ior[q], stack->ior[q + 1]});
+      if (q > 0 || top == nullptr) p = std::min({p, stack->ior[q], stack->ior[q + 1]});
     return p;
   }
   [[nodiscard]] double depth() const {

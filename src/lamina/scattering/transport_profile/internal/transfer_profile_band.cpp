@@ -45,6 +45,9 @@ constexpr double product_of_changes = 20.0;
 /// .9: errors of 1 to 60 % are .2 to 1 of the estimate.
 constexpr double earlier_end = 0.7, left_of_tail = 0.5;
 
+/// Nodes of a second look at straight rays under a rough top, where the first has 24.
+constexpr int fewer_nodes_of_rays = 17;
+
 /// Modes, and nodes where frequencies do not suffice, are given up if a step changes no less than
 /// this of what the last one did.
 constexpr double no_progress = 0.9;
@@ -75,7 +78,8 @@ class BandSolver {
         plan_(plan),
         options_(options),
         progress_(of_unknown_length(options.progress)),
-        is_diffuse_(options.illumination == Illumination::diffuse) {}
+        is_diffuse_(options.illumination == Illumination::diffuse),
+        is_spread_(is_diffuse_ || has_rough_top(make_grid_stack(stack, node_steps[0], {}))) {}
 
   BandProfile solve(const FrequencyResponse& flux);
 
@@ -89,6 +93,7 @@ class BandSolver {
                                    const Spectrum& transmitted);
   [[nodiscard]] Curves with_fewer_frequencies(const Resolution& resolution);
   void add_error_of_tail(const Resolution& resolution, Curves& error);
+  void add_error_of_straight_rays(std::size_t node_step, Curves& error);
   [[nodiscard]] Curves finest(const Resolution& chosen, const Resolution& probe, Curves& error);
   [[nodiscard]] double largest(const std::vector<double>& error,
                                const std::vector<double>& value) const;
@@ -114,6 +119,7 @@ class BandSolver {
   const TransferProfileOptions& options_;
   Progress progress_;
   bool is_diffuse_;
+  bool is_spread_;       ///< over directions inside, by a rough top if not diffuse before
   double budget_ = 0.0;  ///< of the accuracy asked, for nodes, modes and frequencies
   std::map<std::size_t, Curves> lowest_orders_;  ///< [node step]
   std::map<Resolution, Solution> all_;
@@ -124,8 +130,11 @@ class BandSolver {
 const Curves& BandSolver::lowest_orders(std::size_t node_step) {
   const auto [place, is_new] = lowest_orders_.try_emplace(node_step);
   if (!is_new) return place->second;
-  const FrequencySolver solver = make_frequency_solver(stack_, node_steps[node_step], fewest_modes);
-  if (is_diffuse_) return place->second = diffuse_lowest_orders(stack_, solver.stack, plan_);
+  const FrequencySolver solver = make_frequency_solver(
+      stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
+  if (is_spread_)
+    return place->second =
+               diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_);
   const OnceScattered light = make_once_scattered(stack_, solver.stack);
   const std::size_t radii = plan_.r.size();
   const SingleScatteringTotals totals = single_scattering_totals(light);
@@ -143,14 +152,14 @@ const Curves& BandSolver::lowest_orders(std::size_t node_step) {
 const Solution& BandSolver::solution(const Resolution& resolution) {
   const auto [place, is_new] = all_.try_emplace(resolution);
   if (!is_new) return place->second;
-  const FrequencySolver solver =
-      make_frequency_solver(stack_, node_steps[resolution.node_step], resolution.modes);
+  const FrequencySolver solver = make_frequency_solver(stack_, node_steps[resolution.node_step],
+                                                       resolution.modes, {}, options_.illumination);
   const FrequencyGrid grid =
       make_frequency_grid(solver.stack, frequency_steps[resolution.frequency_step],
                           beam_frequencies_per_sigma_t(solver.stack));
   const std::size_t frequencies = grid.k.size();
   std::vector<UnscatteredPath> paths;
-  if (is_diffuse_) paths = unscattered_paths(solver.stack);
+  if (is_spread_) paths = unscattered_paths(solver.stack);
   std::vector<double> reflected(frequencies), transmitted(frequencies);
   // Neighbours share the lanes of the processor; the same ones, however many threads there are.
   const auto lanes = slabs_at_once();
@@ -161,9 +170,9 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
     for (std::size_t i = first; i < first + count; ++i) {
       const double k = grid.k[i];
       const FrequencyResponse once =
-          is_diffuse_ ? diffuse_single_on_grid(solver, k) : single_scattering_response(solver, k);
+          is_spread_ ? diffuse_single_on_grid(solver, k) : single_scattering_response(solver, k);
       FrequencyResponse unscattered;
-      if (is_diffuse_) unscattered = unscattered_response(solver.stack, paths, solver.waves, k);
+      if (is_spread_) unscattered = unscattered_response(solver, paths, k);
       reflected[i] = every[i - first].reflectance - once.reflectance - unscattered.reflectance;
       transmitted[i] =
           every[i - first].transmittance - once.transmittance - unscattered.transmittance;
@@ -230,6 +239,22 @@ void BandSolver::add_error_of_tail(const Resolution& resolution, Curves& error) 
   };
   add(&Curves::reflectance);
   add(&Curves::transmittance);
+}
+
+/// Of a beam that a rough top spreads: the nodes show less of its lobe than of diffuse light.
+void BandSolver::add_error_of_straight_rays(std::size_t node_step, Curves& error) {
+  if (is_diffuse_ || !is_spread_) return;
+  const FrequencySolver solver = make_frequency_solver(
+      stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
+  const Curves fewer = diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_,
+                                             fewer_nodes_of_rays);
+  const Curves& known = lowest_orders(node_step);
+  const auto add = [](const std::vector<double>& a, const std::vector<double>& b,
+                      std::vector<double>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += std::abs(a[i] - b[i]);
+  };
+  add(known.reflectance, fewer.reflectance, error.reflectance);
+  add(known.transmittance, fewer.transmittance, error.transmittance);
 }
 
 /// Largest relative error where it counts, within the radii asked.
@@ -390,6 +415,7 @@ BandProfile BandSolver::solve(const FrequencyResponse& flux) {
 
   result.profile = finest(chosen, at, result.error);
   add_error_of_tail({chosen.node_step, fewest_modes, chosen.frequency_step}, result.error);
+  add_error_of_straight_rays(chosen.node_step, result.error);
   conserve(flux.reflectance, result.profile.total_reflectance, result.profile.reflectance,
            result.error.reflectance);
   conserve(flux.transmittance, result.profile.total_transmittance, result.profile.transmittance,

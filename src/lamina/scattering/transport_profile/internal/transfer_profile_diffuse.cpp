@@ -49,11 +49,14 @@ struct Way {
 Way make_way(const GridStack& stack, std::size_t layer, bool is_top) {
   Way way{is_top ? 0 : layer + 1, is_top ? layer : stack.layers.size(), stack.ior[layer + 1]};
   for (std::size_t q = way.first; q <= way.last; ++q)
-    way.widest = std::min({way.widest, stack.ior[q], stack.ior[q + 1]});
+    if (q > 0 || !has_rough_top(stack))
+      way.widest = std::min({way.widest, stack.ior[q], stack.ior[q + 1]});
   return way;
 }
 
+/// @param through_top  [node]
 DiffuseSingle::Rays make_rays(const GridStack& stack, std::size_t layer, bool is_top,
+                              const std::vector<double>& through_top,
                               const std::vector<double>& depth,
                               const std::vector<double>& extinction) {
   const auto [first, last, widest] = make_way(stack, layer, is_top);
@@ -68,7 +71,7 @@ DiffuseSingle::Rays make_rays(const GridStack& stack, std::size_t layer, bool is
         aside += d * stack.grid.p[i] / (stack.layers[l].ior * cos);
       };
       for (std::size_t q = first; q <= last; ++q)
-        light *= 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
+        light *= q == 0 ? through_top[i] : 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
       for (std::size_t l = first; l < last; ++l) go(l, stack.layers[l].thickness);
       go(layer, is_top ? z : stack.layers[layer].thickness - z);
       rays.light.push_back(light);
@@ -87,7 +90,7 @@ int waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double 
   int highest = -1;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = k * rays.aside[depth * n + i];
-    if (rays.light[depth * n + i] < least_light || x > 2.0 * cut) continue;
+    if (std::abs(rays.light[depth * n + i]) < least_light || x > 2.0 * cut) continue;
     const double light = rays.light[depth * n + i] * std::exp(-std::pow(x / cut, 8.0));
     // Beyond m = x the functions vanish.
     const int last = std::min(modes, static_cast<int>(x + 6.0 * std::cbrt(x)) + 4);
@@ -127,8 +130,12 @@ DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
     auto& made = single.layers.emplace_back();
     made.strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * stack.ior[0] * stack.ior[0]);
     made.depth_weight = z.weights;
-    made.from_top = make_rays(stack, l, true, z.nodes, extinction);
-    if (has_open_bottom(stack)) made.from_bottom = make_rays(stack, l, false, z.nodes, extinction);
+    const auto rays = [&](bool is_top, const std::vector<double>& through_top) {
+      return make_rays(stack, l, is_top, through_top, z.nodes, extinction);
+    };
+    made.from_top = rays(true, solver.top.in);
+    if (solver.top.in != solver.top.out) made.to_top = rays(true, solver.top.out);
+    if (has_open_bottom(stack)) made.from_bottom = rays(false, {});
     made.phase = &solver.phase[l];
     made.modes = last_mode(solver.phase[l]);
   }
@@ -137,7 +144,7 @@ DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
 
 FrequencyResponse single_response(const DiffuseSingle& single, double k) {
   FrequencyResponse result;
-  std::vector<double> top, bottom, one;
+  std::vector<double> top, out, bottom, one;
   for (const DiffuseSingle::Layer& layer : single.layers) {
     one.resize(static_cast<std::size_t>(layer.modes) + 1);
     const auto meet = [&](const std::vector<double>& a, std::size_t a_nodes,
@@ -166,7 +173,12 @@ FrequencyResponse single_response(const DiffuseSingle& single, double k) {
       const double weight = layer.strength * layer.depth_weight[z];
       const int top_modes = waves(layer.from_top, z, layer.modes, k, top, one);
       if (top_modes < 0) break;
-      result.reflectance += weight * meet(top, down, top, down, true, top_modes);
+      if (layer.to_top.nodes == 0) {
+        result.reflectance += weight * meet(top, down, top, down, true, top_modes);
+      } else {
+        const int modes = std::min(top_modes, waves(layer.to_top, z, layer.modes, k, out, one));
+        result.reflectance += weight * meet(top, down, out, down, true, modes);
+      }
       if (up == 0) continue;
       const int modes =
           std::min(top_modes, waves(layer.from_bottom, z, layer.modes, k, bottom, one));
@@ -214,7 +226,7 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
     return node_extinction(layer, i) / layer.cos[i] -
            k * stack.grid.p[i] / (layer.ior * layer.cos[i]) * wave;
   };
-  const auto make_face = [&](std::size_t l, bool is_above) {
+  const auto make_face = [&](std::size_t l, bool is_above, const std::vector<double>& through_top) {
     const Way way = make_way(stack, l, is_above);
     Face face;
     for (std::size_t i = 0; i < active_count(stack.grid, way.widest); ++i)
@@ -222,7 +234,7 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
     for (const std::size_t i : face.nodes) {
       double through = stack.grid.etendue[i] / stack.layers[l].cos[i];
       for (std::size_t q = way.first; q <= way.last; ++q)
-        through *= 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
+        through *= q == 0 ? through_top[i] : 1.0 - interface_reflectance(stack, q, stack.grid.p[i]);
       for (const Complex w : rates) {
         Complex light = through;
         for (std::size_t o = way.first; o < way.last; ++o)
@@ -272,10 +284,10 @@ FrequencyResponse diffuse_single_on_grid(const FrequencySolver& solver, double k
       return sum.real();
     };
     const double strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * arriving);
-    const Face above = make_face(l, true);
-    result.reflectance += strength * scattered(above, above, true);
+    const Face above = make_face(l, true, solver.top.in);
+    result.reflectance += strength * scattered(above, make_face(l, true, solver.top.out), true);
     if (has_open_bottom(stack))
-      result.transmittance += strength * scattered(above, make_face(l, false), false);
+      result.transmittance += strength * scattered(above, make_face(l, false, {}), false);
   }
   return result;
 }

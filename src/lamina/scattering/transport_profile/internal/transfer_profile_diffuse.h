@@ -7,8 +7,8 @@
 
 namespace lamina::detail {
 
-/// Diffuse light from above on one point that is scattered once and neither before nor after
-/// reflected, for any spatial frequency.
+/// Diffuse light from above on one point, or a beam that a rough top spreads, that is scattered
+/// once and neither before nor after reflected, for any spatial frequency.
 ///
 /// What comes to a depth and what leaves from there are alike: straight rays that go aside. So the
 /// response is an integral over depth of two sums over directions, which meet in each azimuthal
@@ -24,6 +24,7 @@ struct DiffuseSingle {
     double strength = 0.0;
     std::vector<double> depth_weight;  ///< [depth] [mm]
     Rays from_top, from_bottom;        ///< the latter without nodes if no light leaves there
+    Rays to_top;                       ///< without nodes if as those from there
     const std::vector<PhaseMode>* phase = nullptr;
     int modes = 0;  ///< highest that counts
   };

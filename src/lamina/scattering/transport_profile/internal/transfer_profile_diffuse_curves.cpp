@@ -14,21 +14,24 @@ namespace lamina::detail {
 namespace {
 
 // Against rays over radius, skin and leaf agree to 0.05 % from 0.25 mean free paths on.
-constexpr int fine_nodes = 24, fine_modes = 41, frequencies = 48;
+constexpr int fine_modes = 41, frequencies = 48;
 constexpr double highest_per_sigma_t = 24.0;
 
 }  // namespace
 
 ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on_grid,
-                                    const HankelPlan& plan) {
-  const auto fine = make_frequency_solver(stack, fine_nodes, fine_modes);
+                                    Illumination illumination, const HankelPlan& plan, int nodes) {
+  const auto fine =
+      make_frequency_solver(stack, nodes, fine_modes, {}, illumination, RoughModes::first);
   std::vector<double> extinction;
   for (const GridLayer& layer : on_grid.layers) extinction.push_back(layer.sigma_t);
   const auto single = make_diffuse_single(fine, extinction);
   const auto grid = make_frequency_grid(on_grid, frequencies, highest_per_sigma_t);
   // Light scattered once grows as 1/r near the point: a part that does the same and has the same
   // total is put in over radius, the rest over frequency.
-  const double contact = diffuse_single_at_contact(stack, on_grid);
+  const bool spreads_beam = fine.top.is_rough && illumination == Illumination::normal_beam;
+  const double contact = spreads_beam ? beam_single_at_contact(stack, on_grid, fine.top)
+                                      : diffuse_single_at_contact(stack, on_grid, fine.top);
   const double decay =
       std::max(contact / single_response(single, 0.0).reflectance, 1e-3 * grid.highest);
   std::vector<double> reflected, transmitted;
@@ -46,13 +49,13 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
   }
   const std::vector<double> rest = inverse_hankel(plan, spectra, 2);
   const auto paths = unscattered_paths(fine.stack);
-  const auto straight = unscattered_response(fine.stack, paths, fine.waves, 0.0);
+  const auto straight = unscattered_response(fine, paths, 0.0);
   ProfileCurves curves;
   curves.total_reflectance = straight.reflectance + contact / decay + evaluate(reflectance, 0.0);
   curves.total_transmittance = straight.transmittance + evaluate(transmittance, 0.0);
   for (std::size_t i = 0; i < plan.r.size(); ++i) {
     const double r = plan.r[i];
-    const auto unscattered = unscattered_profile(fine.stack, paths, r);
+    const auto unscattered = unscattered_profile(fine, paths, r);
     const double near = contact * std::exp(-decay * r) / (2.0 * std::numbers::pi * r);
     curves.reflectance.push_back(unscattered.reflectance + near + rest[2 * i]);
     curves.transmittance.push_back(unscattered.transmittance + rest[2 * i + 1]);

@@ -94,15 +94,15 @@ double first_panel_width(const GridLayer& layer, double r) {
 
 /// Scattered back: by symmetry twice the light of the half-plane nearer to where it enters.
 double turned_in_layer(const GridStack& stack, std::size_t l, const PhaseFunction& phase,
-                       double r) {
+                       const TopPassage* top, double r) {
   const GridLayer& layer = stack.layers[l];
   const auto at = [&](double z) {
-    const Leg leg{&stack, l, true, z};
+    const Leg leg{&stack, l, true, z, top};
     return 2.0 * plane_integral(leg, leg, phase, r, true, true);
   };
   // The least depth at which rays from both points meet.
   const auto meets = [&](double z) {
-    const Leg leg{&stack, l, true, z};
+    const Leg leg{&stack, l, true, z, top};
     return 2.0 * leg.aside(leg.widest()) > r;
   };
   double from = 0.0;
@@ -122,15 +122,17 @@ double turned_in_layer(const GridStack& stack, std::size_t l, const PhaseFunctio
 /// Scattered on: in the upper half of the layer around where it enters, in the lower half around
 /// where it leaves.
 double passed_in_layer(const GridStack& stack, std::size_t l, const PhaseFunction& phase,
-                       double r) {
+                       const TopPassage* top, double r) {
   const GridLayer& layer = stack.layers[l];
   const double d = layer.thickness, panel = first_panel_width(layer, r);
   const auto upper = [&](double z) {
-    return plane_integral({&stack, l, true, z}, {&stack, l, false, d - z}, phase, r, false, false);
+    return plane_integral({&stack, l, true, z, top}, {&stack, l, false, d - z}, phase, r, false,
+                          false);
   };
   // Light going the other way is scattered alike; its etendue is counted at the other end.
   const auto lower = [&](double z) {
-    return plane_integral({&stack, l, false, z}, {&stack, l, true, d - z}, phase, r, false, false);
+    return plane_integral({&stack, l, false, z}, {&stack, l, true, d - z, top}, phase, r, false,
+                          false);
   };
   return over_depths(upper, 0.0, 0.5 * d, panel) + over_depths(lower, 0.0, 0.5 * d, panel);
 }
@@ -138,24 +140,83 @@ double passed_in_layer(const GridStack& stack, std::size_t l, const PhaseFunctio
 }  // namespace
 
 SingleScatteringProfile diffuse_single_profile(const LayerStack& stack, const GridStack& on_grid,
-                                               double r) {
+                                               const TopPassage& top, double r) {
   SingleScatteringProfile profile;
+  const TopPassage* const rough = top.is_rough ? &top : nullptr;
   const double above2 = on_grid.ior[0] * on_grid.ior[0];
   for (std::size_t l = 0; l < on_grid.layers.size(); ++l) {
     const double sigma_s = stack.layers()[l].medium.sigma_s;
     if (sigma_s == 0.0) continue;
     const PhaseFunction phase = phase_function(stack.layers()[l]);
-    profile.reflectance += sigma_s / above2 * turned_in_layer(on_grid, l, phase, r);
+    profile.reflectance += sigma_s / above2 * turned_in_layer(on_grid, l, phase, rough, r);
     if (has_open_bottom(on_grid))
-      profile.transmittance += sigma_s / above2 * passed_in_layer(on_grid, l, phase, r);
+      profile.transmittance += sigma_s / above2 * passed_in_layer(on_grid, l, phase, rough, r);
   }
   return profile;
 }
 
-double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid) {
+double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
+                                 const TopPassage& top) {
   if (on_grid.layers[0].sigma_s == 0.0) return 0.0;
   const double r = 1e-6 / on_grid.layers[0].sigma_t;
-  return 2.0 * pi * r * diffuse_single_profile(stack, on_grid, r).reflectance;
+  return 2.0 * pi * r * diffuse_single_profile(stack, on_grid, top, r).reflectance;
+}
+
+double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
+                              const TopPassage& top) {
+  const double sigma_s = stack.layers()[0].medium.sigma_s;
+  if (sigma_s == 0.0) return 0.0;
+  const PhaseFunction phase = phase_function(stack.layers()[0]);
+  // Rays of one direction in and one out make a distance that grows with depth by the sum of their
+  // slopes: 1 over its length counts. Where it vanishes, for slopes that are alike and opposite,
+  // panels are short.
+  const auto panels = [](std::vector<double> edges) {
+    static const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
+    std::ranges::sort(edges);
+    Quadrature all;
+    for (std::size_t e = 0; e + 1 < edges.size(); ++e)
+      for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        all.nodes.push_back(edges[e] + (edges[e + 1] - edges[e]) * rule.nodes[i]);
+        all.weights.push_back((edges[e + 1] - edges[e]) * rule.weights[i]);
+      }
+    return all;
+  };
+  constexpr double right = 0.5 * pi;
+  std::vector<double> edges_in{0.0, right};  // angles inside
+  const double lobe = top.boundary.facets.alpha * std::abs(1.0 - on_grid.ior[0] / top.ior);
+  for (double angle = right; angle > 0.05 * lobe;) edges_in.push_back(angle *= 0.5);
+  std::vector<double> edges_turn{0.0, pi};
+  for (double angle = pi; angle > 1e-3;) edges_turn.push_back(angle *= 0.4);
+  const Quadrature in = panels(edges_in), turns = panels(edges_turn);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < in.nodes.size(); ++i) {
+    const double sine = std::sin(in.nodes[i]), cos = std::cos(in.nodes[i]), slope = sine / cos;
+    const double light = top.in_at(top.ior * sine) * 2.0 * top.ior * top.ior * sine;  // over cos
+    if (!(std::abs(light) > 0.0)) continue;
+    std::vector<double> edges_out{0.0, in.nodes[i], right};
+    for (double step = 0.4; step > 1e-4; step *= 0.4)
+      for (const double edge :
+           {in.nodes[i] * (1.0 - step), in.nodes[i] + (right - in.nodes[i]) * step})
+        edges_out.push_back(edge);
+    const Quadrature out = panels(edges_out);
+    double scattered = 0.0;
+    for (std::size_t o = 0; o < out.nodes.size(); ++o) {
+      const double out_sine = std::sin(out.nodes[o]), out_cos = std::cos(out.nodes[o]);
+      const double out_slope = out_sine / out_cos;
+      double ring = 0.0;
+      for (std::size_t t = 0; t < turns.nodes.size(); ++t) {
+        const double turn = -std::cos(turns.nodes[t]);  // from opposite
+        const double apart =
+            std::sqrt(slope * slope + out_slope * out_slope + 2.0 * slope * out_slope * turn);
+        const double cos_theta = sine * out_sine * turn - cos * out_cos;
+        ring += 2.0 * turns.weights[t] * evaluate(phase, std::clamp(cos_theta, -1.0, 1.0)) /
+                std::max(apart, 1e-12);
+      }
+      scattered += out.weights[o] * out_sine * top.out_at(top.ior * out_sine) * ring;
+    }
+    sum += in.weights[i] * light * scattered;
+  }
+  return sigma_s / (on_grid.ior[0] * on_grid.ior[0]) * sum;
 }
 
 }  // namespace lamina::detail

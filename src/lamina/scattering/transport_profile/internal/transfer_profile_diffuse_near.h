@@ -3,6 +3,7 @@
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
 
 namespace lamina::detail {
 
@@ -11,10 +12,17 @@ namespace lamina::detail {
 /// where it grows as 1/r, nothing else will do.
 ///
 /// @param on_grid  the same stack on any grid.
+/// @param top      of a solver of the stack.
 [[nodiscard]] SingleScatteringProfile diffuse_single_profile(const LayerStack& stack,
-                                                             const GridStack& on_grid, double r);
+                                                             const GridStack& on_grid,
+                                                             const TopPassage& top, double r);
 
 /// What 2 pi r times the reflectance above goes to at r = 0 [1/mm].
-[[nodiscard]] double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid);
+[[nodiscard]] double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
+                                               const TopPassage& top);
+
+/// The same of a beam that a rough top spreads.
+[[nodiscard]] double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
+                                            const TopPassage& top);
 
 }  // namespace lamina::detail

@@ -144,8 +144,38 @@ std::vector<LayerOperators> layer_operators(const FrequencySolver& solver, std::
   return operators;
 }
 
+/// A rough boundary between states: each mode for itself.
+Matrix of_all_modes(const FrequencySolver& solver, std::size_t index, Matrix RoughBoundary::*member,
+                    const States& to, const States& from) {
+  Matrix all(to.size(), from.size());
+  for (std::size_t b = 0; b < from.size(); ++b) {
+    const Matrix& of_mode = solver.rough[static_cast<std::size_t>(from.mode[b])][index].*member;
+    for (std::size_t a = 0; a < to.size(); ++a)
+      if (to.mode[a] == from.mode[b]) all(a, b) = of_mode(to.node[a], from.node[b]);
+  }
+  return all;
+}
+
+Covered cover_by_rough_interface(const FrequencySolver& solver, std::size_t index, Matrix below) {
+  const States before = make_states(solver, solver.stack.ior[index]);
+  const States behind = make_states(solver, solver.stack.ior[index + 1]);
+  const auto of = [&](Matrix RoughBoundary::*member, const States& to, const States& from) {
+    return of_all_modes(solver, index, member, to, from);
+  };
+  const Matrix returns = between(of(&RoughBoundary::reflection_below, behind, behind), below);
+  Matrix pass = product(returns, of(&RoughBoundary::transmission_down, behind, before));
+  Matrix reflection =
+      product(of(&RoughBoundary::transmission_up, before, behind), product(below, pass));
+  const Matrix first = of(&RoughBoundary::reflection_above, before, before);
+  for (std::size_t k = 0; k < reflection.values.size(); ++k)
+    reflection.values[k] += first.values[k];
+  return {{std::move(pass), std::move(below)}, std::move(reflection)};
+}
+
 Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Matrix below) {
   const GridStack& stack = solver.stack;
+  if (is_rough(stack.interfaces[index], stack.ior[index], stack.ior[index + 1]))
+    return cover_by_rough_interface(solver, index, std::move(below));
   const double ior_before = stack.ior[index], ior_behind = stack.ior[index + 1];
   const States before = make_states(solver, ior_before), behind = make_states(solver, ior_behind);
   const std::size_t common =
@@ -206,7 +236,8 @@ double scattered_flux(const FrequencySolver& solver, const std::vector<double>& 
 }  // namespace
 
 FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
-                                      std::span<const GridDirection> oblique) {
+                                      std::span<const GridDirection> oblique,
+                                      Illumination illumination, RoughModes rough) {
   std::vector<GridDirection> beams{direction_in(stack.ior_above(), 0.0)};
   beams.insert(beams.end(), oblique.begin(), oblique.end());
   // Light of an oblique beam that is scattered once is known by azimuths, as a chain cut off is.
@@ -219,6 +250,8 @@ FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int mo
     auto& kernels = solver.phase.emplace_back();
     for (int m = 0; m <= modes; ++m) kernels.push_back(phase_mode(layer.moments, layer.cos, m));
   }
+  solver.rough = rough_boundaries(solver.stack, 0, rough == RoughModes::first ? 1 : modes + 1);
+  solver.top = make_top_passage(solver.stack, solver.rough[0], illumination);
   return solver;
 }
 
@@ -254,6 +287,16 @@ StackAtFrequency stack_at_frequency(const FrequencySolver& solver, double k) {
   return stacks_at(solver, {&k, 1}).front();
 }
 
+/// What a rough top alone throws back of a state that arrives from above, the beams apart.
+double thrown_back_by_rough_top(const FrequencySolver& solver, const std::vector<double>& state) {
+  if (!solver.top.is_rough) return 0.0;
+  const std::size_t active = active_count(solver.stack.grid, solver.stack.ior[0]);
+  const std::vector<double> first_mode(state.begin(),
+                                       state.begin() + static_cast<std::ptrdiff_t>(active));
+  return scattered_flux(solver, product(solver.rough[0][0].reflection_above, first_mode),
+                        solver.stack.ior[0]);
+}
+
 /// What leaves the stack in mode 0, the beam apart, for a state that arrives from above.
 FrequencyResponse leaving_flux(const FrequencySolver& solver, const StackAtFrequency& at,
                                std::vector<double> state) {
@@ -275,7 +318,9 @@ std::vector<FrequencyResponse> responses(const FrequencySolver& solver,
   for (const StackAtFrequency& at : stacks_at(solver, frequencies)) {
     std::vector<double> state(at.reflection.rows, 0.0);
     state[solver.stack.grid.extra[0]] = 1.0 / std::sqrt(extra_node_etendue);
+    const double mirrored = thrown_back_by_rough_top(solver, state);
     result.push_back(leaving_flux(solver, at, std::move(state)));
+    result.back().reflectance -= mirrored;
   }
   return result;
 }
@@ -315,9 +360,11 @@ std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,
       const double etendue = stack.grid.etendue[i];
       state[i] = std::sqrt(etendue);
       arriving += etendue;
+      if (solver.top.is_rough) continue;
       mirrored +=
           etendue * (i < inside ? node_fresnel(stack.grid, i, stack.ior[0], stack.ior[1]) : 1.0);
     }
+    mirrored += thrown_back_by_rough_top(solver, state);
     const FrequencyResponse leaving = leaving_flux(solver, at, std::move(state));
     result.push_back({.reflectance = (leaving.reflectance - mirrored) / arriving,
                       .transmittance = leaving.transmittance / arriving});

@@ -6,6 +6,7 @@
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_azimuth.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
 
 namespace lamina::detail {
 
@@ -21,12 +22,26 @@ struct FrequencySolver {
   AzimuthChain azimuth;
   AzimuthWaves waves;
   std::vector<std::vector<PhaseMode>> phase;  ///< [layer][mode]
+  std::vector<RoughBoundaries> rough;         ///< [mode]
+  TopPassage top;
 };
-/// @param oblique  further directions that beams come from, as extra nodes after the normal one.
-[[nodiscard]] FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int modes,
-                                                    std::span<const GridDirection> oblique = {});
 
-/// Fractions of the beam's flux that leave at the top and bottom as a wave J0(k r), scattered.
+/// Which rough boundaries a solver has. A boundary is local, so that it is the same at every
+/// frequency; it takes a tenth of a second.
+enum class RoughModes {
+  all,
+  first  ///< of azimuthal mode 0: for straight rays, not for responses
+};
+
+/// @param oblique       further directions that beams come from, as extra nodes after the normal
+///                      one; the boundaries must be smooth then.
+/// @param illumination  of a rough top's passage.
+[[nodiscard]] FrequencySolver make_frequency_solver(
+    const LayerStack& stack, int nodes, int modes, std::span<const GridDirection> oblique = {},
+    Illumination illumination = Illumination::diffuse, RoughModes rough = RoughModes::all);
+
+/// Fractions of the beam's flux that leave at the top and bottom as a wave J0(k r), scattered by a
+/// layer or spread by a rough top; what the top alone throws back is left out.
 struct FrequencyResponse {
   double reflectance = 0.0, transmittance = 0.0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "lamina/scattering/transport_profile/internal/straight_ray.h"
 
@@ -15,12 +16,20 @@ using std::numbers::pi;
 constexpr int most_mirrors = 3;
 constexpr double least_path = 1e-7;
 
-/// The widest p that is in every medium.
-double widest(const GridStack& stack) { return *std::ranges::min_element(stack.ior); }
+/// The widest p that is in every medium, under a rough top in every one below.
+double widest(const GridStack& stack) {
+  return *std::min_element(stack.ior.begin() + (has_rough_top(stack) ? 1 : 0), stack.ior.end());
+}
 
+/// A rough top's reflections inside are no mirror's: light that meets them is none of these paths.
+bool is_under_rough_top(const GridStack& stack, const UnscatteredPath& path) {
+  return has_rough_top(stack) && path.mirrors[0] > 0;
+}
+
+/// What the interfaces leave, a rough top apart.
 double fresnel_factor(const GridStack& stack, const UnscatteredPath& path, double p) {
   double factor = path.count;
-  for (std::size_t q = 0; q < path.crossings.size(); ++q) {
+  for (std::size_t q = has_rough_top(stack) ? 1 : 0; q < path.crossings.size(); ++q) {
     const double r = interface_reflectance(stack, q, p);
     factor *= std::pow(1.0 - r, path.crossings[q]) * std::pow(r, path.mirrors[q]);
   }
@@ -67,12 +76,15 @@ double p_where(const Distance& distance, double highest, double x) {
   return highest * std::sin(0.5 * (low + high));
 }
 
-double unscattered_density(const GridStack& stack, const UnscatteredPath& path, double r) {
+double unscattered_density(const FrequencySolver& solver, const UnscatteredPath& path, double r) {
+  const GridStack& stack = solver.stack;
   const double highest = widest(stack);
   const auto distance = [&](double p) { return aside(stack, path, p); };
   if (distance(highest) <= r) return 0.0;
   const double p = p_where(distance, highest, r);
-  const double flux = fresnel_factor(stack, path, p) * std::exp(-depth_along(stack, path, p));
+  double flux = fresnel_factor(stack, path, p) * std::exp(-depth_along(stack, path, p));
+  if (solver.top.is_rough)
+    flux *= solver.top.in_at(p) * (path.crossings[0] > 1 ? solver.top.out_at(p) : 1.0);
   return flux * 2.0 * p / (stack.ior[0] * stack.ior[0] * aside_slope(stack, path, p)) /
          (2.0 * pi * r);
 }
@@ -124,7 +136,9 @@ std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack) {
     mirrored.is_down = !ray.is_down;
     mirrors = 0;
     for (const int m : mirrored.path.mirrors) mirrors += m;
-    if (mirrors <= most_mirrors && strength(mirrored.path) > least_path) going.push_back(mirrored);
+    if (mirrors <= most_mirrors && !is_under_rough_top(stack, mirrored.path) &&
+        strength(mirrored.path) > least_path)
+      going.push_back(mirrored);
     ++ray.path.crossings[interface];
     if (strength(ray.path) <= least_path) continue;
     ray.medium = ray.is_down ? ray.medium + 1 : ray.medium - 1;
@@ -138,9 +152,9 @@ std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack) {
   return found;
 }
 
-FrequencyResponse unscattered_response(const GridStack& stack,
-                                       const std::vector<UnscatteredPath>& paths,
-                                       const AzimuthWaves& waves, double k) {
+FrequencyResponse unscattered_response(const FrequencySolver& solver,
+                                       const std::vector<UnscatteredPath>& paths, double k) {
+  const auto& [stack, waves, top] = std::tie(solver.stack, solver.waves, solver.top);
   const double above2 = stack.ior[0] * stack.ior[0];
   FrequencyResponse result;
   for (const UnscatteredPath& path : paths) {
@@ -157,20 +171,22 @@ FrequencyResponse unscattered_response(const GridStack& stack,
       double mean = 0.0;
       for (std::size_t q = 0; q < waves.rate.size(); ++q)
         mean += (waves.weight[0][q] * std::exp(waves.rate[q] * c)).real();
-      sum +=
+      double light =
           stack.grid.etendue[i] / above2 * fresnel_factor(stack, path, p) * std::exp(-depth) * mean;
+      if (top.is_rough) light *= top.in[i] * (path.crossings[0] > 1 ? top.out[i] : 1.0);
+      sum += light;
     }
     (path.is_up ? result.reflectance : result.transmittance) += sum;
   }
   return result;
 }
 
-SingleScatteringProfile unscattered_profile(const GridStack& stack,
+SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
                                             const std::vector<UnscatteredPath>& paths, double r) {
   SingleScatteringProfile profile;
   for (const UnscatteredPath& path : paths)
     (path.is_up ? profile.reflectance : profile.transmittance) +=
-        unscattered_density(stack, path, r);
+        unscattered_density(solver, path, r);
   return profile;
 }
 

@@ -17,17 +17,19 @@ struct UnscatteredPath {
   bool is_up = false;          ///< whether it ends above
 };
 
-/// All ways from above with at most three reflections that carry more than 1e-7 of the light.
+/// All ways from above with at most three reflections that carry more than 1e-7 of the light; none
+/// of them by a rough top.
 [[nodiscard]] std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack);
 
-/// Diffuse light from above on one point that leaves along these paths, over its flux; what the top
-/// surface mirrors is not among them. At spatial frequency k, with the azimuthal modes of `waves`.
-[[nodiscard]] FrequencyResponse unscattered_response(const GridStack& stack,
+/// Diffuse light from above on one point, or a beam that a rough top spreads, that leaves along
+/// these paths, over its flux; what the top surface mirrors is not among them. At spatial frequency
+/// k, with the azimuthal modes of the solver.
+[[nodiscard]] FrequencyResponse unscattered_response(const FrequencySolver& solver,
                                                      const std::vector<UnscatteredPath>& paths,
-                                                     const AzimuthWaves& waves, double k);
+                                                     double k);
 
 /// The same at distance r [mm] > 0 from that point [1/mm²].
-[[nodiscard]] SingleScatteringProfile unscattered_profile(const GridStack& stack,
+[[nodiscard]] SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
                                                           const std::vector<UnscatteredPath>& paths,
                                                           double r);
 
