@@ -38,7 +38,8 @@ if(NOT after STREQUAL before)
 endif()
 
 # Of the solver itself: what lies in private headers.
-file(GLOB sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp)
+file(GLOB sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp
+  ${SOURCE}/lamina/scattering/spatial_frequency/*.cpp)
 execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
   -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${WORK}/f.d files)

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 

@@ -13,10 +13,10 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
 #include "literal/stack_table.h"
 
 namespace lamina {
@@ -152,7 +152,8 @@ TEST(SingleScatteringProfile, TransformsToItsResponse) {
 
 // Within the grid the series is exact; beyond, the law of the tail goes on from what it has seen.
 TEST(Spectrum, GoesThroughAndBeyondItsValues) {
-  const auto solver = detail::make_frequency_solver(reference::find_stack("Giovanelli half-space"), 4, 1);
+  const auto solver =
+      detail::make_frequency_solver(reference::find_stack("Giovanelli half-space"), 4, 1);
   const auto grid = detail::make_frequency_grid(solver.stack, 24);
   EXPECT_EQ(grid.highest, 40.0);
   const auto f = [](double k) { return 1.0 / (1.0 + k * k / 30.0); };
@@ -184,7 +185,8 @@ TEST(SingleScatteringProfile, AddsUpToItsTotal) {
 
 // All rings together hold as much light as adding-doubling finds to leave scattered.
 TEST(TransferProfile, RingsAddUpToTheTotal) {
-  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"), reference::find_stack("skin, blue"),
+  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"),
+                                         reference::find_stack("skin, blue"),
                                          reference::find_stack("glass slab")};
   const TransferProfile exact =
       transfer_profile(bands, {.first = 3e-6, .last = 200.0, .size = 540});

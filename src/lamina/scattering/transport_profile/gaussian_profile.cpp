@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
+#include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 
 namespace lamina {
 namespace {

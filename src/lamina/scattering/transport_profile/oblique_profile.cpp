@@ -14,9 +14,9 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/profile/bessel.h"
+#include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
 
 namespace lamina {
 namespace {

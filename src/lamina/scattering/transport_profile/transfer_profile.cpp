@@ -9,9 +9,9 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 
 namespace lamina {
 namespace {

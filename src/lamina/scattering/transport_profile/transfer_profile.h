@@ -8,14 +8,9 @@
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"
+#include "lamina/scattering/spatial_frequency/illumination.h"
 
 namespace lamina {
-
-/// How light arrives at the point r = 0.
-enum class Illumination {
-  normal_beam,  ///< along the normal
-  diffuse       ///< equal radiance from the whole hemisphere
-};
 
 struct TransferProfileOptions {
   double accuracy =

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 
 namespace lamina::detail {

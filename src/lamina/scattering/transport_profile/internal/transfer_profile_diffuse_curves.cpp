@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 
 namespace lamina::detail {

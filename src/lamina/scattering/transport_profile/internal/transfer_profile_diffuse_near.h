@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/spatial_frequency/top_passage.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
 
 namespace lamina::detail {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {

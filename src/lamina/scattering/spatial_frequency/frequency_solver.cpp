@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
 
 #include <algorithm>
 #include <cmath>

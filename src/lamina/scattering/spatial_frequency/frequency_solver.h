@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_azimuth.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
+#include "lamina/scattering/spatial_frequency/azimuth_chain.h"
+#include "lamina/scattering/spatial_frequency/top_passage.h"
 
 namespace lamina::detail {
 

@@ -6,7 +6,7 @@
 
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/spatial_frequency/illumination.h"
 
 namespace lamina::detail {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <complex>
 
-#include "lamina/scattering/transport_profile/internal/transfer_profile_frequency.h"
+#include "lamina/scattering/spatial_frequency/frequency_solver.h"
 
 namespace lamina::detail {
 namespace {
@@ -108,7 +108,8 @@ FrequencyResponse single_scattering_response(const FrequencySolver& solver, doub
         const Complex turned = back * decay_integral(rate + extinction, d);
         at.emitted_up = down * turned;
         if (!std::isfinite(d)) continue;
-        const Complex gone_on = on * std::exp(-extinction * d) * decay_integral(rate - extinction, d);
+        const Complex gone_on =
+            on * std::exp(-extinction * d) * decay_integral(rate - extinction, d);
         at.emitted_up += up * gone_on;
         at.emitted_down = down * gone_on + up * turned;
       }

@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_top.h"
+#include "lamina/scattering/spatial_frequency/top_passage.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
 
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
+#include "lamina/scattering/spatial_frequency/ray_fresnel.h"
 
 namespace lamina::detail {
 namespace {
