@@ -16,6 +16,11 @@ ExpressionSources sources() {
             if (path == "two") return {2.0};
             throw InvalidInput("there is no " + std::string(path));
           },
+          .runs = [](const std::string& prefix, const std::string& path) -> ExpressionValue {
+            EXPECT_EQ(prefix, "a_");
+            EXPECT_EQ(path, "R[0]");
+            return {3.0, 4.0};
+          },
           .pixels = [](const std::string& file, const std::string& channel, double left, double,
                        double, double bottom) -> ExpressionValue {
             EXPECT_EQ(file, "a.exr");
@@ -42,10 +47,13 @@ TEST(Expression, BindsAsArithmeticDoes) {
 
 TEST(Expression, WorksElementByElement) {
   EXPECT_EQ(value("mc.r[:][1] * two"), (ExpressionValue{2.0, 4.0, 8.0}));
+  EXPECT_EQ(value("two + two * [1]"), (ExpressionValue{4.0}));
   EXPECT_EQ(value("[1, mc.r[:][1]] < 2"), (ExpressionValue{1.0, 1.0, 0.0, 0.0}));
   EXPECT_EQ(value("if([1, 0], [5, 6], -[7, 8])"), (ExpressionValue{5.0, -8.0}));
   EXPECT_EQ(value("max([1, 5], [3, 2])"), (ExpressionValue{3.0, 5.0}));
   EXPECT_EQ(value("slice([1, 2, 3, 4], 1, -1)"), (ExpressionValue{2.0, 3.0}));
+  EXPECT_EQ(value("reverse([1, 2, 3])"), (ExpressionValue{3.0, 2.0, 1.0}));
+  EXPECT_EQ(value("2 * runs('a_', 'R[0]')"), (ExpressionValue{6.0, 8.0}));
   EXPECT_EQ(value("range(0, 1, 5)"), (ExpressionValue{0.0, 0.25, 0.5, 0.75, 1.0}));
   EXPECT_EQ(value("pixels('a.exr', 'R', 0.25, 0, 1, 0.5)"), (ExpressionValue{0.25, 0.5}));
 }

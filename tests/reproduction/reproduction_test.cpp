@@ -99,6 +99,14 @@ TEST(ReproductionItem, RefusesWhatIsWrong) {
   EXPECT_THROW((void)decode(unjudged), InvalidInput);
 }
 
+TEST_F(Reproduction, ListsAPathOfRunsByTheirPrefix) {
+  const std::string text = replaced(item_text, "[a.r, b.r[0]]", "reverse(runs('slab_', 'r[0]'))");
+  const ReproductionResult result =
+      make(replaced(text, "both[1] > both[0]", "both == [1, runs('slab_0.25', 'r')]"));
+  EXPECT_TRUE(result.features[0].holds);
+  EXPECT_THROW((void)make(replaced(text, "'slab_'", "'plate_'")), InvalidInput);
+}
+
 TEST_F(Reproduction, JudgesByNumbersAndFeatures) {
   const ReproductionResult result = make(named());
   EXPECT_EQ(result.verdict, Verdict::agrees);

@@ -232,6 +232,13 @@ class Evaluation {
       require(")");
       return sources_.pixels(file, channel, part[0], part[1], part[2], part[3]);
     }
+    if (name == "runs") {
+      const std::string prefix = quoted();
+      require(",");
+      const std::string path = quoted();
+      require(")");
+      return sources_.runs(prefix, path);
+    }
     std::vector<Value> arguments;
     do arguments.push_back(disjunction());
     while (takes(","));
@@ -283,6 +290,10 @@ class Evaluation {
       for (std::size_t i = 1; i < result.size(); ++i)
         result[i] = first + (last - first) * static_cast<double>(i) / (count - 1.0);
       return result;
+    }
+    if (name == "reverse") {
+      takes_arguments(1);
+      return {a[0].rbegin(), a[0].rend()};
     }
     if (name == "slice") {
       takes_arguments(3);

@@ -15,6 +15,8 @@ using ExpressionValue = std::vector<double>;
 struct ExpressionSources {
   /// What a name with its path stands for, as written: `mc.reflectance_profile[:][1]`.
   std::function<ExpressionValue(std::string_view path)> value;
+  /// What a path leads to in every run whose name starts with `prefix`, one after the other.
+  std::function<ExpressionValue(const std::string& prefix, const std::string& path)> runs;
   /// A channel of a picture, row by row, within a part of its width and height.
   std::function<ExpressionValue(const std::string& file, const std::string& channel, double left,
                                 double top, double right, double bottom)>
@@ -35,8 +37,10 @@ struct ExpressionSources {
 /// | integral(x, y) | by trapezoids |
 /// | peak(x, y) | the x of the largest y |
 /// | slice(a, i, j) | elements i to j - 1; from the end if negative |
+/// | reverse(a) | from the last element to the first |
 /// | range(a, b, n) | n numbers from a to b |
 /// | if(c, a, b) | of each |
+/// | runs('PREFIX', 'path') | the path in each run whose name starts so |
 /// | pixels('FILE', 'CHANNEL', left, top, right, bottom) | of a picture, in fractions of its size |
 ///
 /// @throws InvalidInput naming the expression and the place in it where it cannot be understood,

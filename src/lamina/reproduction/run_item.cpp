@@ -69,6 +69,8 @@ class Results {
       : item_(item),
         folder_(folder),
         sources_{.value = [this](std::string_view path) { return value(path); },
+                 .runs = [this](const std::string& prefix,
+                                const std::string& path) { return of_runs(prefix, path); },
                  .pixels =
                      [this](const std::string& file, const std::string& channel, double left,
                             double top, double right, double bottom) {
@@ -107,6 +109,14 @@ class Results {
     ExpressionValue element;
     collect(parse_json(JsonOutput(result).text(), name).root(), rest, element);
     return element;
+  }
+
+  ExpressionValue of_runs(const std::string& prefix, const std::string& path) const {
+    ExpressionValue numbers;
+    for (const ReproductionRun& run : item_.runs)
+      if (run.name.starts_with(prefix)) collect(runs_.at(run.name).root(), "." + path, numbers);
+    if (numbers.empty()) throw InvalidInput(item_.id + ": there is no run \"" + prefix + "...\"");
+    return numbers;
   }
 
   ExpressionValue pixels(const std::string& file, const std::string& channel,
