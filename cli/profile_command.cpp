@@ -38,6 +38,7 @@ struct ProfileOptions {
   std::string incidence = "normal", from = "above";
   double accuracy = 0.005;
   bool no_cache = false;
+  Interreflections interreflections = Interreflections::all;  ///< of diffusion
   RadialGrid grid;
   MonteCarloEffort effort;  ///< of monte_carlo
 };
@@ -88,7 +89,8 @@ ProfileResult profile_by_radiative_transfer(const std::vector<LayerStack>& stack
 
 ProfileResult profile_by_diffusion(const std::vector<LayerStack>& stacks,
                                    const ProfileOptions& options) {
-  DiffusionProfile result = make_diffusion_profile(stacks, {}, options.grid);
+  DiffusionProfile result =
+      make_diffusion_profile(stacks, {.interreflections = options.interreflections}, options.grid);
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
     for (const std::size_t layer : result.thin_layers[band])
@@ -271,7 +273,9 @@ PlotPanel profile_panel(const Material& material, const Profile& layered, const 
                       .color = band_color(material.bands, b),
                       .style = style,
                       .width = style == CurveStyle::line ? 1.8 : 1.2};
-      for (std::size_t i = 0; i < profile.r.size() && value(profile, i, b) > 1e-8 * peak; ++i) {
+      std::size_t end = profile.r.size();  // photons may leave bins empty anywhere before
+      while (end > 0 && !(value(profile, end - 1, b) > 1e-8 * peak)) --end;
+      for (std::size_t i = 0; i < end; ++i) {
         curve.x.push_back(profile.r[i]);
         curve.y.push_back(value(profile, i, b));
         last_r = std::max(last_r, profile.r[i]);
@@ -439,6 +443,9 @@ void add_profile_command(CLI::App& app) {
       .show_default();
   command.add_option("--r-min", options->grid.first, "first radius [mm]").length().show_default();
   command.add_option("--r-max", options->grid.last, "last radius [mm]").length().show_default();
+  command.add_choice("--interreflections", options->interreflections,
+                     "of diffusion, between layers; none: light turns round once, as in Eqs. 17 "
+                     "and 18 of Donner & Jensen 2005");
   add_effort_options(command, options->effort);
   add_common_options(command, options->common);
   command.footer(
@@ -455,6 +462,7 @@ void add_profile_command(CLI::App& app) {
   command.callback([options, command] {
     refuse_unused(command, options->method,
                   {{"--accuracy", {"radiative_transfer"}},
+                   {"--interreflections", {"diffusion"}},
                    {"--no-cache", {"radiative_transfer"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},

@@ -27,8 +27,9 @@ struct SlabOptions {
   CommonOptions common;
   std::string material, method, incidence = "normal";
   AddingDoublingOptions adding_doubling;
-  std::int64_t compared_photons = 0;  ///< of --compare; 0 if not asked for
-  MonteCarloEffort effort;            ///< of monte_carlo
+  Interreflections interreflections = Interreflections::all;  ///< of diffusion
+  std::int64_t compared_photons = 0;                          ///< of --compare; 0 if not asked for
+  MonteCarloEffort effort;                                    ///< of monte_carlo
 };
 
 /// What a method gives: the totals, [band], and remarks on how far to trust them.
@@ -66,10 +67,11 @@ SlabResult slab_by_radiative_transfer(const std::vector<LayerStack>& stacks,
 }
 
 SlabResult slab_by_diffusion(const std::vector<LayerStack>& stacks, const Incidence& incidence,
-                             const SlabOptions&) {
+                             const SlabOptions& options) {
   SlabResult result;
   for (std::size_t band = 0; band < stacks.size(); ++band)
-    result.totals.push_back(diffusion_totals(stacks[band], incidence));
+    result.totals.push_back(
+        diffusion_totals(stacks[band], incidence, {.interreflections = options.interreflections}));
   return result;
 }
 
@@ -202,6 +204,9 @@ void add_slab_command(CLI::App& app) {
                   "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
       .type_name("normal|diffuse|DEG")
       .show_default();
+  command.add_choice("--interreflections", options->interreflections,
+                     "of diffusion, between layers; none: light turns round once, as in Eqs. 17 "
+                     "and 18 of Donner & Jensen 2005");
   add_effort_options(command, options->effort);
   add_common_options(command, options->common);
   command.footer(
@@ -215,6 +220,7 @@ void add_slab_command(CLI::App& app) {
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
     refuse_unused(command, is_comparison ? "compare" : options->method,
                   {{"--accuracy", {"radiative_transfer"}},
+                   {"--interreflections", {"diffusion"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},
                    {"--time", {"monte_carlo"}},

@@ -1,15 +1,16 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/diffusion/diffusion_kernels.h"
-#include "lamina/scattering/profile/internal/correlation_kernel.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lamina/scattering/profile/hankel.h"
+#include "lamina/scattering/profile/internal/correlation_kernel.h"
 #include "literal/diffusion_skin.h"
 
 namespace lamina {
@@ -38,9 +39,13 @@ TEST(DiffusionKernels, SpectrumOfAStackIsItsResponseAtEachFrequency) {
   stacks.push_back(LayerStack({layer(50.0, 1.0, 1.4, 10.0)}));
   std::vector<double> frequencies;
   for (int i = 0; i < 101; ++i) frequencies.push_back(std::pow(10.0, -6.0 + 0.1 * i));
+  std::vector<std::pair<LayerStack, Interreflections>> cases;
+  for (const LayerStack& stack : stacks)
+    for (const auto& each : enum_names<Interreflections>) cases.emplace_back(stack, each.value);
   on_each_target([&] {
-    for (const LayerStack& stack : stacks) {
-      const LayeredDiffusion model = make_layered_diffusion(stack);
+    for (const auto& [stack, interreflections] : cases) {
+      const LayeredDiffusion model =
+          make_layered_diffusion(stack, {.interreflections = interreflections});
       const StackSpectrum spectrum = stack_spectrum(model, frequencies);
       ASSERT_EQ(spectrum.reflection_above.size(), frequencies.size());
       for (std::size_t j = 0; j < frequencies.size(); ++j) {

@@ -159,6 +159,24 @@ TEST(DiffusionProfile, FallsOffSmoothlyFarBelowRoundingErrors) {
   EXPECT_GT(deep.sigma_tr * profile.r[i], 60.0);
 }
 
+TEST(DiffusionProfile, IsTheSameAtFewRadii) {
+  const std::vector<LayerStack> skin = donner_jensen_skin();
+  const Profile all = make_diffusion_profile(skin, {}, {.size = 256}).profile,
+                few = make_diffusion_profile(skin, {}, {.size = 6}).profile;
+  ASSERT_EQ(few.r.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_DOUBLE_EQ(few.r[i], all.r[51 * i]);
+    for (std::size_t b = 0; b < 3; ++b) {
+      const double expected = all.reflectance_at(51 * i, b);
+      if (expected > 1e-8 * all.reflectance_at(0, b)) {
+        EXPECT_NEAR(few.reflectance_at(i, b), expected, 1e-5 * expected) << i;
+      } else {
+        EXPECT_LT(few.reflectance_at(i, b), 1e-8 * all.reflectance_at(0, b)) << i;
+      }
+    }
+  }
+}
+
 TEST(DiffusionProfile, ErrorsNameBandAndLayer) {
   const LayerStack good({{.medium = {.sigma_s = 1.0}}}), bad({{.medium = {.sigma_a = 1.0}}});
   try {

@@ -86,6 +86,32 @@ TEST(LayeredDiffusion, StackedLayersAreTheSeriesOfTheirReflections) {
   EXPECT_NEAR(both.transmission_up, up_out, 1e-15);
 }
 
+// [DonnerJensen2005] Eqs. 17 and 18: the first term of the series above.
+TEST(LayeredDiffusion, WithoutInterreflectionsLightTurnsRoundOnce) {
+  const LayerResponse upper{.3, .5, .4, .6}, lower{.2, .7, .1, .8};
+  const LayerResponse once = stacked(upper, lower, Interreflections::none);
+  EXPECT_DOUBLE_EQ(once.reflection_above, .3 + .5 * .2 * .6);
+  EXPECT_DOUBLE_EQ(once.transmission_down, .5 * .7);
+  EXPECT_DOUBLE_EQ(once.reflection_below, .1 + .8 * .4 * .7);
+  EXPECT_DOUBLE_EQ(once.transmission_up, .8 * .6);
+
+  const LayerStack plates(
+      {{.medium = {.sigma_a = 0.05, .sigma_s = 9.0, .ior = 1.4}, .thickness = 0.4},
+       {.medium = {.sigma_a = 0.02, .sigma_s = 4.0, .ior = 1.5}, .thickness = 0.8}});
+  const SlabTotals all = diffusion_totals(plates, {}),
+                   few = diffusion_totals(plates, {}, {.interreflections = Interreflections::none});
+  EXPECT_LT(few.diffuse_reflectance, all.diffuse_reflectance - 0.01);
+  EXPECT_LT(few.transmittance, all.transmittance - 0.01);
+  const LayeredDiffusion model = make_layered_diffusion(plates);
+  const LayerResponse first = response(model.layers[0], 0.0),
+                      second = response(model.layers[1], 0.0);
+  EXPECT_NEAR(few.diffuse_reflectance,
+              (1.0 - few.specular_reflectance) *
+                  (first.reflection_above +
+                   first.transmission_down * second.reflection_above * first.transmission_up),
+              1e-14);
+}
+
 TEST(LayeredDiffusion, OrderOfStackingDoesNotMatter) {
   const LayerResponse a = {0.3, 0.6, 0.5, 0.4}, b = {0.7, 0.2, 0.1, 0.25}, c = {0.2, 0.7, 0.4, 0.3};
   const LayerResponse x = stacked(stacked(a, b), c), y = stacked(a, stacked(b, c));

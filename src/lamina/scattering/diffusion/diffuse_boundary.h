@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/profile/layer_response.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {
@@ -18,6 +19,7 @@ enum class DiffuseFresnel {
 /// Choices that all diffusion models share.
 struct DiffusionOptions {
   DiffuseFresnel fresnel = DiffuseFresnel::exact;
+  Interreflections interreflections = Interreflections::all;  ///< between layers
 };
 
 /// Fraction of the diffuse light inside a medium that its boundary turns back, total reflection

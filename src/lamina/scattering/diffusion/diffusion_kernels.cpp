@@ -92,7 +92,8 @@ HWY_INLINE Response point_response(const Multipole& layer, V s) {
 
 /// From the ground upward; `size` is a multiple of 8, and so are the distances in tables.
 void stack_responses(std::span<const KernelLayer> layers, const LayerResponse& ground,
-                     std::span<const double> k, double* reflection, double* transmission) {
+                     Interreflections interreflections, std::span<const double> k,
+                     double* reflection, double* transmission) {
   const D d;
   const V one = hn::Set(d, 1.0);
   for (std::size_t j = 0; j < k.size(); j += hn::Lanes(d)) {
@@ -115,7 +116,9 @@ void stack_responses(std::span<const KernelLayer> layers, const LayerResponse& g
                                         hn::LoadU(d, table + 2 * k.size() + j),
                                         hn::LoadU(d, table + 3 * k.size() + j)};
       const V through =  // down, with the reflections between this layer and what is beneath
-          hn::Div(r.transmission_down, hn::NegMulAdd(r.reflection_below, R, one));
+          interreflections == Interreflections::none
+              ? r.transmission_down
+              : hn::Div(r.transmission_down, hn::NegMulAdd(r.reflection_below, R, one));
       R = hn::MulAdd(hn::Mul(through, R), r.transmission_up, r.reflection_above);
       T = hn::Mul(through, T);
     }
@@ -168,7 +171,7 @@ StackSpectrum stack_spectrum(const LayeredDiffusion& model, std::span<const doub
   }
   StackSpectrum spectrum{std::vector<double>(all_k.size()), std::vector<double>(all_k.size())};
   HWY_DYNAMIC_DISPATCH(stack_responses)
-  (layers, ground_response(model), all_k, spectrum.reflection_above.data(),
+  (layers, ground_response(model), model.interreflections, all_k, spectrum.reflection_above.data(),
    spectrum.transmission_down.data());
   spectrum.reflection_above.resize(k.size());
   spectrum.transmission_down.resize(k.size());

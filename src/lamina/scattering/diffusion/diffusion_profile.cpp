@@ -69,11 +69,36 @@ double clamp_negative(const Column& profile, std::span<const double> r) {
   return flux;
 }
 
+/// Leaves the radii 0, every, 2 every, ...
+void keep_every(Profile& profile, std::size_t every) {
+  const auto thinned = [&](std::vector<double>& table) {
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < profile.r.size(); i += every)
+      for (std::size_t b = 0; b < profile.bands; ++b) table[end++] = table[i * profile.bands + b];
+    table.resize(end);
+  };
+  thinned(profile.reflectance_profile);
+  thinned(profile.transmittance_profile);
+}
+
 }  // namespace
 
 DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
                                         const DiffusionOptions& options, const RadialGrid& grid) {
-  return make_diffusion_profile(stacks, make_hankel_plan(grid), options);
+  // Where rounding takes over, and how steep the profile is there, shows on fine grids only.
+  constexpr double fewest_per_decade = 20.0;
+  const double decades = std::log10(grid.last / grid.first);
+  const auto steps = static_cast<double>(std::max<std::size_t>(grid.size, 2) - 1);
+  const double wanted = std::ceil(fewest_per_decade * decades / steps);
+  if (!(wanted > 1.0 && wanted < 1e5))
+    return make_diffusion_profile(stacks, make_hankel_plan(grid), options);
+  const auto every = static_cast<std::size_t>(wanted);
+  RadialGrid fine = grid;
+  fine.size = (grid.size - 1) * every + 1;
+  DiffusionProfile result = make_diffusion_profile(stacks, make_hankel_plan(fine), options);
+  keep_every(result.profile, every);
+  result.profile.r = radii(grid);
+  return result;
 }
 
 DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, const HankelPlan& plan,

@@ -50,9 +50,10 @@ class BoundaryReflectances {
   std::vector<Entry> found_;
 };
 
-LayeredDiffusion make_model(const LayerStack& stack, BoundaryReflectances& reflectance_inside) {
+LayeredDiffusion make_model(const LayerStack& stack, BoundaryReflectances& reflectance_inside,
+                            Interreflections interreflections) {
   const auto layers = stack.layers();
-  LayeredDiffusion model;
+  LayeredDiffusion model{.interreflections = interreflections};
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const bool is_first = i == 0, is_last = i + 1 == layers.size();
     const Medium& medium = layers[i].medium;
@@ -75,7 +76,7 @@ LayeredDiffusion make_model(const LayerStack& stack, BoundaryReflectances& refle
 
 LayeredDiffusion make_layered_diffusion(const LayerStack& stack, const DiffusionOptions& options) {
   BoundaryReflectances reflectance_inside(options.fresnel);
-  return make_model(stack, reflectance_inside);
+  return make_model(stack, reflectance_inside, options.interreflections);
 }
 
 std::vector<LayeredDiffusion> make_layered_diffusion(std::span<const LayerStack> stacks,
@@ -84,7 +85,7 @@ std::vector<LayeredDiffusion> make_layered_diffusion(std::span<const LayerStack>
   std::vector<LayeredDiffusion> models;
   for (std::size_t band = 0; band < stacks.size(); ++band) {
     try {
-      models.push_back(make_model(stacks[band], reflectance_inside));
+      models.push_back(make_model(stacks[band], reflectance_inside, options.interreflections));
     } catch (const InvalidInput& error) {
       throw InvalidInput("band " + std::to_string(band) + ": " + error.what());
     }
@@ -102,14 +103,16 @@ LayerResponse ground_response(const LayeredDiffusion& model) {
 
 LayerResponse response(const LayeredDiffusion& model, double k) {
   LayerResponse all;
-  for (const Multipole& layer : model.layers) all = stacked(all, response(layer, k));
-  return stacked(all, ground_response(model));
+  for (const Multipole& layer : model.layers)
+    all = stacked(all, response(layer, k), model.interreflections);
+  return stacked(all, ground_response(model), model.interreflections);
 }
 
 LayerResponse local_response(const LayeredDiffusion& model) {
   LayerResponse all;
-  for (const Multipole& layer : model.layers) all = stacked(all, local_response(layer));
-  return stacked(all, ground_response(model));
+  for (const Multipole& layer : model.layers)
+    all = stacked(all, local_response(layer), model.interreflections);
+  return stacked(all, ground_response(model), model.interreflections);
 }
 
 std::vector<std::size_t> thin_layers(const LayeredDiffusion& model) {
@@ -127,7 +130,7 @@ SlabTotals diffusion_totals(const LayerStack& stack, const Incidence& incidence,
   std::vector<LayerResponse> beneath(n + 1);
   beneath[n] = ground_response(model);
   for (std::size_t i = n; i-- > 0;)
-    beneath[i] = stacked(response(model.layers[i], 0.0), beneath[i + 1]);
+    beneath[i] = stacked(response(model.layers[i], 0.0), beneath[i + 1], model.interreflections);
 
   const double entered = entry_transmittance(stack, incidence);
   SlabTotals totals{.specular_reflectance = 1.0 - entered,
@@ -137,9 +140,12 @@ SlabTotals diffusion_totals(const LayerStack& stack, const Incidence& incidence,
   LayerResponse above;
   double net_into = entered * (1.0 - beneath[0].reflection_above);
   for (std::size_t i = 0; i < n; ++i) {
-    above = stacked(above, response(model.layers[i], 0.0));
-    const double down = entered * above.transmission_down /
-                        (1.0 - above.reflection_below * beneath[i + 1].reflection_above);
+    above = stacked(above, response(model.layers[i], 0.0), model.interreflections);
+    // The flux down through the lower face, of which the layers beneath send back a share.
+    const double down =
+        entered * stacked(above, {.reflection_above = beneath[i + 1].reflection_above},
+                          model.interreflections)
+                      .transmission_down;
     const double net_out = down * (1.0 - beneath[i + 1].reflection_above);
     totals.absorptance.push_back(std::max(0.0, net_into - net_out));  // rounding at sigma_a = 0
     net_into = net_out;

@@ -17,6 +17,7 @@ struct LayeredDiffusion {
   std::vector<Multipole> layers;   ///< from the lit surface downward
   double ground_reflection = 0.0;  ///< fraction of the flux out of the last layer that a ground
                                    ///< sends back into it, in [0, 1]
+  Interreflections interreflections = Interreflections::all;
 };
 
 /// Every boundary may be rough; the roughness changes what it turns back from inside.
