@@ -154,12 +154,15 @@ HWY_INLINE void add_tile(Target out, Source a, Factors b, std::size_t inner, Sum
         ((of_a[K] = hn::Load(d, a.place(K, q))), ...);
       };
       load(std::make_index_sequence<R>());
-      V of_b[C];
-      const auto spread = [&]<std::size_t... K>(std::index_sequence<K...>) HWY_ATTR {
-        ((of_b[K] = Kind::factor(b.place(q, K))), ...);
+      // One factor at a time: with 12 sums and 3 vectors of a, AVX2 has one register left.
+      const auto add = [&]<std::size_t... K>(auto column, std::index_sequence<K...>) HWY_ATTR {
+        const V of_b = Kind::factor(b.place(q, column));
+        ((sums[column * R + K] = hn::MulAdd(of_a[K], of_b, sums[column * R + K])), ...);
       };
-      spread(std::make_index_sequence<C>());
-      ((sums[I] = hn::MulAdd(of_a[I % R], of_b[I / R], sums[I])), ...);
+      const auto add_all = [&]<std::size_t... K>(std::index_sequence<K...>) HWY_ATTR {
+        (add(std::integral_constant<std::size_t, K>(), std::make_index_sequence<R>()), ...);
+      };
+      add_all(std::make_index_sequence<C>());
     }
     const V sign = hn::Set(d, sum.sign);
     if (sum.to == To::replace)
