@@ -69,6 +69,13 @@ LayerStack with_smooth_ends(const LayerStack& stack) {
   return LayerStack(std::move(layers), stack.ior_above(), stack.ior_below(), ground);
 }
 
+LayerStack with_smooth_bottom(const LayerStack& stack) {
+  Ground ground = stack.ground();
+  ground.top.roughness = 0.0;
+  return LayerStack({stack.layers().begin(), stack.layers().end()}, stack.ior_above(),
+                    stack.ior_below(), ground);
+}
+
 EnteredTotals material_totals(const LayerStack& layers) {
   const SlabTotals totals = adding_doubling(with_smooth_ends(layers), {.is_diffuse = true}).totals;
   const double entered = 1.0 - totals.specular_reflectance;

@@ -30,6 +30,9 @@ struct EnteredTotals {
 /// The same layers with a smooth upper surface and a smooth lowest one.
 [[nodiscard]] LayerStack with_smooth_ends(const LayerStack& stack);
 
+/// The same layers with a smooth lowest surface.
+[[nodiscard]] LayerStack with_smooth_bottom(const LayerStack& stack);
+
 /// Of all layers but the last [mm].
 [[nodiscard]] double thickness_of_upper_layers(const LayerStack& stack);
 

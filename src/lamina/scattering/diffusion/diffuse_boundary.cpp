@@ -51,6 +51,14 @@ double diffuse_reflectance_inside(const Interface& boundary, double ior_inside, 
                                           : std::clamp(fresnel_diffuse_polynomial(eta), 0.0, 0.999);
 }
 
+double diffuse_reflectance_outside(const Interface& boundary, double ior_outside,
+                                   double ior_inside) {
+  const double eta = ior_inside / ior_outside;
+  if (is_smooth(boundary)) return fresnel_diffuse(eta);
+  return table_of(boundary, ior_outside, ior_inside, FacetMasking::smith_multiple)
+      .diffuse_reflectance;
+}
+
 double fluence_ratio(double reflectance_inside) {
   assert(0.0 <= reflectance_inside && reflectance_inside < 1.0);
   return (1.0 + reflectance_inside) / (1.0 - reflectance_inside);

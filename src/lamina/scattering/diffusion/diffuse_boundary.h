@@ -35,6 +35,12 @@ struct DiffusionOptions {
 [[nodiscard]] double diffuse_reflectance_inside(const Interface& boundary, double ior_inside,
                                                 double ior_outside, DiffuseFresnel fresnel);
 
+/// The same of diffuse light outside, all of it, whatever facets it meets: by reciprocity 1 - n^2
+/// (1
+/// - rho_d).
+[[nodiscard]] double diffuse_reflectance_outside(const Interface& boundary, double ior_outside,
+                                                 double ior_inside);
+
 /// A = (1 + f) / (1 - f), by which the reflectance f in [0, 1) of a boundary for diffuse light from
 /// inside raises the fluence there. Source: [DonnerJensen2005] Eqs. 7 and 24.
 [[nodiscard]] double fluence_ratio(double reflectance_inside);

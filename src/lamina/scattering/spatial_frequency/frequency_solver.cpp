@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "lamina/scattering/spatial_frequency/kept_rough_boundaries.h"
+
 namespace lamina::detail {
 namespace {
 
@@ -250,7 +252,7 @@ FrequencySolver make_frequency_solver(const LayerStack& stack, int nodes, int mo
     auto& kernels = solver.phase.emplace_back();
     for (int m = 0; m <= modes; ++m) kernels.push_back(phase_mode(layer.moments, layer.cos, m));
   }
-  solver.rough = rough_boundaries(solver.stack, 0, rough == RoughModes::first ? 1 : modes + 1);
+  solver.rough = kept_rough_boundaries(solver.stack, rough == RoughModes::first ? 1 : modes + 1);
   solver.top = make_top_passage(solver.stack, solver.rough[0], illumination);
   return solver;
 }

@@ -44,16 +44,35 @@ TEST(DiffuseTransferProfile, HasTheTotalsOfAddingDoublingPerEnteredFlux) {
   }
 }
 
-// Roughness is the renderer's business.
-TEST(DiffuseTransferProfile, TakesWhatTheRendererTakes) {
+// What the facets of the top do inside is in the profile. Those of the lowest boundary are the
+// renderer's business.
+TEST(DiffuseTransferProfile, HasARoughTopAndASmoothBottom) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / "lamina_exact_profile_render_test";
   std::filesystem::remove_all(folder);
-  Material rough = slab();
-  rough.layers[0].top.roughness = 0.3;
-  const Profile first = diffuse_transfer_profile(layer_stacks(slab()), DiskCache{folder});
-  EXPECT_EQ(diffuse_transfer_profile(layer_stacks(rough), DiskCache{folder}).reflectance_profile,
-            first.reflectance_profile);
+  Material smooth = slab();  // one layer is fast
+  smooth.layers = {{.name = "marble",
+                    .sigma_a = {0.002, 0.02, 0.2},
+                    .sigma_s = {2, 2, 2},
+                    .g = {0, 0, 0},
+                    .ior = {1.5, 1.5, 1.5},
+                    .thickness = 5.0}};
+  Material rough = smooth;
+  rough.layers[0].top.roughness = 1.0;
+  const Profile profile = diffuse_transfer_profile(layer_stacks(rough), DiskCache{folder});
+  for (std::size_t b = 0; b < 3; ++b) {
+    const auto of = [&](const Material& material) {
+      const auto totals = adding_doubling(layer_stack(material, b), {.is_diffuse = true}).totals;
+      return totals.diffuse_reflectance / (1.0 - totals.specular_reflectance);
+    };
+    EXPECT_NEAR(profile.total_reflectance[b], of(rough), 5e-4) << b;
+    if (b == 2) continue;  // too dark for a difference
+    EXPECT_GT(of(rough), of(smooth) + 2e-3) << b;
+  }
+  Material on_frost = rough;
+  on_frost.ground.top.roughness = 0.5;
+  EXPECT_EQ(diffuse_transfer_profile(layer_stacks(on_frost), DiskCache{folder}).reflectance_profile,
+            profile.reflectance_profile);
   std::filesystem::remove_all(folder);
   Material clear = slab();
   for (MaterialLayer& layer : clear.layers) layer.sigma_s[2] = 0.0;

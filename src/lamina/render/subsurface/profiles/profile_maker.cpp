@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
+#include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
@@ -18,14 +18,16 @@ Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
   std::vector<LayerStack> stacks;
   std::vector<double> entry;
   for (const LayerStack& band : bands) {
-    const LayerStack& stack = stacks.emplace_back(with_smooth_ends(band));
-    entry.push_back(1.0 - fresnel_diffuse(stack.layers()[0].medium.ior / stack.ior_above()));
+    const LayerStack& stack = stacks.emplace_back(with_smooth_bottom(band));
+    entry.push_back(1.0 - diffuse_reflectance_outside(stack.layers()[0].top, stack.ior_above(),
+                                                      stack.layers()[0].medium.ior));
   }
-  const auto [transfer, was_cached] = cached_transfer_profile(cache, stacks, {},
-                                                           {.accuracy = 0.02,
-                                                            .r_lowest = 0.02,
-                                                            .illumination = Illumination::diffuse,
-                                                            .progress = progress});
+  const auto [transfer, was_cached] =
+      cached_transfer_profile(cache, stacks, {},
+                              {.accuracy = 0.02,
+                               .r_lowest = 0.02,
+                               .illumination = Illumination::diffuse,
+                               .progress = progress});
   return per_entered_flux(transfer.profile, entry);
 }
 
