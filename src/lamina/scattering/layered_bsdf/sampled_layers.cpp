@@ -9,6 +9,7 @@
 #include "lamina/scattering/layered_bsdf/internal/sampled_layers_kernels.h"
 
 namespace lamina {
+
 template <int N>
 HigherOrderBands<N> make_higher_order_bands(std::span<const HigherOrders> bands) {
   assert(!bands.empty());
