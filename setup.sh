@@ -6,6 +6,7 @@ set -euo pipefail
 build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
   libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev)
 test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema)
+tidy_packages=(clang-19 clang-tidy-19)
 
 install_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

@@ -92,9 +92,17 @@ std::string json_quoted(std::string_view text) {
   return quoted + '"';
 }
 
+JsonOutput::JsonOutput(std::nullptr_t) {}
+JsonOutput::JsonOutput(std::string text) : value_(std::move(text)) {}
+JsonOutput::JsonOutput(std::string_view text) : value_(std::string(text)) {}
+JsonOutput::JsonOutput(const char* text) : value_(std::string(text)) {}
+JsonOutput::JsonOutput(Object entries) : value_(std::move(entries)) {}
+
 JsonOutput::JsonOutput(std::initializer_list<Entry> entries) : value_(Object()) {
   for (const Entry& entry : entries) (*this)[entry.key] = entry.value;
 }
+
+JsonOutput JsonOutput::object() { return JsonOutput(Object()); }
 
 JsonOutput::JsonOutput(const JsonInput& input) {
   if (input.is_boolean()) {

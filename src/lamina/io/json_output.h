@@ -31,28 +31,26 @@ class JsonOutput {
   struct Entry;
 
   JsonOutput() = default;  ///< null
-  JsonOutput(std::nullptr_t) {}
+  JsonOutput(std::nullptr_t);
   JsonOutput(std::initializer_list<Entry> entries);  ///< an object
-  JsonOutput(std::string text) : value_(std::move(text)) {}
-  JsonOutput(std::string_view text) : value_(std::string(text)) {}
-  JsonOutput(const char* text) : value_(std::string(text)) {}
+  JsonOutput(std::string text);
+  JsonOutput(std::string_view text);
+  JsonOutput(const char* text);
   JsonOutput(std::same_as<bool> auto value) : value_(value) {}
-  JsonOutput(std::floating_point auto value) : value_(static_cast<double>(value)) {}
+  template <std::floating_point T>
+  JsonOutput(T value);
   template <std::integral T>
   requires(!std::same_as<T, bool>) JsonOutput(T value)
       : value_(static_cast<std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>>(
             value)) {}
   /// An array of what a container holds.
   template <std::ranges::input_range Values>
-  requires(!std::convertible_to<const Values&, std::string_view>) JsonOutput(const Values& values)
-      : value_(Array()) {
-    for (const auto& value : values) push_back(JsonOutput(value));
-  }
+  requires(!std::convertible_to<const Values&, std::string_view>) JsonOutput(const Values& values);
   /// A copy of what was read; a whole number stays one.
   explicit JsonOutput(const JsonInput& input);
 
   [[nodiscard]] static JsonOutput array(std::initializer_list<JsonOutput> elements = {});
-  [[nodiscard]] static JsonOutput object() { return JsonOutput(Object()); }
+  [[nodiscard]] static JsonOutput object();
 
   /// The value of a key of an object, null if it is new.
   JsonOutput& operator[](std::string_view key);
@@ -83,7 +81,7 @@ class JsonOutput {
  private:
   using Array = std::vector<JsonOutput>;
   using Object = std::vector<Entry>;
-  explicit JsonOutput(Object entries) : value_(std::move(entries)) {}
+  explicit JsonOutput(Object entries);
   void write(std::string& text, int indent, std::size_t column) const;
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array,
@@ -95,6 +93,17 @@ struct JsonOutput::Entry {
   std::string key;
   JsonOutput value;
 };
+
+// Below an Entry is whole.
+template <std::floating_point T>
+JsonOutput::JsonOutput(T value) : value_(static_cast<double>(value)) {}
+
+template <std::ranges::input_range Values>
+requires(!std::convertible_to<const Values&, std::string_view>)
+    JsonOutput::JsonOutput(const Values& values)
+    : value_(Array()) {
+  for (const auto& value : values) push_back(JsonOutput(value));
+}
 
 /// A string as JSON has it, in quotes. Bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string json_quoted(std::string_view text);

@@ -88,7 +88,7 @@ class Evaluation {
   }
 
   Value comparison() {
-    const Value left = sum();
+    Value left = sum();
     if (takes("<="))
       return each(left, sum(), [](double a, double b) { return a <= b ? 1.0 : 0.0; });
     if (takes(">="))
@@ -134,7 +134,7 @@ class Evaluation {
   }
 
   Value power() {
-    const Value base = primary();
+    Value base = primary();
     if (!takes("^")) return base;
     if (++depth_ > deepest) fail("brackets and signs must not be deeper");
     const Value exponent = negation();

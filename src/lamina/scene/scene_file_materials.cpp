@@ -74,7 +74,7 @@ class MaterialDecoder {
       if (normals->is_object()) (void)normals->object({"map", "repeat"});  // no quantity to scale
       material.normal_map =
           image_map(normals->is_object() ? decode_map_description(*normals)
-                                         : MapDescription{.self = *normals, .file = *normals},
+                                         : MapDescription{.self = *normals, .file = normals},
                     Use::scalar);
     }
   }

@@ -35,7 +35,8 @@ std::string decode_base64(std::string_view text, const JsonInput& where) {
     const std::uint32_t digit = digit_of[static_cast<unsigned char>(c)];
     if (digit == 64) where.fail("the data are not base64");
     bits = bits << 6 | digit;
-    if ((count += 6) >= 8) {
+    count += 6;
+    if (count >= 8) {
       count -= 8;
       bytes.push_back(static_cast<char>(bits >> count & 0xff));
     }

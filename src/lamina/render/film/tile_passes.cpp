@@ -142,7 +142,7 @@ class Passes {
   void keep() {
     try {
       save_checkpoint(options_.checkpoint, options_.key, film_, tiles_);
-    } catch (const WriteError&) {
+    } catch (const WriteError&) {  // NOLINT(bugprone-empty-catch)
     }
     last_kept_ = std::chrono::steady_clock::now();
   }

@@ -246,7 +246,9 @@ CellMixture<N> make_cell_mixture(const CellGraph& graph, std::vector<std::uint32
                                  CellField<N> place, std::span<const double> scales) {
   assert(cells.size() == place.size());
   const std::size_t count = scale_count(graph);
-  CellMixture<N> mixture{.cells = std::move(cells), .place = std::move(place)};
+  CellMixture<N> mixture;
+  mixture.cells = std::move(cells);
+  mixture.place = std::move(place);
   for (std::size_t v = 0; v < scales.size() / count; ++v) {
     const auto blur = scales.subspan(v * count, count);
     mixture.weights.emplace_back(blur.begin(), blur.end());

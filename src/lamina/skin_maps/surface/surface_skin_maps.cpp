@@ -45,9 +45,9 @@ std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
     const auto [u_low, u_high] = std::minmax({mesh.uvs[a].x, mesh.uvs[b].x, mesh.uvs[c].x});
     const auto [v_low, v_high] = std::minmax({mesh.uvs[a].y, mesh.uvs[b].y, mesh.uvs[c].y});
     const int x_from = std::max(0, static_cast<int>(u_low * w - 0.5f));
-    const int x_to = std::min(recipe.width - 1, static_cast<int>(u_high * w + 0.5f));
+    const int x_to = std::min(recipe.width - 1, static_cast<int>(std::lround(u_high * w)));
     const int y_from = std::max(0, static_cast<int>((1.0f - v_high) * h - 0.5f));
-    const int y_to = std::min(recipe.height - 1, static_cast<int>((1.0f - v_low) * h + 0.5f));
+    const int y_to = std::min(recipe.height - 1, static_cast<int>(std::lround((1.0f - v_low) * h)));
     for (int y = y_from; y <= y_to; ++y)
       for (int x = x_from; x <= x_to; ++x) {
         const Vec2f uv{(static_cast<float>(x) + 0.5f) / w,

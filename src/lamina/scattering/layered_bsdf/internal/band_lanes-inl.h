@@ -37,11 +37,11 @@ class BandLanes {
 
   BandLanes() = default;
   HWY_INLINE BandLanes(const BandValues<N>& values) {
-    for (int i = 0; i < count; ++i) v[i] = hn::LoadU(D(), values.v + i * width);
+    for (int i = 0; i < count; ++i) v_[i] = hn::LoadU(D(), values.v + i * width);
   }
   /// In whole vectors: an assignment may copy by halves, and delay who then reads them as one.
   friend HWY_INLINE void store(const BandLanes& from, BandValues<N>& to) {
-    for (int i = 0; i < count; ++i) hn::StoreU(from.v[i], D(), to.v + i * width);
+    for (int i = 0; i < count; ++i) hn::StoreU(from.v_[i], D(), to.v + i * width);
   }
   explicit HWY_INLINE operator BandValues<N>() const {
     BandValues<N> values;
@@ -56,7 +56,7 @@ class BandLanes {
   template <class F, class... Values>
   static HWY_INLINE BandLanes map(const F& f, const Values&... values) {
     BandLanes result;
-    for (int i = 0; i < count; ++i) result.v[i] = f(values.v[i]...);
+    for (int i = 0; i < count; ++i) result.v_[i] = f(values.v_[i]...);
     return result;
   }
 
@@ -78,7 +78,7 @@ class BandLanes {
 
  private:
   static constexpr int count = N / width;
-  V v[count];
+  V v_[count];
 };
 
 // As the functions of band_values.h, and to the same errors.

@@ -287,8 +287,8 @@ std::vector<double> BandSolver::left_after(const std::vector<double>& change,
   std::vector<double> left(change.size());
   const auto nearby = [&](const std::vector<double>& values, std::size_t i) {
     double most = 0.0;
-    for (std::size_t j = i; j-- > 0 && plan_.r[j] > plan_.r[i] / 1.5;)
-      most = std::max(most, values[j]);
+    for (std::size_t j = i; j > 0 && plan_.r[j - 1] > plan_.r[i] / 1.5; --j)
+      most = std::max(most, values[j - 1]);
     for (std::size_t j = i; j < values.size() && plan_.r[j] < plan_.r[i] * 1.5; ++j)
       most = std::max(most, values[j]);
     return most;
