@@ -100,6 +100,7 @@ const std::vector<Sample>& render_samples() {
   static const std::vector<Sample> samples = {
       {"profile", "", R"("profile": "dipole")"},
       {"single_scattering", "", R"("single_scattering": "straight")"},
+      {"exit_angle", "", R"("exit_angle": "printed")"},
       {"orders", "", R"("orders": "first")"},
       {"factors", "", R"("factors": ["phase"])"},
       {"samples_per_pixel", "", R"("samples_per_pixel": 6)"},

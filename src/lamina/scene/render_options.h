@@ -17,14 +17,6 @@ struct SubsurfaceMethodMaker;
 
 /// What is not part of a scene but of how it is computed. The defaults are right for pictures.
 struct RenderOptions {
-  /// How light leaves a translucent surface over the angle.
-  enum class ExitAngle {
-    conserving,  ///< as much in total as the profile says: transmittance over its projected
-                 ///< integral
-    printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
-  };
-  ExitAngle exit_angle = ExitAngle::conserving;
-
   /// How directions are drawn. Each alone converges to the same image, combined is the least noisy.
   enum class DirectLight { combined, lights_only, surfaces_only };
   DirectLight direct_light = DirectLight::combined;

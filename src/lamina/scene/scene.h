@@ -250,6 +250,13 @@ struct RenderSettings {
   /// Where the profiles of translucent materials come from.
   enum class Profile { radiative_transfer, diffusion, dipole };
   Profile profile = Profile::diffusion;
+  /// How light leaves a translucent surface over the angle.
+  enum class ExitAngle {
+    conserving,  ///< as much in total as the profile says: transmittance over its projected
+                 ///< integral
+    printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
+  };
+  ExitAngle exit_angle = ExitAngle::conserving;
   int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
   /// Standard error over brightness below which a part of the picture gets no more samples; what is
   /// darker than a quarter of the mean counts as that bright. 0: all get the same.
@@ -273,6 +280,12 @@ inline constexpr auto enum_names<RenderSettings::SingleScattering> =
         {{"none", RenderSettings::SingleScattering::none},
          {"straight", RenderSettings::SingleScattering::straight},
          {"refracted", RenderSettings::SingleScattering::refracted}});
+
+template <>
+inline constexpr auto enum_names<RenderSettings::ExitAngle> =
+    std::to_array<EnumName<RenderSettings::ExitAngle>>(
+        {{"conserving", RenderSettings::ExitAngle::conserving},
+         {"printed", RenderSettings::ExitAngle::printed}});
 
 template <>
 inline constexpr auto enum_names<RenderSettings::Profile> =

@@ -245,20 +245,20 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(scene.film.width);
   hash.add(scene.film.height);
   add_shared(hash, scene.render, options);
-  const auto& [method, orders, factors, single_scattering, profile, samples_per_pixel, noise,
-               max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
+  const auto& [method, orders, factors, single_scattering, profile, exit_angle, samples_per_pixel,
+               noise, max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
   (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);
   for (const bool factor : {factors.fresnel, factors.seeliger, factors.depth, factors.phase})
     hash.add(factor);
   hash.add(single_scattering);
+  hash.add(exit_angle);
   hash.add(samples_per_pixel);
   hash.add(noise);
   add_numbers(hash, scene.render);
-  const auto& [exit_angle, direct_light, cache, memory, needs_cache, checkpoint, resumes,
-               more_methods, on_notice] = options;
-  hash.add(exit_angle);
+  const auto& [direct_light, cache, memory, needs_cache, checkpoint, resumes, more_methods,
+               on_notice] = options;
   (void)direct_light;       // shared
   (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera

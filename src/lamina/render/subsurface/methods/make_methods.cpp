@@ -88,7 +88,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
   const RenderSettings& settings = scene.scene->render;
   require_light_once(settings);
   const ProfileMaker make_profile = profile_maker(settings, of_unknown_length(progress));
-  const bool is_printed = options.exit_angle == RenderOptions::ExitAngle::printed;
+  const bool is_printed = settings.exit_angle == RenderSettings::ExitAngle::printed;
   const SubsurfaceMethodMaker& maker = *find_maker(settings.method, options);
   using Make = SubsurfaceMethodMaker::Make<N>;
   SubsurfaceMethods<N> methods =

@@ -19,7 +19,7 @@ struct MethodContext {
   const RenderScene& scene;
   const BandConversion<N>& conversion;
   const ProfileMaker& make_profile;
-  bool is_printed_exit;  ///< RenderOptions::ExitAngle
+  bool is_printed_exit;  ///< RenderSettings::ExitAngle
 };
 
 /// Makes a method for the translucent materials of a scene, `make(material)` each.
