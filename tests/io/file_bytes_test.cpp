@@ -22,7 +22,7 @@
 #include "lamina/core/error.h"
 
 namespace {
-std::vector<std::string> steps;  // that the test below looks at
+thread_local std::vector<std::string> steps;  // that the test below looks at
 }
 
 // In place of the C library's, to see their order.
