@@ -28,7 +28,7 @@ constexpr const char* item_text = R"json({
   "numbers": [ { "text": "sum", "value": "sum(both)", "expected": 1.5, "from": "arithmetic", "within_relative": 0.01 } ],
   "features": [ { "text": "grows", "holds": "both[1] > both[0]", "measure": "both[1] / both[0]" } ],
   "figure": { "panels": [ { "curves": [ { "name": "both", "x": "[1, 2]", "y": "both" } ] } ] },
-  "table": { "columns": ["what", "value"], "rows": [ { "name": "a", "cells": ["both[0]"] } ] },
+  "table": { "columns": ["what", "value", "CPU seconds"], "rows": [ { "name": "a", "cells": ["both[0]", 77] } ] },
   "differs_because": "the slab is not there"
 })json";
 // clang-format on
@@ -91,7 +91,7 @@ TEST(ReproductionItem, RefusesWhatIsWrong) {
   refused(R"("within_relative": 0.01)", R"("within": 1, "within_relative": 0.01)");
   refused(R"(, "within_relative": 0.01)", "");
   refused(R"("slab_{r}.json", "content")", R"("../slab_{r}.json", "content")");
-  refused(R"("cells": ["both[0]"])", R"("cells": ["1", "2"])");
+  refused(R"("cells": ["both[0]", 77])", R"("cells": ["1"])");
   refused(R"(--photons {10|1000}")", R"(--photons 'x")");
   refused(R"("name": "slab_{r}", "command")", R"("name": "slab", "command")");  // twice
   refused(R"("command": "slab slab_{r}.json --photons {10|1000}")", R"("command": " ")");
@@ -112,10 +112,11 @@ TEST_F(Reproduction, JudgesByNumbersAndFeatures) {
   EXPECT_EQ(result.verdict, Verdict::agrees);
   EXPECT_DOUBLE_EQ(result.numbers[0].value, 1.5);
   EXPECT_DOUBLE_EQ(*result.features[0].measure, 2.0);
-  EXPECT_EQ(result.cells[0], (std::vector<std::string>{"a", "0.5"}));
+  EXPECT_EQ(result.cells[0], (std::vector<std::string>{"a", "0.5", "77"}));
   EXPECT_TRUE(fs::exists(folder_ / "figure.svg"));
   EXPECT_NE(read_file_bytes(folder_ / "numbers.csv").find("panel 1,\"both\",2,1,"),
             std::string::npos);
+  EXPECT_EQ(read_file_bytes(folder_ / "numbers.csv").find("77"), std::string::npos);  // time
 }
 
 TEST_F(Reproduction, FlipsItsVerdictWithItsInputs) {

@@ -159,7 +159,8 @@ Plot make_plot(const ReproductionItem& item, const Results& results) {
   return plot;
 }
 
-/// The curves of a plot, the rows of a table and the checks as numbers.
+/// The curves of a plot, the rows of a table and the checks as numbers: the same on every run, so
+/// without columns of seconds.
 std::string numbers_csv(const ReproductionResult& result) {
   const auto quoted = [](std::string text) {
     for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2)
@@ -175,9 +176,11 @@ std::string numbers_csv(const ReproductionResult& result) {
       csv += "feature," + quoted(result.item.features[i].text) + ",," +
              number_text(*result.features[i].measure) + ",\n";
   for (const auto& row : result.cells)
-    for (std::size_t column = 1; column < row.size(); ++column)
+    for (std::size_t column = 1; column < row.size(); ++column) {
+      if (result.item.table.columns[column].find("seconds") != std::string::npos) continue;
       csv += "table," + quoted(row[0] + ", " + result.item.table.columns[column]) + ",," +
              row[column] + ",\n";
+    }
   for (std::size_t p = 0; p < result.plot.panels.size(); ++p)
     for (const PlotCurve& curve : result.plot.panels[p].curves)
       for (std::size_t i = 0; i < curve.x.size(); ++i)
