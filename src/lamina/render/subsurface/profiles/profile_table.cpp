@@ -47,6 +47,14 @@ double ring_integral(double r0, double r1, double f0, double f1) {
   return 2.0 * pi * (f0 * (flat - rising) + f1 * rising);
 }
 
+/// Linear between the nodes before and after a place.
+template <int N>
+BandValues<N> value_at_place(const std::vector<BandValues<N>>& nodes, float place) {
+  const auto i = static_cast<std::size_t>(place);
+  const float f = place - static_cast<float>(i);
+  return (1.0f - f) * nodes[i] + f * nodes[i + 1];
+}
+
 }  // namespace
 
 RadiusGrid make_radius_grid(const std::vector<Profile>& profiles, double kept) {
@@ -142,10 +150,7 @@ float ProfileTable<N>::place(float r) const {
 
 template <int N>
 BandValues<N> ProfileTable<N>::reflectance_profile(float r) const {
-  const float at = place(r);
-  const auto i = static_cast<std::size_t>(at);
-  const float f = at - static_cast<float>(i);
-  return (1.0f - f) * reflectance_[i] + f * reflectance_[i + 1];
+  return value_at_place(reflectance_, place(r));
 }
 
 template <int N>
@@ -158,10 +163,7 @@ float ProfileTable<N>::reflectance_profile(float r, int band) const {
 
 template <int N>
 BandValues<N> ProfileTable<N>::transmittance_profile(float r) const {
-  const float at = place(r);
-  const auto i = static_cast<std::size_t>(at);
-  const float f = at - static_cast<float>(i);
-  return (1.0f - f) * transmittance_[i] + f * transmittance_[i + 1];
+  return value_at_place(transmittance_, place(r));
 }
 
 template <int N>
