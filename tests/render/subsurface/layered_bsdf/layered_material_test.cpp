@@ -44,6 +44,28 @@ Material skin(double pigment, double ior = 1.4) {
   return material;
 }
 
+/// Fresnel reflectance, mean over the cosine: not weighted by it, as a flux would be.
+double mean_fresnel(double eta) {
+  constexpr int nodes = 2000;
+  double sum = 0.0;
+  for (int i = 0; i < nodes; ++i) sum += fresnel((i + 0.5) / nodes, eta);
+  return sum / nodes;
+}
+
+/// 4 pi times a Henyey-Greenstein phase function, mean over the directions of light above a plane.
+double mean_phase(double theta_o, double g) {
+  constexpr int nodes = 400;
+  double sum = 0.0;
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < nodes; ++j) {
+      const double mu = (i + 0.5) / nodes, phi = pi * (j + 0.5) / nodes;
+      const double turned =
+          -mu * std::cos(theta_o) - std::sqrt(1.0 - mu * mu) * std::sin(theta_o) * std::cos(phi);
+      sum += (1.0 - g * g) / std::pow(1.0 + g * g - 2.0 * g * turned, 1.5);
+    }
+  return sum / (nodes * nodes);
+}
+
 /// A plate in the plane y = 0, seen and lit at angles from its normal, in one plane.
 Scene plate(Material material, double theta_o, double theta_i) {
   Scene scene;
@@ -144,6 +166,30 @@ TEST(LayeredMaterial, FactorsAreShownUnshaded) {
               (1.0 - fresnel(std::cos(0.5), 1.4)) * (1.0 - fresnel(std::cos(0.7), 1.4)) * 4.0 * pi *
                   evaluate(phase, turned),
               1e-4);
+}
+
+// In even light of radiance 1 / (2 pi) a factor is its mean over the hemisphere, and nothing is
+// mirrored. Seeliger: the integral of mu / (mu + mu_o) over mu is 1 - mu_o ln(1 + 1 / mu_o).
+TEST(LayeredMaterial, FactorsInEvenLightAreTheirMean) {
+  const auto mean = [&](LayeredFactors factors, double theta_o, double ior, double g) {
+    Material material = skin(0.0, ior);
+    material.layers[0].g = {g, g, g};
+    Scene scene = plate(material, theta_o, 0.0);
+    const auto l = static_cast<float>(0.5 / pi);
+    scene.lights = {EnvironmentLight{.scale = {l, l, l}}};
+    scene.render.factors = factors;
+    scene.render.samples_per_pixel = 4096;
+    return mean_of(render(scene).image, 1);
+  };
+  for (const double theta_o : {0.3, 1.2}) {
+    const double mu_o = std::cos(theta_o);
+    EXPECT_NEAR(mean({.seeliger = true}, theta_o, 1.0, 0.5),
+                1.0 - mu_o * std::log(1.0 + 1.0 / mu_o), 2e-3);
+  }
+  EXPECT_NEAR(mean({.fresnel = true}, 0.3, 1.4, 0.5),
+              (1.0 - fresnel(std::cos(0.3), 1.4)) * (1.0 - mean_fresnel(1.4)), 2e-3);
+  for (const double theta_o : {0.3, 1.2})
+    EXPECT_NEAR(mean({.phase = true}, theta_o, 1.0, 0.75), mean_phase(theta_o, 0.75), 3e-3);
 }
 
 // Maps that vary nothing, and values between the rows of the table.

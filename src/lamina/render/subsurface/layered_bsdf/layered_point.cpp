@@ -1,5 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -17,6 +18,15 @@ BandValues<N> entering(const SurfaceBoundary& boundary, float mu, const BandValu
   const BandValues<N> smooth = BandValues<N>::filled(1.0f) - surface;
   return (1.0f - reflectance(boundary, mu)) *
          (BandValues<N>::filled(1.0f) / max(smooth, BandValues<N>::filled(1e-6f)));
+}
+
+/// Factors have no cosine, so their directions are drawn evenly.
+constexpr float uniform_hemisphere_pdf = 0.5f * std::numbers::inv_pi_v<float>;
+
+Vec3f sample_uniform_hemisphere(Vec2f u) {
+  const float sin_theta = std::sqrt(std::max(1.0f - u.x * u.x, 0.0f));
+  const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
+  return {sin_theta * std::cos(phi), sin_theta * std::sin(phi), u.x};
 }
 
 }  // namespace
@@ -62,7 +72,7 @@ typename LayeredPoint<N>::Value LayeredPoint<N>::factors(const Vec3f& wi) const 
     product *= 4.0f * std::numbers::pi_v<float> *
                layer_phase(layers_.stack, layer, min(one_minus_cos, Bands::filled(2.0f)));
   }
-  return {.bsdf = product, .pdf = wi.z * std::numbers::inv_pi_v<float>};
+  return {.bsdf = product, .pdf = uniform_hemisphere_pdf};
 }
 
 template <int N>
@@ -83,6 +93,10 @@ typename LayeredPoint<N>::Value LayeredPoint<N>::evaluate(const Vec3f& wi,
 template <int N>
 typename LayeredPoint<N>::Sample LayeredPoint<N>::sample(float u, Vec2f u2,
                                                          PixelSamples& samples) const {
+  if (layers_.factors.any()) {
+    const Vec3f wi = sample_uniform_hemisphere(u2);
+    return wi.z > 0.0f ? Sample{.wi = wi, .value = factors(wi)} : Sample{};
+  }
   typename SampledLayers<N>::Sample drawn;
   if (is_random()) {
     Random random = make_stream(samples);
@@ -103,7 +117,8 @@ typename LayeredPoint<N>::Sample LayeredPoint<N>::sample(float u, Vec2f u2,
 
 template <int N>
 BandValues<N> LayeredPoint<N>::mirrored_inside() const {
-  return layers_.is_bare ? layers_.color * scattering_.mirrored_inside() : Bands{};
+  return layers_.is_bare && !layers_.factors.any() ? layers_.color * scattering_.mirrored_inside()
+                                                   : Bands{};
 }
 
 template class LayeredPoint<4>;
