@@ -13,17 +13,24 @@ namespace {
 
 using Range = std::pair<float, float>;
 
-Range range_of(const Image& image) {
+/// @param value_of  of a texel: red, green, blue
+template <class ValueOf>
+Range range_of(const Image& image, const ValueOf& value_of) {
   const Image rgb = rgb_image(image);
   Range range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
   for (int y = 0; y < rgb.height; ++y)
     for (int x = 0; x < rgb.width; ++x) {
-      const float* texel = rgb.at(x, y);
-      const float value = luminance({texel[0], texel[1], texel[2]});
+      const float value = value_of(rgb.at(x, y));
       if (!std::isfinite(value)) continue;
       range = {std::min(range.first, value), std::max(range.second, value)};
     }
   return range.first <= range.second ? range : Range{0.0f, 0.0f};
+}
+
+Range luminance_range(const Image& image) {
+  return range_of(image, [](const float* texel) {
+    return luminance({texel[0], texel[1], texel[2]});
+  });
 }
 
 Range range_of(const NoiseMap& noise) {
@@ -40,7 +47,7 @@ std::pair<float, float> range_of(const std::vector<Image>& images,
     if (const auto& map = term.map) {
       const auto* image = std::get_if<ImageMap>(&map->source);
       const Range source =
-          image ? range_of(images[image->image]) : range_of(std::get<NoiseMap>(map->source));
+          image ? luminance_range(images[image->image]) : range_of(std::get<NoiseMap>(map->source));
       a *= clamp_to_range(*map, map->offset + map->scale * source.first);
       b *= clamp_to_range(*map, map->offset + map->scale * source.second);
     }
@@ -48,6 +55,22 @@ std::pair<float, float> range_of(const std::vector<Image>& images,
     total.second += std::max(a, b);
   }
   return total;
+}
+
+std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images, const ColorParameter& color) {
+  Vec3f low = color.value, high = color.value;
+  if (const auto& map = color.map)
+    for (int c = 0; c < 3; ++c) {
+      const auto* image = std::get_if<ImageMap>(&map->source);
+      const Range source =
+          image ? range_of(images[image->image], [c](const float* texel) { return texel[c]; })
+                : range_of(std::get<NoiseMap>(map->source));
+      const float a = clamp_to_range(*map, map->offset + map->scale * source.first);
+      const float b = clamp_to_range(*map, map->offset + map->scale * source.second);
+      low[c] *= std::min(a, b);
+      high[c] *= std::max(a, b);
+    }
+  return {low, high};
 }
 
 }  // namespace lamina

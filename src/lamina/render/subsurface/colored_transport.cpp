@@ -2,12 +2,16 @@
 #include "lamina/render/subsurface/colored_transport.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/reflectance/material_totals.h"
+#include "lamina/render/subsurface/nearby_point.h"
+#include "lamina/scattering/diffusion/diffusion_profile.h"
 
 namespace lamina {
 namespace {
@@ -16,6 +20,11 @@ using ColorUse = SubsurfaceSurface::ColorUse;
 
 const SubsurfaceSurface& surface_of(const RenderScene& scene, std::uint32_t material) {
   return std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
+}
+
+bool scatters(const LayerStack& stack) {
+  return std::ranges::all_of(stack.layers(),
+                             [](const Layer& layer) { return layer.medium.sigma_s > 0.0; });
 }
 
 }  // namespace
@@ -57,24 +66,37 @@ ColoredTransport<N>::ColoredTransport(const RenderScene& scene, const BandConver
     : scene_(scene),
       conversion_(conversion),
       surface_(surface_of(scene, material)),
+      material_(material),
       inside_(std::move(inside)),
       mean_color_(mean_of_map(scene.textures, surface_.color)) {
-  if (surface_.color_use != ColorUse::invert) return;
-  const std::vector<EnteredTotals> totals =
-      material_totals(layer_stacks(colored_medium<N>(scene, conversion, material)));
+  const std::vector<LayerStack> layers =
+      layer_stacks(colored_medium<N>(scene, conversion, material));
+  const std::vector<EnteredTotals> totals = material_totals(layers);
   for (std::size_t b = 0; b < totals.size(); ++b)
     reflected_[static_cast<int>(b)] = static_cast<float>(std::max(totals[b].reflectance, 1e-6));
+  if (surface_.color_use != ColorUse::scale || !std::ranges::all_of(layers, scatters)) return;
+  const Profile profile = make_diffusion_profile(layers).profile;
+  profile_.emplace(profile, make_radius_grid({profile}), Bands::filled(1.0f));
+}
+
+template <int N>
+SurfacePoint ColoredTransport<N>::colored_at(const SurfacePoint& point,
+                                             PixelSamples& samples) const {
+  if (!profile_) return point;
+  const Vec2f u = samples.next_2d();
+  const float r = profile_->sample_radius(u.x), phi = 2.0f * float_pi * u.y;
+  return nearby_point(scene_, material_, point, {r * std::cos(phi), r * std::sin(phi)},
+                      profile_->support_radius());
 }
 
 template <int N>
 BandValues<N> ColoredTransport<N>::scale(const SurfacePoint& point) const {
-  const Vec3f color = scene_.textures.color(surface_.color, point);
-  Vec3f by{std::max(color.x, 0.0f), std::max(color.y, 0.0f), std::max(color.z, 0.0f)};
+  Vec3f color = scene_.textures.color(surface_.color, point);
   if (surface_.color_use == ColorUse::scale)
-    for (int c = 0; c < 3; ++c) by[c] /= mean_color_[c];
-  Bands result = conversion_.from_rgb(by);
-  for (int b = 0; b < N; ++b) result[b] = std::max(result[b], 0.0f) / reflected_[b];
-  return result;
+    for (int c = 0; c < 3; ++c) color[c] /= mean_color_[c];
+  const Bands by = max(conversion_.from_rgb(color), Bands{});
+  const Bands most = Bands::filled(1.0f) / reflected_;
+  return surface_.color_use == ColorUse::invert ? by * most : min(by, most);
 }
 
 template <int N>

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/profiles/profile_table.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
@@ -19,9 +21,13 @@ template <int N>
 [[nodiscard]] Material colored_medium(const RenderScene& scene, const BandConversion<N>& conversion,
                                       std::uint32_t material);
 
-/// Colors the light of a method whose medium is colored_medium: what leaves is scaled, by the color
-/// over its mean, or where the color is inverted, by the color over what the medium reflects. So on
-/// flat layers an inverted color is met everywhere; how far light spreads follows the mean.
+/// Colors the light of a method whose medium is colored_medium. Where the color is inverted, what
+/// leaves is scaled by the color over what the medium reflects: so on flat layers it is met
+/// everywhere; how far light spreads follows the mean. Else what leaves is scaled by the color over
+/// its mean, spread by the profile of flat layers, and so little that flat layers never send back
+/// more than they get.
+///
+/// Source: [DonnerJensen2005] §3.1.
 template <int N>
 class ColoredTransport final : public SubsurfaceMethod<N> {
  public:
@@ -40,19 +46,25 @@ class ColoredTransport final : public SubsurfaceMethod<N> {
   }
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override {
-    return scale(exit.point) * inside_->leaving_radiance(exit, light, samples);
+    return scale(colored_at(exit.point, samples)) * inside_->leaving_radiance(exit, light, samples);
   }
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
 
  private:
   [[nodiscard]] Bands scale(const SurfacePoint& point) const;
+  /// Where the color of light that leaves at a point is looked up: one that scales at random, by
+  /// the profile around it.
+  [[nodiscard]] SurfacePoint colored_at(const SurfacePoint& point, PixelSamples& samples) const;
 
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   const SubsurfaceSurface& surface_;
+  std::uint32_t material_;
   std::unique_ptr<SubsurfaceMethod<N>> inside_;
   Vec3f mean_color_;
-  Bands reflected_ = Bands::filled(1.0f);  ///< by the medium of an inverted color
+  Bands reflected_ = Bands::filled(1.0f);  ///< by flat layers of the medium
+  std::optional<ProfileTable<N>>
+      profile_;  ///< of a color that scales; none if light hardly scatters
 };
 
 }  // namespace lamina

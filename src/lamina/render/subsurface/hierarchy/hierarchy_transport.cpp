@@ -13,6 +13,8 @@
 namespace lamina {
 namespace {
 
+using ColorUse = SubsurfaceSurface::ColorUse;
+
 /// Samples to the radius that holds half of the light of the narrowest band.
 constexpr float samples_per_half_radius = 3.0f;
 
@@ -172,8 +174,10 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
               .albedo_index = {}};
     for (std::size_t b = 0; b < cloud.bands; ++b)
       sample.irradiance[static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
-    if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
-      sample.albedo_index = profiles_.albedo_index(conversion_.from_rgb(point.albedo));
+    if (surface_.color_use == ColorUse::scale)
+      sample.irradiance *= profiles_.entering_color(point.thickness, point.albedo);
+    if (surface_.color_use == ColorUse::invert)
+      sample.albedo_index = profiles_.albedo_index(point.albedo);
   }
   points_ = cloud.points;
   points_.resize(std::min(points_.size(), cloud.wide_from));
@@ -196,25 +200,17 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
 
 template <int N>
 BandValues<N> HierarchyTransport<N>::effect_of_color(const Vec3f& color) const {
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale) return profiles_.color_scale(color);
-  Bands effect = Bands::filled(1.0f);
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::invert) {
-    const Bands reflectance = conversion_.from_rgb(color);
-    for (int b = 0; b < N; ++b) effect[b] = std::max(reflectance[b], 1e-3f);
-  }
-  return effect;
+  return surface_.color_use == ColorUse::invert
+             ? max(conversion_.from_rgb(color), Bands::filled(1e-3f))
+             : Bands::filled(1.0f);
 }
 
 template <int N>
 BandValues<N> HierarchyTransport<N>::exitance_without_color(const CloudPoint& point) const {
-  Local local = profiles_.profiles_for(point.thickness, point.albedo);
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale) local.scale = Bands::filled(1.0f);
-  Bands exitance = summed_exitance(point.position, point.normal, local);
-  if (local.is_inverted) {
-    const Bands effect = effect_of_color(point.albedo);
-    for (int b = 0; b < N; ++b) exitance[b] /= effect[b];
-  }
-  return exitance;
+  const Bands exitance = summed_exitance(point.position, point.normal,
+                                         profiles_.profiles_for(point.thickness, point.albedo));
+  return surface_.color_use == ColorUse::invert ? exitance / effect_of_color(point.albedo)
+                                                : exitance;
 }
 
 template <int N>
@@ -227,9 +223,9 @@ BandValues<N> HierarchyTransport<N>::exitance(const SurfacePoint& point) const {
     total += near.weight[i] * exitance_.at(near.point[i], [this](std::size_t k) {
       return exitance_without_color(points_[k]);
     });
-  for (int b = 0; b < N; ++b) total[b] = std::max(total[b], 0.0f);  // where a line overshoots
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::none) return total;
-  return total * effect_of_color(profiles_.color_at(point));
+  total = max(total, Bands{});  // where a line overshoots
+  return surface_.color_use == ColorUse::invert ? total * effect_of_color(profiles_.color_at(point))
+                                                : total;
 }
 
 template <int N>

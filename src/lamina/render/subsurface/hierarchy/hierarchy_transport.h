@@ -34,10 +34,8 @@ struct LightSampling {
 /// patches that are seen, once, and between them interpolated.
 ///
 /// The profiles are those of ProbeTransport, with the same assumptions: what it draws at random
-/// is summed here. Where a color is inverted the profile between two points is that of their mean
-/// absorption (in its logarithm), so that transport is reciprocal; ProbeTransport takes that of
-/// the exit. Detail of the light finer than the spacing of the samples is blurred; that of the
-/// color is kept.
+/// is summed here. Detail of the light finer than the spacing of the samples is blurred, and so is
+/// that of a color that scales it; that of an inverted color is kept.
 ///
 /// Opaque objects inside stop light: the sum is scaled by the fraction that InnerBlockers finds.
 ///
@@ -118,7 +116,7 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
       const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
   [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
-  /// The same at a sample, over what the surface's color there makes of it.
+  /// The same at a sample, over what an inverted color there makes of it.
   [[nodiscard]] Bands exitance_without_color(const CloudPoint& point) const;
   [[nodiscard]] Bands effect_of_color(const Vec3f& color) const;
 

@@ -43,6 +43,9 @@ LayeredPoint<N>::LayeredPoint(Layers layers, const SurfaceBoundary& boundary, co
   const Bands& surface = scattering_.beam().surface;
   entering_ = layers_.is_bare ? Bands::filled(1.0f) : entering(boundary, wo.z, surface);
   const auto& rows = layers_.own ? layers_.own->reflected : layers_.higher->reflected;
+  // A color over its mean may ask for more than all light.
+  for (const Bands& row : rows)
+    layers_.color = min(layers_.color, Bands::filled(1.0f) / max(row, Bands::filled(1e-6f)));
   reflectance_ = layers_.color * entering_ * (Bands::filled(1.0f) - surface) * value_at(rows, wo.z);
 }
 

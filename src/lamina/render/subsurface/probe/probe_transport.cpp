@@ -24,6 +24,7 @@ BandValues<N> ProbeTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                   PixelSamples& samples) const {
   const SurfacePoint& point = exit.point;
   const auto local = profiles_.profiles_at(point);
+  const RadiusMixture<N> radii = profiles_.radius_mixture(local);
   const float support = profiles_.support_radius();
   const Framef frame = make_frame(point.smooth_normal);
   const std::array<Vec3f, 3> axes = {frame.x, frame.y, frame.z};
@@ -34,7 +35,7 @@ BandValues<N> ProbeTransport<N>::leaving_radiance(const ExitPoint& exit,
   SurfacePoint entry;
   const auto probe_along = [&](std::size_t axis, Vec2f u) {
     const Vec3f &probe = axes[axis], &across = axes[(axis + 1) % 3], &along = axes[(axis + 2) % 3];
-    const float r = profiles_.sample_radius(local, u.x), phi = 2.0f * float_pi * u.y;
+    const float r = radii.sample_radius(u.x), phi = 2.0f * float_pi * u.y;
     const float half = std::sqrt(std::max(support * support - r * r, 1e-6f * support * support));
     const Vec3f origin =
         point.position + r * (std::cos(phi) * across + std::sin(phi) * along) + half * probe;
@@ -54,11 +55,13 @@ BandValues<N> ProbeTransport<N>::leaving_radiance(const ExitPoint& exit,
       const float height = dot(offset, probe);
       const float across_probe = std::sqrt(std::max(dot(offset, offset) - height * height, 0.0f));
       // Mean number of probes that find the point, per area of the surface.
-      const float density = probes_along[axis] * facing[static_cast<int>(axis)] *
-                            profiles_.density(local, across_probe);
+      const float density =
+          probes_along[axis] * facing[static_cast<int>(axis)] * radii.density(across_probe);
       if (!(density > 0.0f)) continue;
+      const Bands index =
+          local.is_inverted ? profiles_.albedo_index(profiles_.color_at(candidate)) : Bands{};
       const Bands value = (1.0f / density) * profiles_.evaluate(local, offset, point.smooth_normal,
-                                                                candidate.smooth_normal);
+                                                                candidate.smooth_normal, index);
       const float weight = sum(value);
       if (!(weight > 0.0f)) continue;
       total += weight;
@@ -86,7 +89,7 @@ BandValues<N> ProbeTransport<N>::leaving_radiance(const ExitPoint& exit,
   if (material.bump || material.normal_map)
     entry.normal = bent_normal(scene_.textures, material, entry);
   return (leaving_fraction(exit, is_printed_exit_) * total / chosen_weight) * chosen_value *
-         light.entering_irradiance(entry, samples);
+         profiles_.entering_color(entry) * light.entering_irradiance(entry, samples);
 }
 
 template class ProbeTransport<4>;

@@ -15,18 +15,13 @@ typename GatherProfiles<N>::Exit GatherProfiles<N>::exit_at(
     const Vec3f& normal, const typename MaterialProfiles<N>::Local& local,
     const MaterialProfiles<N>& profiles) const {
   const auto* first = profiles.by_thickness().data();
-  Exit exit{.normal = normal,
-            .low = &by_thickness_[static_cast<std::size_t>(local.low - first)],
-            .high = &by_thickness_[static_cast<std::size_t>(local.high - first)],
-            .blend = local.blend,
-            .is_inverted = local.is_inverted,
-            .albedo_index = {},
-            .scale = local.scale};
-  if (local.is_inverted)
-    for (int b = 0; b < N; ++b)
-      exit.albedo_index[b] =
-          static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
-  return exit;
+  return {.normal = normal,
+          .low = &by_thickness_[static_cast<std::size_t>(local.low - first)],
+          .high = &by_thickness_[static_cast<std::size_t>(local.high - first)],
+          .blend = local.blend,
+          .is_inverted = local.is_inverted,
+          .albedo_index = local.albedo_index,
+          .scale = local.scale};
 }
 
 /// The half-space of the colors, thinned by as much as the material itself is.

@@ -11,6 +11,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/colored_transport.h"
+#include "lamina/surface/map_range.h"
 
 namespace lamina {
 namespace {
@@ -35,6 +36,19 @@ BandValues<N> per_entered(const Profile& profile, std::span<const LayerStack> ba
                                       : static_cast<float>(1.0 / (1.0 - fresnel(1.0, eta)));
   }
   return factor;
+}
+
+using ColorUse = SubsurfaceSurface::ColorUse;
+
+/// The one with the least absorption that is not all but white: of that light goes far, and tables
+/// that held it would be coarse for others.
+const Profile& widest_profile(const AbsorptionSeries& series) {
+  constexpr double whitest = 0.99;
+  std::size_t i = 0;
+  while (i + 1 < series.size() &&
+         *std::ranges::max_element(series.profiles()[i].total_reflectance) > whitest)
+    ++i;
+  return series.profiles()[i];
 }
 
 }  // namespace
@@ -66,20 +80,36 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
     }
   }
   add(layers);
-  const std::size_t slabs = variants.size();
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::invert)
-    for (double factor = 1.0 / 64.0; factor < 3000.0; factor *= 2.0)
-      add(changed(layers, [&](const LayerStack& stack) { return with_absorption(stack, factor); }));
-  // Of the material itself; inversion may need one of an eighth of its absorption.
-  std::vector<Profile> widest = {profiles[slabs - 1]};
-  if (profiles.size() > slabs) widest.push_back(profiles[slabs + 3]);
+  std::vector<Profile> widest = {profiles.back()};
+  const auto series = make_series(layers, make_profile);
+  if (series) widest.push_back(widest_profile(*series));
   const RadiusGrid grid = make_radius_grid(widest);
   support_radius_ = grid.last;
   for (std::size_t i = 0; i < variants.size(); ++i)
-    (i < slabs ? by_thickness_ : by_absorption_)
-        .emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
-  if (surface_.color_use == SubsurfaceSurface::ColorUse::scale)
+    by_thickness_.emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
+  if (series)
+    for (std::size_t i = 0; i < series->size(); ++i)
+      by_absorption_.emplace_back(series->profiles()[i], grid,
+                                  per_entered<N>(series->profiles()[i], series->layers(i)));
+  if (surface_.color_use == ColorUse::scale)
     mean_color_ = mean_of_map(scene.textures, surface_.color);
+  if (series) brightest_index_ = albedo_index(range_of(scene.scene->images, surface_.color).second);
+}
+
+/// As far as the colors of the map go.
+template <int N>
+std::optional<AbsorptionSeries> MaterialProfiles<N>::make_series(
+    const std::vector<LayerStack>& layers, const ProfileMaker& make_profile) const {
+  if (surface_.color_use != ColorUse::invert) return std::nullopt;
+  const auto [low, high] = range_of(scene_.scene->images, surface_.color);
+  const auto reflectance = [&](const Vec3f& color) {
+    const Bands bands = conversion_.from_rgb(color);
+    return std::vector<double>(bands.v, bands.v + layers.size());
+  };
+  return AbsorptionSeries(layers, {.darkest = reflectance(low), .brightest = reflectance(high)},
+                          [&](const std::vector<LayerStack>& variant) {
+                            return make_profile(surface_.material, variant);
+                          });
 }
 
 template <int N>
@@ -102,23 +132,39 @@ float MaterialProfiles<N>::thickness_at(const SurfacePoint& point) const {
 
 template <int N>
 Vec3f MaterialProfiles<N>::color_at(const SurfacePoint& point) const {
-  return surface_.color_use == SubsurfaceSurface::ColorUse::none
-             ? Vec3f{1, 1, 1}
-             : scene_.textures.color(surface_.color, point);
+  return surface_.color_use == ColorUse::none ? Vec3f{1, 1, 1}
+                                              : scene_.textures.color(surface_.color, point);
 }
 
 template <int N>
-BandValues<N> MaterialProfiles<N>::color_scale(const Vec3f& color) const {
-  return conversion_.from_rgb({std::max(color.x / mean_color_.x, 0.0f),
-                               std::max(color.y / mean_color_.y, 0.0f),
-                               std::max(color.z / mean_color_.z, 0.0f)});
+BandValues<N> MaterialProfiles<N>::entering_color(float thickness, const Vec3f& color) const {
+  if (surface_.color_use != ColorUse::scale) return Bands::filled(1.0f);
+  const Bands scale = max(conversion_.from_rgb({color.x / mean_color_.x, color.y / mean_color_.y,
+                                                color.z / mean_color_.z}),
+                          Bands{});
+  if (!(largest(scale) > 1.0f)) return scale;
+  const Local local = profiles_for(thickness, color);
+  const auto leaving = [](const ProfileTable<N>& table) {
+    return table.total_reflectance() + table.total_transmittance();
+  };
+  const Bands low = leaving(*local.low);
+  const Bands all = low + local.blend * (leaving(*local.high) - low);
+  Bands most = Bands::filled(1.0f);
+  for (int b = 0; b < bands_; ++b) most[b] = 1.0f / std::clamp(all[b], 1e-6f, 1.0f);
+  return min(scale, most);
+}
+
+template <int N>
+BandValues<N> MaterialProfiles<N>::entering_color(const SurfacePoint& point) const {
+  if (surface_.color_use != ColorUse::scale) return Bands::filled(1.0f);
+  return entering_color(thickness_at(point), color_at(point));
 }
 
 template <int N>
 typename MaterialProfiles<N>::Local MaterialProfiles<N>::profiles_for(float thickness,
                                                                       const Vec3f& color) const {
   Local local;
-  local.low = local.high = local.sampling = &by_thickness_.back();
+  local.low = local.high = &by_thickness_.back();
   if (!thicknesses_.empty() && thickness < thicknesses_.back()) {
     std::size_t i = 0;
     while (i + 1 < thicknesses_.size() && thicknesses_[i + 1] < thickness) ++i;
@@ -126,81 +172,96 @@ typename MaterialProfiles<N>::Local MaterialProfiles<N>::profiles_for(float thic
     local.high = &by_thickness_[std::min(i + 1, thicknesses_.size() - 1)];
     const float at = std::log2(std::max(thickness / thicknesses_[i], 1.0f)) * 2.0f;
     local.blend = std::min(at, 1.0f);
-    local.sampling = local.blend < 0.5f ? local.low : local.high;
   }
-  using ColorUse = SubsurfaceSurface::ColorUse;
-  if (surface_.color_use == ColorUse::scale)
-    local.scale = color_scale(color);
-  else if (surface_.color_use == ColorUse::invert)
-    invert_albedo(conversion_.from_rgb(color), local);
+  if (surface_.color_use != ColorUse::invert) return local;
+  local.is_inverted = true;
+  const Bands wanted = conversion_.from_rgb(color);
+  for (int b = 0; b < bands_; ++b) {
+    const auto [node, blend] = find_reflectance(wanted[b], b);
+    local.albedo_index[b] = static_cast<float>(node) + blend;
+    const float low = by_absorption_[node].total_reflectance()[b],
+                high = by_absorption_[node + 1].total_reflectance()[b];
+    // What absorption alone cannot give: brighter than the whitest, darker than the blackest.
+    local.scale[b] = std::max(wanted[b], 0.0f) / std::max(low + blend * (high - low), 1e-6f);
+  }
   return local;
 }
 
 template <int N>
-void MaterialProfiles<N>::invert_albedo(const Bands& target, Local& local) const {
-  local.is_inverted = true;
-  float all = 0.0f;
-  for (int b = 0; b < bands_; ++b) {
-    const auto total = [&](std::size_t i) { return by_absorption_[i].total_reflectance()[b]; };
-    if (!(total(0) > 0.0f)) continue;
-    std::size_t i = 0;
-    while (i + 2 < by_absorption_.size() && total(i + 1) > target[b]) ++i;
-    const float blend =
-        std::clamp((total(i) - target[b]) / std::max(total(i) - total(i + 1), 1e-9f), 0.0f, 1.0f);
-    local.node[static_cast<std::size_t>(b)] = static_cast<std::uint8_t>(i);
-    local.node_blend[b] = blend;
-    // What absorption alone cannot give: brighter than the whitest, darker than the blackest.
-    const float reached = total(i) + blend * (total(i + 1) - total(i));
-    local.scale[b] = std::max(target[b], 0.0f) / std::max(reached, 1e-6f);
-    local.fraction[b] = std::max(target[b], 1e-3f);
-    all += local.fraction[b];
-  }
-  // Where the object is thin, half of the samples are for what passes it.
-  local.fraction *= (local.low == &by_thickness_.back() ? 1.0f : 0.5f) / std::max(all, 1e-6f);
+typename MaterialProfiles<N>::Between MaterialProfiles<N>::find_reflectance(float reflectance,
+                                                                            int band) const {
+  const auto total = [&](std::size_t i) { return by_absorption_[i].total_reflectance()[band]; };
+  Between found;
+  while (found.node + 2 < by_absorption_.size() && total(found.node + 1) > reflectance)
+    ++found.node;
+  const float low = total(found.node), high = total(found.node + 1);
+  found.blend = std::clamp((low - reflectance) / std::max(low - high, 1e-9f), 0.0f, 1.0f);
+  return found;
 }
 
 template <int N>
-BandValues<N> MaterialProfiles<N>::albedo_index(const Bands& reflectance) const {
-  Local local;
-  local.low = &by_thickness_.back();
-  invert_albedo(reflectance, local);
+BandValues<N> MaterialProfiles<N>::albedo_index(const Vec3f& color) const {
   Bands index;
-  for (int b = 0; b < bands_; ++b)
-    index[b] = static_cast<float>(local.node[static_cast<std::size_t>(b)]) + local.node_blend[b];
+  if (by_absorption_.empty()) return index;
+  const Bands wanted = conversion_.from_rgb(color);
+  for (int b = 0; b < bands_; ++b) {
+    const auto [node, blend] = find_reflectance(wanted[b], b);
+    index[b] = static_cast<float>(node) + blend;
+  }
   return index;
 }
 
 template <int N>
-float MaterialProfiles<N>::sample_radius(const Local& local, float u) const {
-  if (!local.is_inverted) return local.sampling->sample_radius(u);
-  float fraction = 0.0f;
-  for (int b = 0; b < bands_; ++b, u -= fraction) {
-    fraction = local.fraction[b];
-    if (u >= fraction) continue;
-    const std::size_t i =
-        local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
-    return by_absorption_[i].sample_radius(u / fraction, b);
+RadiusMixture<N> MaterialProfiles<N>::radius_mixture(const Local& local) const {
+  using Table = ProfileTable<N>;
+  RadiusMixture<N> mixture;
+  const float low = 1.0f - local.blend, high = local.blend;
+  constexpr float least = 1e-6f;  // of a black slab
+  if (!local.is_inverted) {
+    mixture.add(*local.low, Table::all_bands, low * std::max(local.low->sampled_light(), least));
+    mixture.add(*local.high, Table::all_bands, high * std::max(local.high->sampled_light(), least));
+    return mixture;
   }
-  const float rest = local.low == &by_thickness_.back() ? 1.0f : 0.5f;
-  return local.sampling->sample_radius(std::clamp(u / rest, 0.0f, 0x1.fffffep-1f));
-}
-
-template <int N>
-float MaterialProfiles<N>::density(const Local& local, float r) const {
-  if (!local.is_inverted) return local.sampling->density(r);
-  float total = local.low == &by_thickness_.back() ? 0.0f : 0.5f * local.sampling->density(r);
+  // Brighter bands reach further and get more than their share ([Hery2003] §3 draws all points for
+  // the one that reaches furthest): others are as bright near by, where all have enough samples.
+  // Dark ones keep some for their steep middle.
+  Bands light, preference;
   for (int b = 0; b < bands_; ++b) {
-    const std::size_t i =
-        local.node[static_cast<std::size_t>(b)] + (local.node_blend[b] > 0.5f ? 1u : 0u);
-    total += local.fraction[b] * by_absorption_[i].density(r, b);
+    const auto [node, blend] = between(local.albedo_index[b]);
+    const float dark = by_absorption_[node + 1].total_reflectance()[b],
+                bright = by_absorption_[node].total_reflectance()[b];
+    light[b] = std::max(bright + blend * (dark - bright), 1e-3f);
+    preference[b] = light[b] * light[b];
   }
-  return total;
+  preference *= 0.9f / sum(preference);
+  for (int b = 0; b < bands_; ++b)
+    preference[b] = sum(light) * (preference[b] + 0.1f / static_cast<float>(bands_));
+  const auto add_band = [&](int b, float index, float weight) {
+    const auto [node, blend] = between(index);
+    const float bright = (1.0f - blend) * by_absorption_[node].total_reflectance()[b],
+                dark = blend * by_absorption_[node + 1].total_reflectance()[b];
+    weight /= std::max(bright + dark, 1e-9f);
+    mixture.add(by_absorption_[node], b, weight * bright);
+    mixture.add(by_absorption_[node + 1], b, weight * dark);
+  };
+  constexpr float for_widest = 0.25f;
+  for (int b = 0; b < bands_; ++b) {
+    const float index = local.albedo_index[b];
+    // With the brightest entry light spreads by the profile halfway to it.
+    const float widest = 0.5f * (index + brightest_index_[b]);
+    const bool has_wider = index - widest > 0.5f;
+    add_band(b, index, preference[b] * (has_wider ? 1.0f - for_widest : 1.0f));
+    if (has_wider) add_band(b, widest, preference[b] * for_widest);
+  }
+  mixture.add(*local.low, Table::passing, low * sum(local.low->total_transmittance()));
+  mixture.add(*local.high, Table::passing, high * sum(local.high->total_transmittance()));
+  return mixture;
 }
 
 template <int N>
 BandValues<N> MaterialProfiles<N>::evaluate(const Local& local, const Vec3f& offset,
-                                            const Vec3f& exit_normal,
-                                            const Vec3f& entry_normal) const {
+                                            const Vec3f& exit_normal, const Vec3f& entry_normal,
+                                            const Bands& entry_index) const {
   const float facing = std::clamp(dot(exit_normal, entry_normal), -1.0f, 1.0f);
   const float r2 = dot(offset, offset), r = std::sqrt(r2);
   const auto blended = [&](const Bands& a, const Bands& b) { return a + local.blend * (b - a); };
@@ -210,14 +271,15 @@ BandValues<N> MaterialProfiles<N>::evaluate(const Local& local, const Vec3f& off
     if (local.blend > 0.0f) reflected = blended(reflected, local.high->reflectance_profile(r));
   }
   if (local.is_inverted) {
-    // The half-space of the color wanted, thinned by as much as the material itself is.
+    // The half-space of the colors, thinned by as much as the material itself is.
     const Bands thick = by_thickness_.back().reflectance_profile(r);
     for (int b = 0; b < bands_; ++b) {
-      const std::size_t i = local.node[static_cast<std::size_t>(b)];
-      const float low = by_absorption_[i].reflectance_profile(r, b);
-      const float high = by_absorption_[i + 1].reflectance_profile(r, b);
+      const float index = 0.5f * (local.albedo_index[b] + entry_index[b]);
+      const auto [node, blend] = between(index);
+      const float low = by_absorption_[node].reflectance_profile(r, b);
+      const float high = by_absorption_[node + 1].reflectance_profile(r, b);
       const float thinned = thick[b] > 0.0f ? reflected[b] / thick[b] : 0.0f;
-      reflected[b] = thinned * (low + local.node_blend[b] * (high - low));
+      reflected[b] = thinned * (low + blend * (high - low));
     }
   }
   Bands total = 0.5f * (1.0f + facing) * reflected;
@@ -234,17 +296,14 @@ BandValues<N> MaterialProfiles<N>::evaluate(const Local& local, const Vec3f& off
 
 template <int N>
 BandValues<N> MaterialProfiles<N>::local_reflectance(const SurfacePoint& point) const {
-  using ColorUse = SubsurfaceSurface::ColorUse;
   const Bands& total = by_thickness_.back().total_reflectance();
   if (surface_.color_use == ColorUse::none) return total;
   const Vec3f color = scene_.textures.color(surface_.color, point);
-  const auto limited = [](Bands values) {
-    for (int b = 0; b < N; ++b) values[b] = std::clamp(values[b], 0.0f, 1.0f);
-    return values;
-  };
-  if (surface_.color_use == ColorUse::invert) return limited(conversion_.from_rgb(color));
-  return limited(total * conversion_.from_rgb({color.x / mean_color_.x, color.y / mean_color_.y,
-                                               color.z / mean_color_.z}));
+  constexpr float thick = std::numeric_limits<float>::infinity();
+  return min(max(surface_.color_use == ColorUse::invert ? conversion_.from_rgb(color)
+                                                        : total * entering_color(thick, color),
+                 Bands{}),
+             Bands::filled(1.0f));
 }
 
 template class MaterialProfiles<4>;

@@ -1,14 +1,17 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/profiles/profile_table.h"
+#include "lamina/render/subsurface/profiles/radius_mixture.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
@@ -19,7 +22,15 @@ namespace lamina {
 /// Where an object is thin, the profiles are those of a slab of its thickness there, coated on both
 /// sides by the layers above the last, and transmission is blended in by the normals.
 ///
-/// Source: [DonnerJensen2005] §3.1 for colors and thin parts; [Hery2003] §2 for inverted ones.
+/// A color that scales does so where light enters, so that the profile spreads color and light
+/// together: in even light that is the texture convolved with the profile and normalized to a mean
+/// of white, which scales what leaves. Of what enters at a point no more leaves than entered.
+///
+/// A color that is inverted sets the absorption at both ends: the profile between two points is
+/// that halfway between their places among the half-spaces, so that transport is reciprocal.
+///
+/// Source: [DonnerJensen2005] §3.1 for colors and thin parts, where the convolved texture scales
+/// the light that leaves; [Hery2003] §2 for inverted ones.
 template <int N>
 class MaterialProfiles {
  public:
@@ -35,13 +46,10 @@ class MaterialProfiles {
   /// The profiles at one exit point.
   struct Local {
     const ProfileTable<N>* low = nullptr;
-    const ProfileTable<N>* high = nullptr;      ///< a thicker slab
-    float blend = 0.0f;                         ///< from low to high
-    const ProfileTable<N>* sampling = nullptr;  ///< the one that radii are drawn from
+    const ProfileTable<N>* high = nullptr;  ///< a thicker slab
+    float blend = 0.0f;                     ///< from low to high
     bool is_inverted = false;
-    std::array<std::uint8_t, N> node{};  ///< [band] into by_absorption_, and how far to the next
-    Bands node_blend;
-    Bands fraction;  ///< of the samples that each band's own profile gets, under inversion
+    Bands albedo_index;  ///< [band] place in by_absorption(): node, and how far to the next
     Bands scale = Bands::filled(1.0f);
   };
   [[nodiscard]] Local profiles_at(const SurfacePoint& point) const {
@@ -50,32 +58,50 @@ class MaterialProfiles {
   /// @param thickness  of the object there [mm]
   /// @param color      of the material there
   [[nodiscard]] Local profiles_for(float thickness, const Vec3f& color) const;
-  /// A radius from the profiles of both sides, and the density of points in the plane that it has
-  /// [mm], [1/mm²].
-  [[nodiscard]] float sample_radius(const Local& local, float u) const;
-  [[nodiscard]] float density(const Local& local, float r) const;
+
+  /// What radii around an exit point are drawn from: the profiles of both sides, by their light.
+  /// Where a map makes other places brighter, and profiles between wider than that of the exit, a
+  /// quarter of the samples is for the widest there can be.
+  [[nodiscard]] RadiusMixture<N> radius_mixture(const Local& local) const;
+
   [[nodiscard]] float thickness_at(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f color_at(const SurfacePoint& point) const;
-  /// What a color that scales the light that leaves makes of it.
-  [[nodiscard]] Bands color_scale(const Vec3f& color) const;
+
+  /// What a color that scales makes of the light that enters: the color over the mean of its map,
+  /// but not so much that more would leave than entered. 1 for other colors.
+  [[nodiscard]] Bands entering_color(float thickness, const Vec3f& color) const;
+  [[nodiscard]] Bands entering_color(const SurfacePoint& point) const;
+
+  /// Where in by_absorption() a color is met; 0 where colors are not inverted.
+  [[nodiscard]] Bands albedo_index(const Vec3f& color) const;
 
   /// Slabs ever thicker, and last the material as its file says: what Local::low, high point into.
   [[nodiscard]] const std::vector<ProfileTable<N>>& by_thickness() const { return by_thickness_; }
-  /// Half-spaces ever darker, if the material's color is inverted: what Local::node points into.
+  /// Half-spaces ever darker, if the material's color is inverted.
   [[nodiscard]] const std::vector<ProfileTable<N>>& by_absorption() const { return by_absorption_; }
   /// The radius beyond which no profile has any light [mm].
   [[nodiscard]] float support_radius() const { return support_radius_; }
   /// The material itself, however thin the object is.
   [[nodiscard]] const ProfileTable<N>& of_material() const { return by_thickness_.back(); }
   /// Flux per area that leaves per flux that entered at an offset [mm] from the exit [1/mm²].
+  ///
+  /// @param entry_index  albedo_index of the color where it entered
   [[nodiscard]] Bands evaluate(const Local& local, const Vec3f& offset, const Vec3f& exit_normal,
-                               const Vec3f& entry_normal) const;
-
-  /// Where in by_absorption() a reflectance is met: index and fraction of the way to the next.
-  [[nodiscard]] Bands albedo_index(const Bands& reflectance) const;
+                               const Vec3f& entry_normal, const Bands& entry_index) const;
 
  private:
-  void invert_albedo(const Bands& target, Local& local) const;
+  [[nodiscard]] std::optional<AbsorptionSeries> make_series(const std::vector<LayerStack>& layers,
+                                                            const ProfileMaker& make_profile) const;
+  /// The half-spaces that meet a reflectance, and how far from one to the other.
+  struct Between {
+    std::size_t node = 0;
+    float blend = 0.0f;
+  };
+  [[nodiscard]] Between find_reflectance(float reflectance, int band) const;
+  [[nodiscard]] Between between(float index) const {
+    const std::size_t node = std::min(static_cast<std::size_t>(index), by_absorption_.size() - 2);
+    return {node, index - static_cast<float>(node)};
+  }
 
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
@@ -87,6 +113,7 @@ class MaterialProfiles {
   std::vector<ProfileTable<N>> by_absorption_;  ///< less and less reflecting
   int bands_ = 0;
   Vec3f mean_color_{1, 1, 1};
+  Bands brightest_index_;  ///< of all colors of the map
 };
 
 }  // namespace lamina

@@ -91,7 +91,7 @@ ProfileTable<N>::ProfileTable(const Profile& profile, const RadiusGrid& grid,
     radii_.push_back(std::exp2(log2_first_ + static_cast<float>(i) / nodes_per_octave_));
   reflectance_.resize(count);
   transmittance_.resize(count);
-  std::vector<double> mass(count, 0.0);
+  std::vector<double> mass(count, 0.0), mass_passing(count, 0.0);
   for (std::size_t b = 0; b < profile.bands; ++b) {
     const int band = static_cast<int>(b);
     for (const bool is_transmittance : {false, true}) {
@@ -115,6 +115,7 @@ ProfileTable<N>::ProfileTable(const Profile& profile, const RadiusGrid& grid,
         table[i][band] = static_cast<float>(scale * value[i]);
         mass_of_band.push_back(scale * cell(i));
         mass[i] += mass_of_band.back();
+        if (is_transmittance) mass_passing[i] += mass_of_band.back();
       }
       if (!is_transmittance) of_band_.push_back(make_density(mass_of_band));
       (is_transmittance ? total_transmittance_ : total_reflectance_)[band] =
@@ -122,6 +123,7 @@ ProfileTable<N>::ProfileTable(const Profile& profile, const RadiusGrid& grid,
     }
   }
   all_ = make_density(mass);
+  passing_ = make_density(mass_passing);
 }
 
 template <int N>
@@ -167,43 +169,26 @@ BandValues<N> ProfileTable<N>::transmittance_profile(float r) const {
 }
 
 template <int N>
-float ProfileTable<N>::sample_radius(float u, const Density& density) const {
-  const auto& ends = density.cumulative;
-  const auto at = std::upper_bound(ends.begin(), ends.end() - 1, u);
-  const auto i = static_cast<std::size_t>(at - ends.begin());
-  const float low = i > 0 ? ends[i - 1] : 0.0f;
-  const float f = std::clamp((u - low) / std::max(ends[i] - low, 1e-12f), 0.0f, 1.0f);
-  const float r0 = i > 0 ? radii_[i - 1] : 0.0f, r1 = radii_[i];
+float ProfileTable<N>::radius_in(std::size_t ring, float f) const {
+  const float r0 = ring > 0 ? radii_[ring - 1] : 0.0f, r1 = radii_[ring];
   return std::sqrt(r0 * r0 + f * (r1 * r1 - r0 * r0));
 }
 
 template <int N>
-float ProfileTable<N>::density_at(float r, const Density& density) const {
-  if (r <= radii_.front()) return density.per_area.front();
-  if (r >= radii_.back()) return 0.0f;
-  // The logarithm may land one ring off where r lies on an edge; the densities meet there.
-  return density
-      .per_area[std::min(static_cast<std::size_t>(place(r)) + 1, density.per_area.size() - 1)];
-}
-
-template <int N>
 float ProfileTable<N>::sample_radius(float u) const {
-  return sample_radius(u, all_);
+  const auto& ends = all_.cumulative;
+  const auto at = std::upper_bound(ends.begin(), ends.end() - 1, u);
+  const auto i = static_cast<std::size_t>(at - ends.begin());
+  const float low = i > 0 ? ends[i - 1] : 0.0f;
+  return radius_in(i, std::clamp((u - low) / std::max(ends[i] - low, 1e-12f), 0.0f, 1.0f));
 }
 
 template <int N>
-float ProfileTable<N>::density(float r) const {
-  return density_at(r, all_);
-}
-
-template <int N>
-float ProfileTable<N>::sample_radius(float u, int band) const {
-  return sample_radius(u, of_band_[static_cast<std::size_t>(band)]);
-}
-
-template <int N>
-float ProfileTable<N>::density(float r, int band) const {
-  return density_at(r, of_band_[static_cast<std::size_t>(band)]);
+std::size_t ProfileTable<N>::ring(float r) const {
+  if (r <= radii_.front()) return 0;
+  if (r >= radii_.back()) return radii_.size();
+  // The logarithm may land one ring off where r lies on an edge; the densities meet there.
+  return std::min(static_cast<std::size_t>(place(r)) + 1, radii_.size() - 1);
 }
 
 template class ProfileTable<4>;

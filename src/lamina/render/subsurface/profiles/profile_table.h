@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "lamina/scattering/profile/profile.h"
@@ -24,7 +25,7 @@ struct RadiusGrid {
 ///
 /// The density is the sum of all their profiles. So what a sample weighs, summed over the bands, is
 /// the same at every radius, and no band weighs more than that: one set of points serves all bands,
-/// without color grain.
+/// with little color grain.
 template <int N>
 class ProfileTable {
  public:
@@ -43,11 +44,27 @@ class ProfileTable {
 
   /// Radius [mm] for u in [0, 1), and the density of points in the plane that it has [1/mm²].
   [[nodiscard]] float sample_radius(float u) const;
-  [[nodiscard]] float density(float r) const;
+  [[nodiscard]] float density(float r) const { return density_in(ring(r), all_bands); }
 
-  /// The same for the reflectance of one band alone.
-  [[nodiscard]] float sample_radius(float u, int band) const;
-  [[nodiscard]] float density(float r, int band) const;
+  /// Of which light a density of radii is.
+  static constexpr int all_bands = -1, passing = -2;  ///< else what a band reflects
+
+  /// The ring in which a radius lies, the same in all tables on one grid; `rings` beyond all.
+  [[nodiscard]] std::size_t ring(float r) const;
+  [[nodiscard]] std::size_t rings() const { return radii_.size(); }
+  /// A radius in a ring, points being even over it, for f in [0, 1].
+  [[nodiscard]] float radius_in(std::size_t ring, float f) const;
+  /// The density in a ring, and its share of the light within the outer edge of it.
+  [[nodiscard]] float density_in(std::size_t ring, int light) const {
+    return ring < radii_.size() ? density_of(light).per_area[ring] : 0.0f;
+  }
+  [[nodiscard]] float share_within(std::size_t ring, int light) const {
+    return density_of(light).cumulative[ring];
+  }
+  /// The light that the density of all bands follows, in total.
+  [[nodiscard]] float sampled_light() const {
+    return sum(total_reflectance_) + sum(total_transmittance_);
+  }
 
   /// One band of reflectance_profile.
   [[nodiscard]] float reflectance_profile(float r, int band) const;
@@ -62,15 +79,18 @@ class ProfileTable {
     std::vector<float> cumulative;  ///< [cell], ends at 1
   };
   [[nodiscard]] Density make_density(const std::vector<double>& mass) const;
-  [[nodiscard]] float sample_radius(float u, const Density& density) const;
-  [[nodiscard]] float density_at(float r, const Density& density) const;
+  [[nodiscard]] const Density& density_of(int light) const {
+    return light == all_bands ? all_
+           : light == passing ? passing_
+                              : of_band_[static_cast<std::size_t>(light)];
+  }
   [[nodiscard]] float place(float r) const;
 
   float log2_first_ = 0.0f, nodes_per_octave_ = 1.0f;
   std::vector<float> radii_;
   std::vector<BandValues<N>> reflectance_, transmittance_;  ///< [radius] [1/mm²]
   BandValues<N> total_reflectance_, total_transmittance_;
-  Density all_;
+  Density all_, passing_;
   std::vector<Density> of_band_;  ///< [band], of reflectance
 };
 

@@ -47,6 +47,13 @@ SampledRadius sample_radius(const std::vector<float>& r2, float u) {
   return {std::sqrt(r2[i] + (at - static_cast<float>(i)) * ring), 1.0f / (rings * float_pi * ring)};
 }
 
+/// The density of points around the exit that such radii have [1/mm²].
+float density_of(const std::vector<float>& r2, float r) {
+  const auto at = std::ranges::upper_bound(r2, r * r);
+  if (at == r2.begin() || at == r2.end()) return 0.0f;
+  return 1.0f / (rings * float_pi * std::max(*at - *(at - 1), 1e-20f));
+}
+
 /// Of the texel of a buffer, and of a point that is drawn in one. Measured on one core of a Zen 4
 /// [CPU s].
 constexpr double seconds_per_buffer_ray = 1e-6, seconds_per_buffer_lookup = 0.15e-6;
@@ -74,15 +81,14 @@ ShadowMapTransport<N>::ShadowMapTransport(const RenderScene& scene,
       is_printed_exit_(is_printed_exit),
       profiles_(scene, conversion, material, make_profile),
       gather_profiles_(profiles_, 0.0f) {
-  for (const ProfileTable<N>& table : profiles_.by_thickness()) {
-    std::vector<float>& r2 = r2_of_fraction_.emplace_back();
-    for (int i = 0; i <= rings; ++i) {
-      const float r =
-          i < rings ? table.sample_radius(static_cast<float>(i) / rings) : table.support_radius();
-      r2.push_back(r * r);
-    }
-    r2_of_passing_.push_back(radii_of_passing(table));
+  const ProfileTable<N>& own = profiles_.of_material();
+  for (int i = 0; i <= rings; ++i) {
+    const float r =
+        i < rings ? own.sample_radius(static_cast<float>(i) / rings) : own.support_radius();
+    r2_of_fraction_.push_back(r * r);
   }
+  for (const ProfileTable<N>& table : profiles_.by_thickness())
+    r2_of_passing_.push_back(radii_of_passing(table));
 }
 
 template <int N>
@@ -186,9 +192,9 @@ void ShadowMapTransport<N>::fill_texel(Buffer& buffer, std::size_t k,
   constexpr float most = 4.0f;
   texel.entering = Bands::filled((1.0f - reflectance(boundary_at(scene_, point), cos_i)) *
                                  std::min(cos_i / cos_facet, most));
+  texel.entering *= profiles_.entering_color(point);
   if (!buffer.albedo_index.empty())
-    buffer.albedo_index[k] =
-        profiles_.albedo_index(conversion_.from_rgb(profiles_.color_at(point)));
+    buffer.albedo_index[k] = profiles_.albedo_index(profiles_.color_at(point));
   if (is_alone_) return;
   const float distance =
       buffer.view.is_far ? std::numeric_limits<float>::infinity() : 0.9999f * hit.distance;
@@ -214,13 +220,27 @@ float ShadowMapTransport<N>::nearest_blocker(const Ray& ray, const Hit& entry) c
 }
 
 template <int N>
-SampledRadius ShadowMapTransport<N>::sample_reflected(const Local& local, float u) const {
-  if (local.is_inverted) {
-    const float r = profiles_.sample_radius(local, u);
-    return {r, profiles_.density(local, r)};
-  }
-  const auto slab = static_cast<std::size_t>(local.sampling - profiles_.by_thickness().data());
-  return sample_radius(r2_of_fraction_[slab], u);
+SampledRadius ShadowMapTransport<N>::sample_reflected(const Local& local,
+                                                      const RadiusMixture<N>& radii,
+                                                      float u) const {
+  if (!local.is_inverted && local.low == &profiles_.of_material())
+    return sample_radius(r2_of_fraction_, u);
+  const float r = radii.sample_radius(u);
+  return {r, radii.density(r)};
+}
+
+template <int N>
+SampledRadius ShadowMapTransport<N>::sample_passing(const Local& local, float u) const {
+  const auto* first = profiles_.by_thickness().data();
+  const auto& low = r2_of_passing_[static_cast<std::size_t>(local.low - first)];
+  const auto& high = r2_of_passing_[static_cast<std::size_t>(local.high - first)];
+  const float light_low = (1.0f - local.blend) * sum(local.low->total_transmittance()),
+              light_high = local.blend * sum(local.high->total_transmittance());
+  const float share = high.empty() ? 1.0f : light_low / std::max(light_low + light_high, 1e-20f);
+  const bool is_low = u < share;
+  u = std::clamp(is_low ? u / share : (u - share) / (1.0f - share), 0.0f, 0x1.fffffep-1f);
+  const float r = sample_radius(is_low ? low : high, u).r;
+  return {r, share * density_of(low, r) + (1.0f - share) * density_of(high, r)};
 }
 
 template <int N>
@@ -230,10 +250,12 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
   const Local local = profiles_.profiles_at(exit.point);
   const auto leaving = gather_profiles_.exit_at(exit.point.smooth_normal, local, profiles_);
   const int lookups = scene_.scene->render.shadow_map.lookups;
-  const auto slab = static_cast<std::size_t>(local.sampling - profiles_.by_thickness().data());
-  const std::vector<float>& passing = r2_of_passing_[slab];
-  const float all_passing = sum(local.sampling->total_transmittance());
-  const float all_reflected = sum(local.sampling->total_reflectance());
+  const RadiusMixture<N> radii = profiles_.radius_mixture(local);
+  const auto blended = [&](float low, float high) { return low + local.blend * (high - low); };
+  const float all_passing =
+      blended(sum(local.low->total_transmittance()), sum(local.high->total_transmittance()));
+  const float all_reflected =
+      blended(sum(local.low->total_reflectance()), sum(local.high->total_reflectance()));
   Bands total;
   for (int i = 0; i < lookups && !buffers_.empty(); ++i) {
     PixelSamples own =
@@ -246,7 +268,7 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     const Vec3f across = incident_light(exit.point.position, buffer.view).direction;
     // What is reflected and what passes have points of their own: one is narrow, the other wide.
     float chance = 0.0f;  // of a point for what passes
-    if (!passing.empty()) {
+    if (all_passing > 0.0f) {
       const float facing = dot(across, exit.point.smooth_normal);
       const float back = (1.0f - facing) * all_passing;
       const float front = (std::max(facing, 0.0f) + 0.05f) * all_reflected;
@@ -254,7 +276,8 @@ BandValues<N> ShadowMapTransport<N>::leaving_radiance(const ExitPoint& exit,
     }
     const bool passes = u.x < chance;
     u.x = passes ? u.x / chance : (u.x - chance) / (1.0f - chance);
-    const auto [r, density] = passes ? sample_radius(passing, u.x) : sample_reflected(local, u.x);
+    const auto [r, density] =
+        passes ? sample_passing(local, u.x) : sample_reflected(local, radii, u.x);
     if (!(density > 0.0f)) continue;
     // A point in the plane across the light, and where light that crosses it meets the surface.
     const Framef frame = make_frame(across);

@@ -60,7 +60,9 @@ class ShadowMapTransport final : public SubsurfaceMethod<N> {
   void fill_texel(Buffer& buffer, std::size_t texel, const LightGatherer<N>& light) const;
   [[nodiscard]] float nearest_blocker(const Ray& ray, const Hit& entry) const;
 
-  [[nodiscard]] SampledRadius sample_reflected(const Local& local, float u) const;
+  [[nodiscard]] SampledRadius sample_reflected(const Local& local, const RadiusMixture<N>& radii,
+                                               float u) const;
+  [[nodiscard]] SampledRadius sample_passing(const Local& local, float u) const;
 
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
@@ -70,9 +72,9 @@ class ShadowMapTransport final : public SubsurfaceMethod<N> {
   bool is_printed_exit_;
   MaterialProfiles<N> profiles_;
   GatherProfiles<N> gather_profiles_;
-  /// [slab][fraction of the light within r²] [mm²]: of both profiles together, and of what passes,
-  /// which is empty where nothing does.
-  std::vector<std::vector<float>> r2_of_fraction_, r2_of_passing_;
+  std::vector<float> r2_of_fraction_;  ///< [fraction of the light within r²] of the material [mm²]
+  /// [slab], the same of what passes; empty where nothing does.
+  std::vector<std::vector<float>> r2_of_passing_;
   std::vector<Buffer> buffers_;
   std::vector<Bands> strength_;     ///< [buffer]
   std::vector<float> chance_ends_;  ///< [buffer], cumulative, ends at 1
