@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "material_bands.h"
 
@@ -50,8 +51,8 @@ void list_materials(const CommonOptions& options) {
 
 void show_material(const std::string& name, const CommonOptions& options) {
   const Material material = find_material(name, options.memory);
-  const bool is_builtin =
-      std::ranges::find(builtin_materials(), name, &Material::name) != builtin_materials().end();
+  const auto& names = builtin_material_names();
+  const bool is_builtin = std::ranges::find(names, name) != names.end();
   const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);
   JsonOutput result = make_result("materials");
   result["material"] = JsonOutput(parse_json(text, name).root());

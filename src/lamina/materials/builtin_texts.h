@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace lamina {
 
@@ -14,5 +15,8 @@ struct BuiltinText {
 
 /// In the order of the list in CMakeLists.txt.
 [[nodiscard]] std::span<const BuiltinText> builtin_texts();
+
+/// The names of builtin_materials(), without making these, which takes a tenth of a second.
+[[nodiscard]] const std::vector<std::string_view>& builtin_material_names();
 
 }  // namespace lamina

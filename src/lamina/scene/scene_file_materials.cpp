@@ -6,6 +6,7 @@
 
 #include "lamina/image/map_description.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/scene/internal/scene_file.h"
 
@@ -228,8 +229,7 @@ class MaterialDecoder {
     if (!value.is_string())
       value.refuse("must be a built-in material, a material file, or what one says");
     const std::string name = value.string();
-    std::vector<std::string_view> names;
-    for (const Material& material : builtin_materials()) names.push_back(material.name);
+    const auto& names = builtin_material_names();
     if (std::ranges::find(names, name) != names.end()) return find_material(name);
     std::error_code ignored;
     const bool looks_like_a_file = name.find_first_of("./\\") != std::string::npos;
