@@ -111,8 +111,8 @@ void damage(const std::string& file) {
 
 // A file that loses its end, or has one of its characters replaced, is a material or an Error.
 TEST(MaterialFile, DamagedTextNeverDoesHarm) {
-  for (const char* file :
-       {"every_key.json", "skin_fold.json", "leaf_every_key.json", "paint_every_key.json"})
+  for (const char* file : {"every_key.json", "skin_fold.json", "leaf_every_key.json",
+                           "paint_every_key.json", "snow_every_key.json"})
     damage(file);
 }
 
@@ -234,7 +234,7 @@ Page read_page() {
 
 TEST(MaterialPage, ExamplesAreMaterials) {
   const Page page = read_page();
-  ASSERT_EQ(page.examples.size(), 6U);
+  ASSERT_EQ(page.examples.size(), 7U);
   for (const std::string& example : page.examples) {
     const Material material = parse_material(example, "docs/materials.md");
     for (std::size_t band = 0; band < material.bands.size(); ++band)

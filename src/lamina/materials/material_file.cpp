@@ -18,9 +18,10 @@ struct Recipe {
   std::string_view key;
   void (*decode)(const JsonInput& recipe, const Context& context, Material& material);
 };
-constexpr std::array<Recipe, 3> recipes = {{{"skin", material_file::decode_skin},
+constexpr std::array<Recipe, 4> recipes = {{{"skin", material_file::decode_skin},
                                             {"leaf", material_file::decode_leaf},
-                                            {"paint", material_file::decode_paint}}};
+                                            {"paint", material_file::decode_paint},
+                                            {"snow", material_file::decode_snow}}};
 
 /// The recipe of a file, if it has one. @throws InvalidInput if there is another description.
 const Recipe* find_recipe(const JsonObject& file) {
@@ -93,7 +94,7 @@ Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
-       "oiliness", "layers", recipes[0].key, recipes[1].key, recipes[2].key});
+       "oiliness", "layers", recipes[0].key, recipes[1].key, recipes[2].key, recipes[3].key});
   const Recipe* recipe = find_recipe(file);
   Material material;
   if (const auto name = file.optional("name")) material.name = name->string();

@@ -45,6 +45,7 @@ inline constexpr double largest_number = 1e9;
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material);
 void decode_leaf(const JsonInput& recipe, const Context& context, Material& material);
 void decode_paint(const JsonInput& recipe, const Context& context, Material& material);
+void decode_snow(const JsonInput& recipe, const Context& context, Material& material);
 
 /// The keys of a recipe of skin, and the set of constants that it names.
 [[nodiscard]] JsonObject skin_object(const JsonInput& recipe);

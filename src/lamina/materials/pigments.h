@@ -7,7 +7,7 @@
 
 namespace lamina {
 
-/// A powder that colors paint, as spheres. Radii are those of common products, ours.
+/// A powder, as spheres. Radii of what colors paint are those of common products, ours.
 struct Pigment {
   std::string_view name;  ///< as in files
   std::complex<double> (*ior)(double wavelength);
@@ -26,6 +26,11 @@ struct Pigment {
 /// Light-absorbing carbon, 1.95 + 0.79 i at 550 nm, taken for all wavelengths.
 /// Source: [BondBergstrom2006]. Spheres of it absorb about 30 % less than measured, they say.
 [[nodiscard]] std::complex<double> carbon_ior(double wavelength);
+
+/// Desert dust: 1.55 and the imaginary part that sunlight through it has at 440, 670, 870 and 1020
+/// nm, over the Persian Gulf; powers of the wavelength between them, and on below 440 nm.
+/// Source: [Dubovik2002], Table 1.
+[[nodiscard]] std::complex<double> mineral_dust_ior(double wavelength);
 
 /// Red iron oxide, hematite, at a wavelength [nm] in [380, 1000]: its ordinary ray.
 /// Source: [Querry1985].
