@@ -18,6 +18,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/reproduction/run_item.h"
 
 namespace {
 
@@ -96,6 +97,9 @@ int run_and_explain(int argc, char** argv) {
     say(error.what());
     return interrupted;
   } catch (const lamina::WriteError& error) {
+    say(error.what());
+    return failed;
+  } catch (const lamina::ReproductionFailed& error) {
     say(error.what());
     return failed;
   } catch (const lamina::Error& error) {

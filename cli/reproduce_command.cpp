@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 struct ReproduceOptions {
   CommonOptions common;
   std::vector<std::string> items;
-  std::string output = "reproduction", sources, markdown, before;
+  std::string output = "reproduction", sources, before;
   ReproductionQuality quality = ReproductionQuality::draft;
   bool only_lists = false;
 };
@@ -38,7 +39,11 @@ fs::path find_sources() {
   return {};
 }
 
-/// The items that are asked for: all, those of papers, single ones, or those of files.
+bool is_in(const std::vector<ReproductionItem>& items, const std::string& id) {
+  return std::ranges::find(items, id, &ReproductionItem::id) != items.end();
+}
+
+/// The items that are asked for, each once: all, those of papers, single ones, or those of files.
 std::vector<ReproductionItem> find_items(const ReproduceOptions& options) {
   std::vector<ReproductionItem> known, found;
   for (const BuiltinReproduction& item : builtin_reproductions())
@@ -49,7 +54,10 @@ std::vector<ReproductionItem> find_items(const ReproduceOptions& options) {
       return item.id == name || item.paper == name;
     };
     if (name.ends_with(".json")) {
-      found.push_back(decode_reproduction(load_json(name).root(), options.quality));
+      ReproductionItem item = decode_reproduction(load_json(name).root(), options.quality);
+      if (is_in(found, item.id))
+        throw InvalidInput(fmt::format("{}: an item \"{}\" was already named", name, item.id));
+      found.push_back(std::move(item));
       continue;
     }
     if (std::ranges::none_of(known, is_meant)) {
@@ -59,7 +67,8 @@ std::vector<ReproductionItem> find_items(const ReproduceOptions& options) {
           fmt::format("there is no item or paper \"{}\"{}; see lamina reproduce --list", name,
                       did_you_mean(name, names)));
     }
-    std::ranges::copy_if(known, std::back_inserter(found), is_meant);
+    for (const ReproductionItem& item : known)
+      if (is_meant(item) && !is_in(found, item.id)) found.push_back(item);
   }
   return found;
 }
@@ -113,8 +122,6 @@ void run_reproduce(const ReproduceOptions& options) {
   write_file((out / "index.html").string(), format_page(results, options.quality));
   const JsonOutput summary = reproduction_json(results, options.quality);
   write_file((out / "summary.json").string(), summary.text(1) + "\n");
-  if (!options.markdown.empty())
-    write_file(options.markdown, format_markdown(results, options.quality));
   JsonOutput json = make_result("reproduce");
   json["summary"] = summary;
   write_json(json, options.common);
@@ -123,10 +130,10 @@ void run_reproduce(const ReproduceOptions& options) {
     const auto worse = worse_verdicts(results, load_json(options.before).root());
     for (const std::string& line : worse) say(line);
     if (!worse.empty())
-      throw WriteError(
+      throw ReproductionFailed(
           fmt::format("{} verdicts are worse than in {}", worse.size(), options.before));
   }
-  if (has_failed) throw WriteError("not all items could be made");
+  if (has_failed) throw ReproductionFailed("not all items could be made");
 }
 
 }  // namespace
@@ -148,7 +155,6 @@ void add_reproduce_command(CLI::App& app) {
       .add_option("--sources", options->sources,
                   "the folder with lamina's scenes/ and demo/, if it is not found")
       .type_name("DIR");
-  command.add_output_file("--markdown", options->markdown, "the verdicts as Markdown");
   command
       .add_option("--before", options->before,
                   "summary.json of an earlier run: exit code 1 if a verdict is worse")

@@ -287,9 +287,9 @@ class Written(unittest.TestCase):
         sys.path.insert(0, str(ROOT / "tools/docs"))
         sys.dont_write_bytecode = True
         import write_pages
-        for page, written in (("command.md", write_pages.command_page(LAMINA)), ("cpp_api.md", write_pages.api_page())):
-            with self.subTest(page):
-                self.assertTrue(text_of(ROOT / "docs" / page) == written, f"run tools/docs/write_pages.py {LAMINA}")
+        for page, written in write_pages.pages(LAMINA):
+            with self.subTest(page.name):
+                self.assertTrue(text_of(page) == written, f"run tools/docs/write_pages.py {LAMINA}")
 
 
 class Links(unittest.TestCase):

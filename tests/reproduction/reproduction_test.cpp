@@ -132,6 +132,10 @@ TEST_F(Reproduction, FlipsItsVerdictWithItsInputs) {
   EXPECT_EQ(result.verdict, Verdict::differs);
   EXPECT_NE(format_page({&result, 1}, ReproductionQuality::draft).find("the slab is not there"),
             std::string::npos);
+  const ReproductionResult unexplained =
+      make(replaced(alike, ",\n  \"differs_because\": \"the slab is not there\"", ""));
+  const auto summary = reproduction_json({&unexplained, 1}, ReproductionQuality::draft).text(1);
+  EXPECT_NE(summary.find(R"("reason": "not so: grows")"), std::string::npos) << summary;
 }
 
 TEST_F(Reproduction, IsNotMadeWithoutWhatItNeeds) {
@@ -154,8 +158,9 @@ TEST_F(Reproduction, IsAPageOfItsOwn) {
   EXPECT_NE(page.find("Slabs &amp; sums"), std::string::npos);
   EXPECT_NE(page.find("data:image/svg+xml;base64,"), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos);  // nothing from a network
-  EXPECT_NE(format_markdown({&result, 1}, ReproductionQuality::draft).find("| `h03.test` |"),
-            std::string::npos);
+  const std::string summary = reproduction_json({&result, 1}, ReproductionQuality::draft).text(1);
+  EXPECT_NE(summary.find(R"("title": "Slabs & sums")"), std::string::npos);
+  EXPECT_NE(summary.find(R"("paper": "hery_2003")"), std::string::npos);
 }
 
 TEST_F(Reproduction, FindsVerdictsThatBecameWorse) {

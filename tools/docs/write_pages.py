@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-"""Writes what pages of docs/ repeat from elsewhere: the help of subcommands into docs/command.md, and
-docs/cpp_api.md from the public headers. tests/docs/docs_test.py fails while they differ.
+"""Writes what pages repeat from elsewhere: the help of subcommands into docs/command.md, docs/cpp_api.md
+from the public headers, and the verdicts of reproduce/summary.json into docs/reproduction.md and
+README.md. tests/docs/docs_test.py fails while they differ.
 
     write_pages.py LAMINA
 """
+import json
 import pathlib
 import re
 import subprocess
@@ -73,6 +75,50 @@ def api_page():
     return "".join(page)
 
 
+VERDICTS = {"agrees": "agree", "agrees_in_shape": "agree in shape", "differs": "differ", "not_made": "not made"}
+PAPERS = {"hanrahan_krueger_1993": "Hanrahan & Krueger 1993", "xu_sun_2008": "Xu & Sun 2008", "hery_2003": "Hery 2003",
+          "donner_jensen_2005": "Donner & Jensen 2005", "donner_2008": "Donner et al. 2008"}
+
+
+def reproductions():
+    """{item: what reproduce/summary.json says of it}"""
+    return json.loads((ROOT / "reproduce/summary.json").read_text())["items"]
+
+
+def counts_of(items):
+    """As in "12 agree, 3 agree in shape", without verdicts that no item has."""
+    verdicts = [item["verdict"] for item in items]
+    return ", ".join(f"{verdicts.count(key)} {text}" for key, text in VERDICTS.items() if key in verdicts)
+
+
+def reproduction_page():
+    """docs/reproduction.md: what stands there up to the mark, then the verdicts of all items."""
+    items = reproductions()
+    page = [(ROOT / "docs/reproduction.md").read_text().split(MARK)[0], MARK,
+            f"\n## What agrees\n\nOf {len(items)} items in draft quality {counts_of(items.values())}. "
+            "The third column is what decides: a feature, or the number\nthat is nearest to what it may be off.\n"]
+    for paper, title in PAPERS.items():
+        page.append(f"\n### {title}\n\n| item | verdict | | shows |\n|---|---|---|---|\n")
+        for name, item in items.items():
+            if item["paper"] == paper:
+                cells = (f"`{name}`", item["verdict"].replace("_", " "), item["reason"], item["title"])
+                page.append("| " + " | ".join(cell.replace("|", "\\|").replace("<", "&lt;") for cell in cells) + " |\n")
+    return "".join(page)
+
+
+def readme():
+    """README.md, with the numbers of items by verdict."""
+    items = reproductions().values()
+    line = f"of {len(items)} tables and figures of the five papers, {counts_of(items)}"
+    return re.sub(r"of \d+ tables and figures of the five papers, [^(|]*?(?= \()", line, (ROOT / "README.md").read_text())
+
+
+def pages(lamina):
+    """(file, what it should hold) for every page that is written here, in part or whole."""
+    return ((ROOT / "docs/command.md", command_page(lamina)), (ROOT / "docs/cpp_api.md", api_page()),
+            (ROOT / "docs/reproduction.md", reproduction_page()), (ROOT / "README.md", readme()))
+
+
 if __name__ == "__main__":
-    (ROOT / "docs/command.md").write_text(command_page(sys.argv[1]))
-    (ROOT / "docs/cpp_api.md").write_text(api_page())
+    for file, text in pages(sys.argv[1]):
+        file.write_text(text)

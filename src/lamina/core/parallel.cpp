@@ -5,17 +5,54 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
+#include <exception>
 #include <memory>
 #include <mutex>
+#include <thread>
+#include <vector>
 
 namespace lamina {
+
+#ifdef __SANITIZE_THREAD__
+namespace {
+
+/// The sanitizer does not see into oneTBB and takes its loops for races; it knows these threads.
+void run_on_own_threads(std::size_t count, const std::function<void(std::size_t)>& body) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr thrown;
+  std::mutex mutex;
+  const auto run = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) body(i);
+    } catch (...) {
+      next = count;
+      const std::scoped_lock lock(mutex);
+      thrown = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  const std::size_t wanted = std::min(count, static_cast<std::size_t>(thread_count()));
+  while (threads.size() + 1 < wanted) threads.emplace_back(run);
+  run();
+  for (std::thread& thread : threads) thread.join();
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+}  // namespace
+#endif
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (thread_count() == 1) {  // even then oneTBB may wake a second thread
     for (std::size_t i = 0; i < count; ++i) body(i);
     return;
   }
+#ifdef __SANITIZE_THREAD__
+  run_on_own_threads(count, body);
+#else
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });
+#endif
 }
 
 void set_thread_count(int threads) {

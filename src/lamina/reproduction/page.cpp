@@ -98,6 +98,8 @@ std::string short_reason(const ReproductionResult& result) {
   if (result.verdict == Verdict::differs && !item.differs_because.empty())
     return item.differs_because;
   if (result.verdict == Verdict::agrees_in_shape) return item.features[0].text;
+  for (std::size_t i = 0; i < item.features.size(); ++i)
+    if (!result.features[i].holds) return "not so: " + item.features[i].text;
   std::string worst;
   double largest = -1.0;
   for (std::size_t i = 0; i < item.numbers.size(); ++i) {
@@ -240,29 +242,15 @@ std::string format_page(std::span<const ReproductionResult> results, Reproductio
   return html + "</body></html>\n";
 }
 
-std::string format_markdown(std::span<const ReproductionResult> results,
-                            ReproductionQuality quality) {
-  std::string text = "Made by `lamina reproduce --quality " + std::string(name_of(quality)) +
-                     "`: " + counts_text(results) + ".\n";
-  for (const Paper& paper : papers) {
-    if (std::ranges::none_of(results, [&](const auto& r) { return r.item.paper == paper.name; }))
-      continue;
-    text += "\n## " + std::string(paper.title) + "\n\n| item | | verdict | |\n|---|---|---|---|\n";
-    for (const ReproductionResult& result : results)
-      if (result.item.paper == paper.name)
-        text += "| `" + result.item.id + "` | " + result.item.title + " | " + said(result.verdict) +
-                " | " + short_reason(result) + " |\n";
-  }
-  return text;
-}
-
 JsonOutput reproduction_json(std::span<const ReproductionResult> results,
                              ReproductionQuality quality) {
   JsonOutput items = JsonOutput::object();
   for (const ReproductionResult& result : results) {
     JsonOutput& entry = items[result.item.id];
+    entry["paper"] = result.item.paper;
+    entry["title"] = result.item.title;
     entry["verdict"] = std::string(name_of(result.verdict));
-    if (!result.why_not_made.empty()) entry["why"] = result.why_not_made;
+    entry["reason"] = short_reason(result);
     for (std::size_t i = 0; i < result.numbers.size(); ++i)
       entry["numbers"].push_back({{"text", result.item.numbers[i].text},
                                   {"value", result.numbers[i].value},

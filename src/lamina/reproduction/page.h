@@ -19,11 +19,8 @@ namespace lamina {
 [[nodiscard]] std::string format_page(std::span<const ReproductionResult> results,
                                       ReproductionQuality quality);
 
-/// The verdicts and numbers as Markdown, without pictures.
-[[nodiscard]] std::string format_markdown(std::span<const ReproductionResult> results,
-                                          ReproductionQuality quality);
-
-/// The numbers of all checks and the verdicts, the same for any number of threads.
+/// The verdicts with what decides each, and the numbers of all checks; the same for any number of
+/// threads.
 [[nodiscard]] JsonOutput reproduction_json(std::span<const ReproductionResult> results,
                                            ReproductionQuality quality);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/core/error.h"
 #include "lamina/reproduction/item.h"
 
 namespace lamina {
@@ -46,6 +47,12 @@ struct ReproductionResult {
   std::vector<std::vector<std::string>> cells;  ///< [item.table.rows][column], with names of rows
   std::filesystem::path folder;                 ///< where the runs have left their files
   double seconds = 0.0;
+};
+
+/// Items were not made, or are worse than they were; what was made is kept.
+class ReproductionFailed : public Error {
+ public:
+  using Error::Error;
 };
 
 /// How the verdict follows from the checks. An item whose numbers miss and whose features hold
