@@ -126,6 +126,8 @@ def smaller(words):
         numbers = {"--photons": "500"}
     if "--domain" in rest:
         numbers = {}
+    if subcommand == "reproduce" and "full" in rest:  # hours, where ./demo.sh has fetched the head
+        rest = [*rest, "--list"]
     if "rough_transmission" in rest and method in ("", "analytic") and "--compare" not in rest:
         numbers = {}
     if subcommand == "photons" and rest[0].endswith(".mci"):
