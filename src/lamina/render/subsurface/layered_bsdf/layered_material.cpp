@@ -7,7 +7,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
-#include "lamina/render/subsurface/colored_transport.h"
+#include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/surface/map_range.h"
 
 namespace lamina {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "lamina/core/error.h"
-#include "lamina/render/subsurface/colored_transport.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/probe/probe_transport.h"
+#include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/shadow_map/shadow_map_transport.h"
 #include "lamina/render/subsurface/single_scattering/single_scattering.h"

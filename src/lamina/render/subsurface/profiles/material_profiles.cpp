@@ -10,7 +10,7 @@
 
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
-#include "lamina/render/subsurface/colored_transport.h"
+#include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/surface/map_range.h"
 
 namespace lamina {

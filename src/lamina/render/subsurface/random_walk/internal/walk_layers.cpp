@@ -12,7 +12,7 @@
 #include "lamina/core/float_pi.h"
 #include "lamina/optics/same_ior.h"
 #include "lamina/reflectance/material_totals.h"
-#include "lamina/render/subsurface/colored_transport.h"
+#include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/colored_transport.h"
+#include "lamina/render/subsurface/profiles/colored_transport.h"
 
 #include <algorithm>
 #include <cmath>
