@@ -116,25 +116,6 @@ CellField<N> sum_of_scales(const CellGraph& graph,
   return sum;
 }
 
-/// Fraction of a blur where a mixture is at such a place.
-template <int N>
-BandValues<N> share_at(const BandValues<N>& place, std::size_t blur) {
-  BandValues<N> share;
-  for (int b = 0; b < N; ++b)
-    share[b] = std::max(1.0f - std::abs(place[b] - static_cast<float>(blur)), 0.0f);
-  return share;
-}
-
-/// Weight of a scale where blurs are mixed.
-template <int N>
-BandValues<N> mixed_weight(const CellMixture<N>& mixture, std::size_t scale,
-                           const BandValues<N>& place) {
-  BandValues<N> weight;
-  for (std::size_t v = 0; v < mixture.weights.size(); ++v)
-    weight += mixture.weights[v][scale] * share_at(place, v);
-  return weight;
-}
-
 /// Transfer of each scale at a spatial frequency [1/typical cell], what folds back left out.
 std::vector<double> scale_transfers(std::size_t levels, double k) {
   const auto transfer = [](const Steps& steps, double at) {
@@ -179,31 +160,20 @@ std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
 template <int N>
 std::vector<CellField<N>> apply_cell_operators(const CellGraph& graph, const CellField<N>& input,
                                                const CellField<N>& coordinate,
-                                               std::span<const CellOperator<N>* const> operators,
-                                               const CellMixture<N>* mixture) {
+                                               std::span<const CellOperator<N>* const> operators) {
   const CellLevel& fine = graph.levels.front();
   assert(input.size() == fine.area.size() && coordinate.size() == input.size());
   const std::size_t scales = scale_count(graph);
-  std::vector<CellField<N>> results(operators.size() + (mixture ? 1 : 0),
-                                    CellField<N>(input.size()));
+  std::vector<CellField<N>> results(operators.size(), CellField<N>(input.size()));
   const auto add = [&](std::size_t scale, std::size_t i, const BandValues<N>& value) {
     for (std::size_t o = 0; o < operators.size(); ++o)
       results[o][i] += value * weight_at(*operators[o], scales, scale, coordinate[i]);
   };
-  const auto mix = [&](std::size_t scale, const CellField<N>& blurred) {
-    if (!mixture) return;
-    for_cells(mixture->cells.size(), [&](std::size_t k) {
-      const std::uint32_t i = mixture->cells[k];
-      results.back()[i] += mixed_weight(*mixture, scale, mixture->place[k]) * blurred[i];
-    });
-  };
   for_cells(input.size(), [&](std::size_t i) { add(0, i, input[i]); });
-  mix(0, input);
   CellField<N> last = input;
   for (std::size_t r = 0; r < finest.size(); ++r) {
     last = blurred(fine, std::move(last), finest[r],
                    [&](std::size_t i, const BandValues<N>& value) { add(r + 1, i, value); });
-    mix(r + 1, last);
   }
   if (graph.levels.size() == 1) return results;
 
@@ -226,42 +196,29 @@ std::vector<CellField<N>> apply_cell_operators(const CellGraph& graph, const Cel
     }
     for_cells(sum.size(), [&](std::size_t i) { results[o][i] += sum[i]; });
   }
-  if (!mixture) return results;
-  std::vector<BandValues<N>> weights(2 * coarse.size());
-  for (std::size_t v = 0; v < mixture->weights.size(); ++v) {
-    for (std::size_t j = 0; j < weights.size(); ++j)
-      weights[j] = BandValues<N>::filled(mixture->weights[v][1 + finest.size() + j]);
-    const CellField<N> of_blur = sum_of_scales(graph, coarse, weights.data());
-    const CellField<N> up = blurred(fine, handed_down(fine, of_blur), smoothing);
-    for_cells(mixture->cells.size(), [&](std::size_t k) {
-      const std::uint32_t i = mixture->cells[k];
-      results.back()[i] += share_at(mixture->place[k], v) * up[i];
-    });
-  }
   return results;
 }
 
 template <int N>
-CellMixture<N> make_cell_mixture(const CellGraph& graph, std::vector<std::uint32_t> cells,
-                                 CellField<N> place, std::span<const double> scales) {
-  assert(cells.size() == place.size());
-  const std::size_t count = scale_count(graph);
-  CellMixture<N> mixture;
-  mixture.cells = std::move(cells);
-  mixture.place = std::move(place);
-  for (std::size_t v = 0; v < scales.size() / count; ++v) {
-    const auto blur = scales.subspan(v * count, count);
-    mixture.weights.emplace_back(blur.begin(), blur.end());
-  }
-  return mixture;
+CellField<N> mean_on_level(const CellGraph& graph, CellField<N> field, std::size_t level,
+                           std::size_t coarser) {
+  for (; level < coarser; ++level) field = coarsened(graph.levels[level], field);
+  return field;
 }
 
-#define LAMINA_INSTANTIATE(N)                                                             \
-  template std::vector<CellField<N>> apply_cell_operators<N>(                             \
-      const CellGraph&, const CellField<N>&, const CellField<N>&,                         \
-      std::span<const CellOperator<N>* const>, const CellMixture<N>*);                    \
-  template CellMixture<N> make_cell_mixture(const CellGraph&, std::vector<std::uint32_t>, \
-                                            CellField<N>, std::span<const double>)
+template <int N>
+CellField<N> smooth_on_finest(const CellGraph& graph, CellField<N> field, std::size_t level) {
+  while (level-- > 0)
+    field = blurred(graph.levels[level], handed_down(graph.levels[level], field), smoothing);
+  return field;
+}
+
+#define LAMINA_INSTANTIATE(N)                                                                    \
+  template std::vector<CellField<N>> apply_cell_operators<N>(                                    \
+      const CellGraph&, const CellField<N>&, const CellField<N>&,                                \
+      std::span<const CellOperator<N>* const>);                                                  \
+  template CellField<N> mean_on_level(const CellGraph&, CellField<N>, std::size_t, std::size_t); \
+  template CellField<N> smooth_on_finest(const CellGraph&, CellField<N>, std::size_t)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

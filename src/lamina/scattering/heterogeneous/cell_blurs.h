@@ -35,30 +35,23 @@ struct CellOperator {
   std::vector<BandValues<N>> totals;   ///< [power]
 };
 
-/// Blurs of which some cells take one, or two next to each other: what lies between them.
-template <int N>
-struct CellMixture {
-  std::vector<std::uint32_t> cells;         ///< that take any
-  CellField<N> place;                       ///< [of cells], 0 at the first blur
-  std::vector<std::vector<float>> weights;  ///< [blur][scale]
-};
-
-/// @param cells  ascending
-/// @param place  [of cells], in [0, blurs - 1] for each band
-/// @param scales  [blur][scale], as cell_scales_of_gaussians gives them
-template <int N>
-[[nodiscard]] CellMixture<N> make_cell_mixture(const CellGraph& graph,
-                                               std::vector<std::uint32_t> cells, CellField<N> place,
-                                               std::span<const double> scales);
-
 /// What several operators make of light: as `apply_operators` does on a grid.
 ///
 /// @param coordinate  [cell], in [-1, 1] for each band.
-/// @param mixture     of blurs of the same light, if not null.
-/// @return            [operator], and behind them that of the mixture, 0 at cells that take none
 template <int N>
 [[nodiscard]] std::vector<CellField<N>> apply_cell_operators(
     const CellGraph& graph, const CellField<N>& input, const CellField<N>& coordinate,
-    std::span<const CellOperator<N>* const> operators, const CellMixture<N>* mixture = nullptr);
+    std::span<const CellOperator<N>* const> operators);
+
+/// Means of a field over the cells of a level that is at least as coarse.
+/// @param level  the field's own
+template <int N>
+[[nodiscard]] CellField<N> mean_on_level(const CellGraph& graph, CellField<N> field,
+                                         std::size_t level, std::size_t coarser);
+
+/// A field of a level on the finest one, smooth between its cells. It keeps the total.
+template <int N>
+[[nodiscard]] CellField<N> smooth_on_finest(const CellGraph& graph, CellField<N> field,
+                                            std::size_t level);
 
 }  // namespace lamina

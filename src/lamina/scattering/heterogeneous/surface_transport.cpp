@@ -59,17 +59,23 @@ class SurfaceField {
  public:
   using Light = CellField<N>;
 
-  explicit SurfaceField(const SurfaceLayers<N>& layers) : layers_(layers) {
-    if (has_thin_parts()) halves_ = spread_through(*layers.graph, layers.thin);
-  }
+  explicit SurfaceField(const SurfaceLayers<N>& layers) : layers_(layers) {}
 
   [[nodiscard]] std::size_t junctions() const { return 1; }
   [[nodiscard]] Light blur(std::size_t layer, LayerOperator which, const Light& light) const {
     const auto& at = layer == 0 ? layers_.upper : layers_.lower;
     const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
-    if (layer == 0 || !has_thin_parts())
-      return std::move(apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators)[0]);
-    return blur_thin(operators, light);
+    Light blurred =
+        std::move(apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators)[0]);
+    if (layer == 0 || !has_thin_parts()) return blurred;
+    Light through = pass_through(*layers_.graph, layers_.thin, light);
+    // In the last bounce what has come through goes on between the layers, too.
+    if (is_closed_)
+      for_cells(through.size(), [&](std::size_t i) { through[i] = through[i] * closure(i); });
+    for_cells(light.size(), [&](std::size_t i) {
+      blurred[i] = blurred[i] * layers_.thin.reflectance[i] + through[i];
+    });
+    return blurred;
   }
   [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
                                           LayerOperator second, const Light& light) const {
@@ -89,35 +95,25 @@ class SurfaceField {
       for_cells(sum.size(), [&](std::size_t i) { sum[i] += more[i]; });
   }
   void close(std::vector<Light>& down) const {
-    for_cells(down[0].size(), [&](std::size_t i) {
-      BandValues<N> again =
-          layers_.junction[i] * layers_.junction[i] *
-          total_at(layers_.upper.operators[reflection_below], layers_.upper.coordinate[i]) *
-          total_at(layers_.lower.operators[reflection_above], layers_.lower.coordinate[i]);
-      if (has_thin_parts()) again *= layers_.thin.reflectance[i];
-      down[0][i] = down[0][i] / (BandValues<N>::filled(1.0f) - again);
-    });
+    for_cells(down[0].size(), [&](std::size_t i) { down[0][i] = down[0][i] * closure(i); });
+    is_closed_ = true;
   }
 
  private:
-  [[nodiscard]] bool has_thin_parts() const { return !layers_.thin.far.empty(); }
-
-  /// What the lower layer returns, and what comes through it from the far sides.
-  [[nodiscard]] Light blur_thin(std::span<const CellOperator<N>* const> operators,
-                                const Light& light) const {
-    auto returned = apply_cell_operators<N>(*layers_.graph, light, layers_.lower.coordinate,
-                                            operators, &halves_);
-    const Light through =
-        apply_cell_operators<N>(*layers_.graph, pass_through(layers_.thin, returned[1]),
-                                layers_.lower.coordinate, {}, &halves_)[0];
-    Light up = std::move(returned[0]);
-    for_cells(up.size(),
-              [&](std::size_t i) { up[i] = up[i] * layers_.thin.reflectance[i] + through[i]; });
-    return up;
+  /// All further bounces between the layers, as if all skin were like this cell.
+  [[nodiscard]] BandValues<N> closure(std::size_t i) const {
+    BandValues<N> again =
+        layers_.junction[i] * layers_.junction[i] *
+        total_at(layers_.upper.operators[reflection_below], layers_.upper.coordinate[i]) *
+        total_at(layers_.lower.operators[reflection_above], layers_.lower.coordinate[i]);
+    if (has_thin_parts()) again *= layers_.thin.reflectance[i];
+    const auto one = BandValues<N>::filled(1.0f);
+    return one / (one - again);
   }
+  [[nodiscard]] bool has_thin_parts() const { return layers_.thin.geometry != nullptr; }
 
   const SurfaceLayers<N>& layers_;
-  CellMixture<N> halves_;  ///< where there are thin parts
+  mutable bool is_closed_ = false;  ///< by the bounce under way
 };
 
 }  // namespace

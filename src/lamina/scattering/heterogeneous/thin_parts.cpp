@@ -2,137 +2,195 @@
 #include "lamina/scattering/heterogeneous/thin_parts.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lamina/core/parallel.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/diffusion/multipole.h"
-#include "lamina/scattering/profile/layer_response.h"
+#include "lamina/core/parallel_chunks.h"
+#include "lamina/scattering/heterogeneous/internal/facing_cells.h"
+#include "lamina/scattering/heterogeneous/internal/for_cells.h"
+#include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
 
 namespace lamina {
+
+template <int N>
+struct ThinParts<N>::Geometry {
+  detail::FacingCells facing;
+  detail::SlabProfiles<N> profiles;
+  float coats = 0.0f;  ///< thickness of what lies over the last layer on both sides [mm]
+};
+
 namespace {
 
-/// Gaussians that stand for all others, what lies between by its variance [mm²].
-constexpr std::array<double, 6> variances = {0.16, 0.4, 1.0, 2.5, 6.3, 16.0};
+using detail::for_cells;
+using detail::SlabResponse;
 
-/// How far light is followed over the surface once it is through [mm].
-constexpr double reach = 4.0;
+/// Cells that take light are about as wide, and light is spread by a part of that on its way [mm].
+constexpr float spacing = 0.7f;
+constexpr float blur_in_spacings = 0.5f;
 
-/// Place of a variance among the Gaussians, 0 at the first.
-float place_of(double variance) {
-  std::size_t i = 0;
-  while (i + 2 < variances.size() && variance > variances[i + 1]) ++i;
-  const double beyond = (variance - variances[i]) / (variances[i + 1] - variances[i]);
-  return static_cast<float>(static_cast<double>(i) + std::clamp(beyond, 0.0, 1.0));
+/// Less light than this through a part is none.
+constexpr float least_transmittance = 1e-4f;
+
+/// Depths from which light spreads on its way up, in a slab of a few millimetres [mm].
+constexpr std::array<double, 5> depths = {0.15, 0.45, 0.75, 1.05, 1.35};
+
+/// Absorption of the last layer as light sees it that comes up through the near half of a slab: the
+/// mean over depths of what lies within the width that it spreads to from there.
+template <int N>
+CellField<N> seen_absorption(const CellGraph& graph, std::span<const ThinBand> bands) {
+  CellField<N> sigma_a(bands.front().sigma_a.size());
+  for (std::size_t b = 0; b < bands.size(); ++b)
+    for (std::size_t i = 0; i < sigma_a.size(); ++i)
+      sigma_a[i][static_cast<int>(b)] = bands[b].sigma_a[i];
+  std::array<double, depths.size()> variances{};
+  std::ranges::transform(depths, variances.begin(), [](double depth) { return depth * depth; });
+  const std::vector<double> scales = cell_scales_of_gaussians(graph, variances);
+  const std::size_t count = scale_count(graph);
+  CellOperator<N> mean{.powers = 1,
+                       .weights = std::vector<BandValues<N>>(count),
+                       .totals = {BandValues<N>::filled(1.0f)}};
+  for (std::size_t k = 0; k < scales.size(); ++k)
+    mean.weights[k % count] +=
+        BandValues<N>::filled(static_cast<float>(scales[k]) / static_cast<float>(depths.size()));
+  const std::array<const CellOperator<N>*, 1> operators = {&mean};
+  return std::move(
+      apply_cell_operators<N>(graph, sigma_a, CellField<N>(sigma_a.size()), operators)[0]);
+}
+
+/// Which ways through the body count.
+enum class Ways { all, slabs };
+
+/// What comes through to the cells that take light, of light at all cells.
+template <int N>
+CellField<N> gather(const CellGraph& graph, const typename ThinParts<N>::Geometry& geometry,
+                    CellField<N> light, Ways ways) {
+  const detail::FacingCells& facing = geometry.facing;
+  CellField<N> of_level = mean_on_level(graph, std::move(light), 0, facing.level);
+  const std::size_t takers = of_level.size();
+  CellField<N> flux;
+  for (std::size_t level = facing.level;; ++level) {
+    flux.insert(flux.end(), of_level.begin(), of_level.end());
+    if (level + 1 == graph.levels.size()) break;
+    of_level = mean_on_level(graph, std::move(of_level), level, level + 1);
+  }
+  for (std::size_t j = 0; j < flux.size(); ++j) flux[j] *= facing.cells[j].area;
+  CellField<N> through(takers);
+  parallel_chunks(facing.taking.size(), 256, [&](std::size_t t) {
+    const std::uint32_t i = facing.taking[t];
+    BandValues<N> sum;
+    for (std::size_t k = facing.first[t]; k < facing.first[t + 1]; ++k) {
+      const std::uint32_t j = facing.from[k];
+      const detail::FacingPair pair = detail::facing_pair(facing.cells[i], facing.cells[j]);
+      BandValues<N> per_area = pair.of_slab * geometry.profiles.transmittance(
+                                                  pair.thickness - geometry.coats, pair.lateral2);
+      if (ways == Ways::all && pair.of_distance > 0.0f)
+        per_area += pair.of_distance * geometry.profiles.reflectance(pair.distance2);
+      sum += flux[j] * per_area;
+    }
+    through[i] = sum;
+  });
+  return smooth_on_finest(graph, std::move(through), facing.level);
+}
+
+/// Thickness of the slab that transmits as much [mm]; 0 if next to nothing.
+float thickness_of(std::span<const SlabResponse> slabs, float transmittance) {
+  if (!(transmittance > least_transmittance) || transmittance <= slabs.back().transmittance)
+    return 0.0f;
+  const auto wanted = static_cast<double>(transmittance);
+  const auto thicker = std::ranges::partition_point(
+      slabs, [&](const SlabResponse& slab) { return slab.transmittance > wanted; });
+  const auto i = static_cast<std::size_t>(thicker - slabs.begin());
+  if (i == 0) return static_cast<float>(detail::slab_thickness(0));
+  const double f =
+      (slabs[i - 1].transmittance - wanted) / (slabs[i - 1].transmittance - slabs[i].transmittance);
+  return static_cast<float>(std::lerp(detail::slab_thickness(i - 1), detail::slab_thickness(i), f));
 }
 
 }  // namespace
 
 template <int N>
-ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
-                             double upper_thickness) {
+ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> positions,
+                             std::span<const Vec3f> normals, std::span<const ThinBand> bands) {
+  assert(!bands.empty() && positions.size() == normals.size());
+  typename ThinParts<N>::Geometry geometry;
+  geometry.facing = detail::find_facing_cells(graph, positions, normals, spacing);
+  if (geometry.facing.taking.empty()) return {};
+
+  std::vector<detail::SlabFactors> factors(bands.size());
+  std::vector<std::vector<SlabResponse>> slabs(bands.size());
+  parallel_for(bands.size(), [&](std::size_t b) {
+    factors[b] = detail::transfer_factors(bands[b]);
+    const detail::SlabLayer layer = detail::last_layer(*bands[b].stack);
+    for (std::size_t s = 0; s < detail::slab_count; ++s) {
+      const SlabResponse slab =
+          detail::multipole_slab(layer, bands[b].reference.back(), detail::slab_thickness(s));
+      slabs[b].push_back({slab.transmittance * factors[b].slabs[s].transmittance,
+                          slab.reflectance * factors[b].slabs[s].reflectance});
+    }
+  });
+  const float width = std::sqrt(graph.levels[geometry.facing.level].typical_area);
+  geometry.profiles =
+      detail::SlabProfiles<N>(bands, factors, static_cast<double>(blur_in_spacings * width));
+  for (const MappedLayer& layer : bands.front().stack->layers)
+    if (std::isfinite(layer.thickness))
+      geometry.coats += 2.0f * static_cast<float>(layer.thickness);
+
+  // How much comes through where light is even, in the band that thick parts transmit best.
+  const auto clearest = static_cast<std::size_t>(
+      std::ranges::max_element(
+          slabs, {},
+          [](const auto& of_band) { return of_band[of_band.size() / 2].transmittance; }) -
+      slabs.begin());
+  const std::size_t cells = positions.size();
+  CellField<N> even =
+      gather(graph, geometry, CellField<N>(cells, BandValues<N>::filled(1.0f)), Ways::slabs);
   ThinParts<N> thin;
-  if (std::ranges::none_of(far, [&](const FarSide& side) {
-        return static_cast<double>(side.thickness) > 2.0 * upper_thickness;
-      }))
-    return thin;
-  thin.far = std::move(far);
-  thin.spread.resize(thin.far.size());
-  thin.transmittance.resize(thin.far.size());
-  thin.reflectance.assign(thin.far.size(), BandValues<N>::filled(1.0f));
-  std::array<double, variances.size()> halves{};
-  std::ranges::transform(variances, halves.begin(), [](double variance) { return 0.5 * variance; });
-  thin.scales = cell_scales_of_gaussians(graph, halves);
+  thin.passing.assign(cells, BandValues<N>::filled(1.0f));
+  thin.reflectance = thin.passing;
+  thin.thickness.resize(cells);
+  for_cells(cells, [&](std::size_t i) {
+    thin.thickness[i] = thickness_of(slabs[clearest], even[i][static_cast<int>(clearest)]);
+  });
+  even = {};
+  const CellField<N> sigma_a = seen_absorption<N>(graph, bands);
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    const int lane = static_cast<int>(b);
+    const detail::SlabLayer layer = detail::last_layer(*bands[b].stack);
+    for_cells(cells, [&](std::size_t i) {
+      const auto thickness = static_cast<double>(thin.thickness[i]);
+      if (!(thickness > 0.0)) return;
+      const SlabResponse slab = detail::multipole_slab(
+          layer, static_cast<double>(std::max(sigma_a[i][lane], 1e-6f)), thickness);
+      const SlabResponse factor = detail::between_slabs(factors[b].slabs, thickness);
+      const double usual =
+          detail::multipole_slab(layer, bands[b].reference.back(), thickness).transmittance;
+      thin.passing[i][lane] =
+          usual > 0.0 ? static_cast<float>(std::sqrt(slab.transmittance / usual)) : 1.0f;
+      thin.reflectance[i][lane] =
+          std::min(static_cast<float>(slab.reflectance * factor.reflectance), 1.0f);
+    });
+  }
+  thin.geometry = std::make_shared<const typename ThinParts<N>::Geometry>(std::move(geometry));
   return thin;
 }
 
 template <int N>
-void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a,
-              double upper_thickness, double ior_above, ThinParts<N>& thin) {
-  const double inside = diffuse_reflectance_inside({}, lower.ior, ior_above, DiffuseFresnel::exact);
-  const auto slab_at = [&](double absorption, double thickness, double k) {
-    return response(
-        make_multipole({absorption, lower.sigma_s, lower.g, lower.ior}, thickness, inside, inside),
-        k);
-  };
-  for (std::size_t i = 0; i < thin.far.size(); ++i) {
-    const double thickness = static_cast<double>(thin.far[i].thickness) - 2.0 * upper_thickness;
-    if (!(thickness > 0.0)) continue;
-    const auto absorption = static_cast<double>(sigma_a[i]);
-    const LayerResponse slab = slab_at(absorption, thickness, 0.0);
-    const LayerResponse thick = slab_at(absorption, std::numeric_limits<double>::infinity(), 0.0);
-    constexpr double step = 0.01;  // [1/mm], a low frequency
-    const double falling =
-        slab_at(absorption, thickness, step).transmission_down / slab.transmission_down;
-    const double variance = -2.0 * std::log(falling) / (step * step);
-    thin.spread[i][band] = place_of(variance);
-    thin.transmittance[i][band] = static_cast<float>(slab.transmission_down);
-    thin.reflectance[i][band] = static_cast<float>(slab.reflection_above / thick.reflection_above);
-  }
+CellField<N> pass_through(const CellGraph& graph, const ThinParts<N>& thin,
+                          const CellField<N>& down) {
+  CellField<N> light(down.size());
+  for_cells(down.size(), [&](std::size_t i) { light[i] = thin.passing[i] * down[i]; });
+  CellField<N> up = gather(graph, *thin.geometry, std::move(light), Ways::all);
+  for_cells(up.size(), [&](std::size_t i) { up[i] *= thin.passing[i]; });
+  return up;
 }
 
-template <int N>
-CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin) {
-  CellField<N> place = thin.spread;
-  std::vector<bool> takes(place.size());
-  std::vector<std::uint32_t> cells;
-  const auto take = [&](std::uint32_t cell, std::uint32_t like) {
-    if (takes[cell]) return;
-    takes[cell] = true;
-    place[cell] = place[like];
-    cells.push_back(cell);
-  };
-  for (std::uint32_t i = 0; i < place.size(); ++i)
-    if (largest(thin.transmittance[i]) > 0.0f) take(i, i);
-  // Where these look, and around them as far as light spreads once it is through.
-  for (std::size_t k = 0, count = cells.size(); k < count; ++k) {
-    const FarSide& far = thin.far[cells[k]];
-    for (std::size_t c = 0; c < static_cast<std::size_t>(far.count); ++c)
-      take(far.cell[c], cells[k]);
-  }
-  const CellLevel& fine = graph.levels.front();
-  const double rings = reach / std::sqrt(static_cast<double>(fine.typical_area));
-  for (std::size_t ring = 0, from = 0; static_cast<double>(ring) < rings; ++ring) {
-    const std::size_t to = cells.size();
-    for (; from < to; ++from)
-      for (std::uint32_t k = fine.first[cells[from]]; k < fine.first[cells[from] + 1]; ++k)
-        take(fine.neighbors[k].cell, cells[from]);
-  }
-  std::ranges::sort(cells);
-  CellField<N> of_cells;
-  for (const std::uint32_t cell : cells) of_cells.push_back(place[cell]);
-  return make_cell_mixture(graph, std::move(cells), std::move(of_cells), thin.scales);
-}
-
-template <int N>
-CellField<N> pass_through(const ThinParts<N>& thin, const CellField<N>& spread) {
-  CellField<N> through(spread.size());
-  constexpr std::size_t chunk = 8192;
-  parallel_for((through.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    for (std::size_t i = c * chunk; i < std::min(through.size(), (c + 1) * chunk); ++i) {
-      const FarSide& far = thin.far[i];
-      for (std::size_t k = 0; k < static_cast<std::size_t>(far.count); ++k)
-        through[i] += far.weight[k] * spread[far.cell[k]];
-      through[i] *= thin.transmittance[i];
-    }
-  });
-  return through;
-}
-
-template ThinParts<4> make_thin_parts<4>(const CellGraph&, std::vector<FarSide>, double);
-template ThinParts<8> make_thin_parts<8>(const CellGraph&, std::vector<FarSide>, double);
-template ThinParts<16> make_thin_parts<16>(const CellGraph&, std::vector<FarSide>, double);
-template void add_band<4>(int, const MappedLayer&, std::span<const float>, double, double,
-                          ThinParts<4>&);
-template void add_band<8>(int, const MappedLayer&, std::span<const float>, double, double,
-                          ThinParts<8>&);
-template void add_band<16>(int, const MappedLayer&, std::span<const float>, double, double,
-                           ThinParts<16>&);
-#define LAMINA_INSTANTIATE(N)                                                    \
-  template CellMixture<N> spread_through(const CellGraph&, const ThinParts<N>&); \
-  template CellField<N> pass_through(const ThinParts<N>&, const CellField<N>&)
+#define LAMINA_INSTANTIATE(N)                                                                  \
+  template ThinParts<N> make_thin_parts<N>(const CellGraph&, std::span<const Vec3f>,           \
+                                           std::span<const Vec3f>, std::span<const ThinBand>); \
+  template CellField<N> pass_through(const CellGraph&, const ThinParts<N>&, const CellField<N>&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

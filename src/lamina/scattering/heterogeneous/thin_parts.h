@@ -1,65 +1,58 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "lamina/core/vec.h"
 #include "lamina/scattering/heterogeneous/cell_blurs.h"
 #include "lamina/scattering/heterogeneous/gaussian_tables.h"
 
 namespace lamina {
 
-/// Where the far side of a thin part is, seen from a cell.
-struct FarSide {
-  float thickness = 0.0f;  ///< between the surfaces [mm]; 0: thick
-  std::array<std::uint32_t, 4> cell{};
-  std::array<float, 4> weight{};  ///< sum to 1
-  int count = 0;
+/// A band of light on thin parts. What it points at must live until make_thin_parts returns.
+struct ThinBand {
+  const MappedStack* stack;         ///< its last layer is a half-space, a slab in thin parts
+  const StackTables* tables;        ///< of the stack
+  std::vector<double> reference;    ///< [layer], typical absorption [1/mm]
+  std::span<const float> sigma_a;   ///< [cell], absorption of the last layer [1/mm]
+  bool has_transfer_totals = true;  ///< what slabs transmit is scaled to radiative transfer
 };
 
 /// Parts of a surface so thin that light comes through, as ears and nostrils: what has come down to
-/// the lower layer at the far side comes up on the near one. The lower layer is a slab there.
+/// the last layer at a far side comes up here. Each cell takes light from all cells that face the
+/// other way, through a slab as thick as both are apart along the mean of their normals:
 ///
-/// What passes spreads as a Gaussian, or the two next to it, with the second moment of the slab's
-/// transmittance profile; totals are the closed form of the multipole. Half of that spread is at
-/// the far side and half at the near one, so that light is smooth where neighbours look at places
-/// far apart, as at folds.
+///     U(x) = a(x) sum over j of A_j (1 - n_x . n_j) / 2 T(r_xj; d_xj) a(j) D(j)
 ///
-/// Source: [Donner2008] §4.3; [DonnerJensen2005] Eq. 13 and its transform.
+/// So the way follows the local geometry, thickness is none of a single ray, and what passes is
+/// smooth. T is the transmittance profile of the multipole at a typical absorption; a is what the
+/// maps' own makes of it: the half of the slab at that side, as light sees it that spreads on its
+/// way up. So veins cast shadows which are soft by their depth.
+///
+/// Exact for a flat slab of one absorption. Source: [DonnerJensen2005] Eqs. 13 and 27, [Donner2008]
+/// §4.3; docs/heterogeneous_skin.md.
 template <int N>
 struct ThinParts {
-  std::vector<FarSide> far;    ///< [cell]; empty: nothing is thin
-  CellField<N> spread;         ///< place of the Gaussian among six
-  CellField<N> transmittance;  ///< of the lower layer where it is a slab; 0 where it is thick
-  CellField<N> reflectance;    ///< of it, over that of a half-space; 1 where it is thick
-  std::vector<double> scales;  ///< of half of each, as cell_scales_of_gaussians gives them
+  struct Geometry;
+  std::shared_ptr<const Geometry> geometry;  ///< null: nothing is thin
+  CellField<N> passing;                      ///< [cell], a
+  CellField<N> reflectance;      ///< [cell], of the last layer over that of a half-space
+  std::vector<float> thickness;  ///< [cell], of the slab that transmits as much [mm]; 0: thick
 };
 
-/// Thin parts of a graph's cells without any band; empty if nothing is thinner than light reaches.
+/// @param positions, normals  [cell]; normals are of unit length and point outward
+/// @param bands               [band], not empty
 template <int N>
-[[nodiscard]] ThinParts<N> make_thin_parts(const CellGraph& graph, std::vector<FarSide> far,
-                                           double upper_thickness);
+[[nodiscard]] ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> positions,
+                                           std::span<const Vec3f> normals,
+                                           std::span<const ThinBand> bands);
 
-/// Adds a band.
-///
-/// @param lower            the half-space below, whose absorption differs from cell to cell
-/// @param sigma_a          [cell] of it [1/mm]
-/// @param upper_thickness  of the layers above it on both sides [mm]
-/// @param ior_above        their index
+/// What comes up through the last layer.
+/// @param down  [cell], light that has come down to it
 template <int N>
-void add_band(int band, const MappedLayer& lower, std::span<const float> sigma_a,
-              double upper_thickness, double ior_above, ThinParts<N>& thin);
-
-/// Half of how light spreads on its way through thin parts: what it does at either side.
-template <int N>
-[[nodiscard]] CellMixture<N> spread_through(const CellGraph& graph, const ThinParts<N>& thin);
-
-/// What comes through from the far sides, to be spread once more.
-///
-/// @param spread  [cell] light that has come down to the lower layer, spread by spread_through
-template <int N>
-[[nodiscard]] CellField<N> pass_through(const ThinParts<N>& thin, const CellField<N>& spread);
+[[nodiscard]] CellField<N> pass_through(const CellGraph& graph, const ThinParts<N>& thin,
+                                        const CellField<N>& down);
 
 }  // namespace lamina

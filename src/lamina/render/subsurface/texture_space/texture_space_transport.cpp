@@ -21,9 +21,6 @@ namespace {
 /// Levels of cells go on up to this size: Gaussians of skin are no wider [mm²].
 constexpr double largest_cell = 25.0;
 
-/// Parts thicker than this let no light through that could be seen [mm].
-constexpr float thickest = 15.0f;
-
 /// Texels that do not show get so many times fewer samples: their light comes in from afar only.
 constexpr int fewer_where_hidden = 8;
 
@@ -94,52 +91,26 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
     tables[b] =
         cached_stack_tables(cache, mapped_skin_stack(skin, wavelengths[b]), totals, reference);
   });
-  const double above = skin.epidermis_thickness;
-  layers_->thin = make_thin_parts<N>(graph_, far_sides(), above);
-  for (std::size_t b = 0; b < wavelengths.size(); ++b) {
+  for (std::size_t b = 0; b < wavelengths.size(); ++b)
     layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
-    const MappedStack stack = mapped_skin_stack(skin, wavelengths[b]);
-    add_band(static_cast<int>(b), stack.layers[1], absorption[b].lower, above, stack.layers[0].ior,
-             layers_->thin);
+  std::vector<MappedStack> stacks;
+  for (const double wavelength : wavelengths) stacks.push_back(mapped_skin_stack(skin, wavelength));
+  std::vector<ThinBand> bands;
+  for (std::size_t b = 0; b < wavelengths.size(); ++b)
+    bands.push_back({.stack = &stacks[b],
+                     .tables = &tables[b],
+                     .reference = {typical_absorption(absorption[b].upper),
+                                   typical_absorption(absorption[b].lower)},
+                     .sigma_a = absorption[b].lower,
+                     .has_transfer_totals = totals != OperatorTotals::diffusion});
+  std::vector<Vec3f> positions, normals;
+  for (const AtlasTexel& texel : atlas_->texels()) {
+    positions.push_back(texel.position);
+    normals.push_back(texel.normal);
   }
+  layers_->thin = make_thin_parts<N>(graph_, positions, normals, bands);
   reflectance_ = uniform_reflectance(*layers_);
   extend(reflectance_);
-}
-
-template <int N>
-std::vector<FarSide> TextureSpaceTransport<N>::far_sides() const {
-  const auto texels = atlas_->texels();
-  std::vector<FarSide> far(texels.size());
-  constexpr std::size_t chunk = 1024;
-  parallel_for((texels.size() + chunk - 1) / chunk, [&](std::size_t c) {
-    ProbeHits found;
-    for (std::size_t i = c * chunk; i < std::min(texels.size(), (c + 1) * chunk); ++i) {
-      const AtlasTexel& texel = texels[i];
-      constexpr float start = 0.05f;  // [mm] below the surface
-      found.count = 0;
-      scene_.geometry.all_hits({texel.position - start * texel.normal, -texel.normal},
-                               thickest - start, material_, found);
-      const Hit* nearest = nullptr;
-      for (const Hit& hit : found.all())
-        if (!nearest || hit.distance < nearest->distance) nearest = &hit;
-      if (!nearest) continue;
-      const SurfacePoint opposite = make_surface_point(scene_.scene->meshes, *nearest, 0.0f);
-      if (dot(opposite.smooth_normal, texel.normal) > -0.3f) continue;
-      const TextureAtlas::Weights weights = atlas_->weights_at(opposite);
-      float total = 0.0f;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(weights.count); ++k) {
-        if (weights.texel[k] >= texels.size()) continue;  // a border texel
-        const auto at = static_cast<std::size_t>(far[i].count++);
-        far[i].cell[at] = weights.texel[k];
-        far[i].weight[at] = weights.weight[k];
-        total += weights.weight[k];
-      }
-      if (!(total > 0.0f)) continue;
-      for (float& weight : far[i].weight) weight /= total;
-      far[i].thickness = nearest->distance + start;
-    }
-  });
-  return far;
 }
 
 template <int N>

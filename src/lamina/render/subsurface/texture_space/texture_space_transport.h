@@ -80,8 +80,6 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   void use(const IrradianceCloud& cloud);
 
   [[nodiscard]] Bands looked_up(const CellField<N>& field, const SurfacePoint& point) const;
-  /// What lies opposite each texel, if it is near.
-  [[nodiscard]] std::vector<FarSide> far_sides() const;
   /// Adds the border texels to a field of texels.
   void extend(CellField<N>& field) const;
 
