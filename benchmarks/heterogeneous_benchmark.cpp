@@ -55,7 +55,7 @@ void transport_band(benchmark::State& state) {
   const double texels = static_cast<double>(size) * size;
   state.counters["s_per_megatexel"] = benchmark::Counter(
       texels / 1e6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  state.counters["powers"] = static_cast<double>(layers.layers[0].operators[1].powers);
+  state.counters["powers"] = static_cast<double>(layers.layers[0].operators[1].terms);
 }
 BENCHMARK(transport_band)
     ->Name("transport of a band: side, bounces")
@@ -81,7 +81,7 @@ void one_operator(benchmark::State& state) {
   const MappedOperator* operators[] = {&layers.layers[0].operators[1]};
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        apply_operators(layers.pyramid, light, layers.layers[0].coordinate, operators));
+        apply_operators(layers.pyramid, light, layers.layers[0].basis, operators));
 }
 BENCHMARK(one_operator)->Name("one operator, 1024 x 1024")->Unit(benchmark::kMillisecond);
 

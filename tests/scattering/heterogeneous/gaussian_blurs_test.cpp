@@ -13,13 +13,13 @@ namespace {
 /// The operator that is one scale, or a sum of scales.
 MappedOperator constant_operator(std::vector<float> weights) {
   const float total = std::accumulate(weights.begin(), weights.end(), 0.0f);
-  return {.powers = 1, .weights = std::move(weights), .totals = {total}};
+  return {.terms = 1, .weights = std::move(weights), .totals = {total}};
 }
 
 Plane apply_scales(const BlurPyramid& pyramid, const Plane& input, std::vector<float> weights) {
   const MappedOperator blur = constant_operator(std::move(weights));
   const MappedOperator* operators[] = {&blur};
-  return apply_operators(pyramid, input, make_plane(pyramid.width, pyramid.height), operators)[0];
+  return apply_operators(pyramid, input, {make_plane(pyramid.width, pyramid.height)}, operators)[0];
 }
 
 Plane one_scale(const BlurPyramid& pyramid, const Plane& input, std::size_t scale) {
@@ -124,11 +124,11 @@ TEST(GaussianBlurs, WeightsFollowTheCoordinateWhereLightComesOut) {
   const Plane light = noise(32, 32, 3);
   Plane coordinate = noise(32, 32, 4);
   const std::size_t scales = pyramid.variances.size();
-  MappedOperator both{.powers = 3, .weights = std::vector<float>(3 * scales), .totals = {}};
+  MappedOperator both{.terms = 3, .weights = std::vector<float>(3 * scales), .totals = {}};
   std::mt19937 random(5);
   for (float& w : both.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
   const MappedOperator* operators[] = {&both};
-  const Plane seen = apply_operators(pyramid, light, coordinate, operators)[0];
+  const Plane seen = apply_operators(pyramid, light, {coordinate}, operators)[0];
   std::vector<Plane> powers;
   for (std::size_t p = 0; p < 3; ++p)
     powers.push_back(
@@ -147,22 +147,22 @@ TEST(GaussianBlurs, ProfilesOfBothEndsExchangeAlike) {
   const BlurPyramid pyramid = make_blur_pyramid(48, 32, 100.0);
   const Plane a = noise(48, 32, 7), b = noise(48, 32, 8), coordinate = noise(48, 32, 9);
   const std::size_t scales = pyramid.variances.size();
-  MappedOperator all{.powers = 4, .weights = std::vector<float>(4 * scales), .totals = {}};
+  MappedOperator all{.terms = 4, .weights = std::vector<float>(4 * scales), .totals = {}};
   std::mt19937 random(10);
   for (float& w : all.weights) w = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
   const MappedOperator* operators[] = {&all};
   const auto dot = [](const Plane& p, const Plane& q) {
     return std::inner_product(p.values.begin(), p.values.end(), q.values.begin(), 0.0);
   };
-  const Plane of_a = apply_operators_reciprocally(pyramid, a, coordinate, operators)[0];
-  const Plane of_b = apply_operators_reciprocally(pyramid, b, coordinate, operators)[0];
+  const Plane of_a = apply_operators_reciprocally(pyramid, a, {coordinate}, operators)[0];
+  const Plane of_b = apply_operators_reciprocally(pyramid, b, {coordinate}, operators)[0];
   EXPECT_NEAR(dot(b, of_a), dot(a, of_b), 1e-5 * std::abs(dot(b, of_a)));
-  const double one_way = dot(b, apply_operators(pyramid, a, coordinate, operators)[0]);
-  const double other_way = dot(a, apply_operators(pyramid, b, coordinate, operators)[0]);
+  const double one_way = dot(b, apply_operators(pyramid, a, {coordinate}, operators)[0]);
+  const double other_way = dot(a, apply_operators(pyramid, b, {coordinate}, operators)[0]);
   EXPECT_GT(std::abs(one_way - other_way), 1e-4 * std::abs(one_way));
   const Plane uniform = make_plane(48, 32, 0.3f);
-  const Plane exit = apply_operators(pyramid, a, uniform, operators)[0];
-  const Plane both = apply_operators_reciprocally(pyramid, a, uniform, operators)[0];
+  const Plane exit = apply_operators(pyramid, a, {uniform}, operators)[0];
+  const Plane both = apply_operators_reciprocally(pyramid, a, {uniform}, operators)[0];
   for (std::size_t i = 0; i < exit.values.size(); ++i)
     ASSERT_NEAR(exit.values[i], both.values[i], 1e-4);
 }

@@ -204,8 +204,8 @@ TEST(MappedOperator, PolynomialsFollowTheTable) {
   for (const double ratio : {1.0, 3.0, 100.0, 3000.0}) {
     const AbsorptionRange range{0.02, 0.02 * ratio};
     const MappedOperator mapped = make_mapped_operator(tables, table, range, scales);
-    EXPECT_GT(mapped.powers, powers);  // the wider the range, the more powers
-    powers = mapped.powers;
+    EXPECT_GT(mapped.terms, powers);  // the wider the range, the more powers
+    powers = mapped.terms;
     Plane sigma_a = make_plane(9, 1);
     for (int i = 0; i < 9; ++i)
       sigma_a.values[static_cast<std::size_t>(i)] =
@@ -213,7 +213,7 @@ TEST(MappedOperator, PolynomialsFollowTheTable) {
     const Plane coordinate = absorption_coordinate(sigma_a, range);
     for (std::size_t i = 0; i < 9; ++i) {
       double total = 0.0;
-      for (std::size_t p = mapped.powers; p-- > 0;)
+      for (std::size_t p = mapped.terms; p-- > 0;)
         total = total * coordinate.values[i] + mapped.totals[p];
       const std::vector<double> weights = weights_at(tables, table, sigma_a.values[i]);
       EXPECT_NEAR(total, std::accumulate(weights.begin(), weights.end(), 0.0), 1e-4);

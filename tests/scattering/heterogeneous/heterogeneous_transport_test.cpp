@@ -42,14 +42,14 @@ LayerResponse closed_form(const Skin& skin, double k, double absorbance = 0.0) {
   LayerResponse all;
   const auto& layers = skin.stack.layers;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    const auto& [sigma_s, g, ior, thickness] = layers[i];
+    const MappedLayer& at = layers[i];
     const double above = i == 0 ? skin.stack.ior_above : layers[i - 1].ior;
     const double below = i + 1 == layers.size() ? skin.stack.ior_below : layers[i + 1].ior;
     const auto inside = [&](double outside) {
-      return diffuse_reflectance_inside({}, ior, outside, DiffuseFresnel::exact);
+      return diffuse_reflectance_inside({}, at.ior, outside, DiffuseFresnel::exact);
     };
-    const Multipole layer =
-        make_multipole({skin.sigma_a[i], sigma_s, g, ior}, thickness, inside(above), inside(below));
+    const Multipole layer = make_multipole({skin.sigma_a[i], at.sigma_s, at.g, at.ior},
+                                           at.thickness, inside(above), inside(below));
     const double left = std::exp(-absorbance);
     if (i > 0) all = stacked(all, {0.0, left, 0.0, left});
     all = stacked(all, response(layer, k));

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "lamina/core/dense_matrix.h"
+#include "lamina/scattering/heterogeneous/internal/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
 
@@ -166,23 +167,23 @@ std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
 }
 
 std::vector<Plane> apply_operators(const BlurPyramid& pyramid, const Plane& input,
-                                   const Plane& coordinate,
+                                   const TexelBasis& basis,
                                    std::span<const MappedOperator* const> operators) {
   assert(input.width == pyramid.width && input.height == pyramid.height);
-  assert(coordinate.width == pyramid.width && coordinate.height == pyramid.height);
   const std::size_t scales = pyramid.variances.size();
   const auto width = static_cast<std::size_t>(pyramid.width);
   std::vector<Plane> results;
   for (std::size_t o = 0; o < operators.size(); ++o)
     results.push_back(make_plane(pyramid.width, pyramid.height));
   std::vector<float> coefficients;
+  detail::BasisRow functions(basis);
   const auto add = [&](std::size_t scale, int y, const float* row) {
+    functions.move_to(y);
     for (std::size_t o = 0; o < operators.size(); ++o) {
       coefficients.clear();
-      for (std::size_t p = 0; p < operators[o]->powers; ++p)
+      for (std::size_t p = 0; p < operators[o]->terms; ++p)
         coefficients.push_back(operators[o]->weights[p * scales + scale]);
-      detail::add_times_polynomial(row, row_of(coordinate, y), coefficients, row_of(results[o], y),
-                                   width);
+      functions.add_times_sum(row, coefficients, row_of(results[o], y), width);
     }
   };
   for (int y = 0; y < input.height; ++y) add(0, y, row_of(input, y));
@@ -201,9 +202,9 @@ std::vector<Plane> apply_operators(const BlurPyramid& pyramid, const Plane& inpu
   FramedRow between(grids.x[0].step.coarse);
   for (std::size_t o = 0; o < operators.size(); ++o) {
     std::vector<Plane> sums;
-    std::vector<std::vector<float>> finer(operators[o]->powers, std::vector<float>(width));
+    std::vector<std::vector<float>> finer(operators[o]->terms, std::vector<float>(width));
     std::vector<const float*> rows;
-    for (std::size_t p = 0; p < operators[o]->powers; ++p) {
+    for (std::size_t p = 0; p < operators[o]->terms; ++p) {
       sums.push_back(
           sum_of_scales(grids, coarse, &operators[o]->weights[p * scales + finest_scales], mean));
       rows.push_back(finer[p].data());
@@ -212,18 +213,20 @@ std::vector<Plane> apply_operators(const BlurPyramid& pyramid, const Plane& inpu
       for (std::size_t p = 0; p < sums.size(); ++p)
         detail::make_finer_row(sums[p], grids.x[0].step, grids.y[0].step, y, between,
                                finer[p].data());
-      detail::add_polynomial(rows, row_of(coordinate, y), row_of(results[o], y), width);
+      functions.move_to(y);
+      functions.add_products(rows, row_of(results[o], y), width);
     }
   }
   return results;
 }
 
 std::vector<Plane> apply_operators_reciprocally(const BlurPyramid& pyramid, const Plane& input,
-                                                const Plane& coordinate,
+                                                const TexelBasis& basis,
                                                 std::span<const MappedOperator* const> operators) {
+  assert(basis.modes.empty());
   const std::size_t scales = pyramid.variances.size();
   std::size_t most_powers = 1;
-  for (const MappedOperator* each : operators) most_powers = std::max(most_powers, each->powers);
+  for (const MappedOperator* each : operators) most_powers = std::max(most_powers, each->terms);
   std::vector<Plane> sums;
   Plane light = input;  // times coordinate^q where it enters
   for (std::size_t q = 0; q < most_powers; ++q) {
@@ -233,10 +236,10 @@ std::vector<Plane> apply_operators_reciprocally(const BlurPyramid& pyramid, cons
     std::vector<std::size_t> index;
     for (std::size_t o = 0; o < operators.size(); ++o) {
       const MappedOperator& whole = *operators[o];
-      if (whole.powers <= q) continue;
-      rest[o].powers = whole.powers - q;
+      if (whole.terms <= q) continue;
+      rest[o].terms = whole.terms - q;
       double choose = 1.0;  // of p = q + m powers those q that belong to where light enters
-      for (std::size_t m = 0; m < rest[o].powers; ++m) {
+      for (std::size_t m = 0; m < rest[o].terms; ++m) {
         const double p = static_cast<double>(q + m);
         if (m > 0) choose *= p / static_cast<double>(m);
         const auto share = static_cast<float>(choose * std::exp2(-p));
@@ -246,7 +249,7 @@ std::vector<Plane> apply_operators_reciprocally(const BlurPyramid& pyramid, cons
       used.push_back(&rest[o]);
       index.push_back(o);
     }
-    std::vector<Plane> parts = apply_operators(pyramid, light, coordinate, used);
+    std::vector<Plane> parts = apply_operators(pyramid, light, basis, used);
     if (q == 0) {
       sums = std::move(parts);
     } else {
@@ -254,7 +257,8 @@ std::vector<Plane> apply_operators_reciprocally(const BlurPyramid& pyramid, cons
         for (std::size_t i = 0; i < light.values.size(); ++i)
           sums[index[u]].values[i] += parts[u].values[i];
     }
-    for (std::size_t i = 0; i < light.values.size(); ++i) light.values[i] *= coordinate.values[i];
+    for (std::size_t i = 0; i < light.values.size(); ++i)
+      light.values[i] *= basis.coordinate.values[i];
   }
   return sums;
 }

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "lamina/core/dense_matrix.h"
@@ -84,21 +85,26 @@ GaussianTable fit(const DenseMatrix& spectra, const DenseMatrix& gaussians,
 /// R+, T+, R-, T- of a layer by the closed form, each [row][k].
 using LayerSpectra = std::array<DenseMatrix, 4>;
 
-LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const GaussianTableGrid& grid,
+LayerSpectra closed_form(const MappedStack& stack, std::size_t i, const StateLattice& lattice,
                          const std::vector<double>& k) {
-  const MappedLayer& layer = stack.layers[i];
-  const auto [top, bottom] = detail::boundary_reflectances(stack, i);
+  const std::size_t nodes = node_count(lattice);
   LayerSpectra spectra;
-  spectra.fill(DenseMatrix(grid.rows, k.size()));
-  for (std::size_t row = 0; row < grid.rows; ++row) {
-    const Medium medium{.sigma_a = row_absorption(grid, static_cast<double>(row)),
-                        .sigma_s = layer.sigma_s,
-                        .g = layer.g,
-                        .ior = layer.ior};
-    const Multipole multipole = make_multipole(medium, layer.thickness, top, bottom);
+  spectra.fill(DenseMatrix(nodes, k.size()));
+  double roughness = -1.0, top = 0.0, bottom = 0.0;
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const LayerState state = node_state(lattice, node);
+    if (state.roughness != roughness) {
+      roughness = state.roughness;
+      std::tie(top, bottom) = detail::boundary_reflectances(stack, i, roughness);
+    }
+    const Medium medium{.sigma_a = state.sigma_a,
+                        .sigma_s = state.sigma_s,
+                        .g = state.g,
+                        .ior = stack.layers[i].ior};
+    const Multipole multipole = make_multipole(medium, state.thickness, top, bottom);
     for (std::size_t j = 0; j < k.size(); ++j) {
       const LayerResponse r = response(multipole, k[j]);
-      const auto at = [&](std::size_t which) -> double& { return spectra[which](row, j); };
+      const auto at = [&](std::size_t which) -> double& { return spectra[which](node, j); };
       at(0) = r.reflection_above, at(1) = r.transmission_down;
       at(2) = r.reflection_below, at(3) = r.transmission_up;
     }
@@ -113,32 +119,33 @@ void scale_to(const detail::LayerTotals& totals, LayerSpectra& spectra) {
         for (double& value : spectra[which].row(row)) value *= totals[which][row] / closed;
 }
 
-/// A layer's response at an absorption between rows.
-LayerResponse response_at(const LayerSpectra& spectra, const GaussianTableGrid& grid,
-                          double sigma_a, std::size_t j) {
-  const detail::FourRows near =
-      detail::four_rows(std::log(sigma_a / grid.lowest) / std::log(grid.highest / grid.lowest) *
-                            static_cast<double>(grid.rows - 1),
-                        grid.rows);
+/// A layer's response between nodes.
+LayerResponse response_at(const LayerSpectra& spectra, const StateLattice& lattice,
+                          const LatticePlace& place, std::size_t j) {
   std::array<double, 4> values{};
-  for (std::size_t which = 0; which < 4; ++which)
-    for (std::size_t r = 0; r < 4; ++r)
-      values[which] += near.share[r] * spectra[which](near.first + r, j);
+  for_nodes_around(lattice, place, [&](std::size_t node, double share) {
+    for (std::size_t which = 0; which < 4; ++which)
+      values[which] += share * spectra[which](node, j);
+  });
   return {values[0], values[1], values[2], values[3]};
 }
 
 /// Changes the first layer's R+ so that the whole stack reflects as `shapes` say, wherever the
-/// layers below are at their reference absorption.
-void correct_profile(std::vector<LayerSpectra>& spectra, const GaussianTableGrid& grid,
-                     std::span<const double> reference_sigma_a, const std::vector<double>& k,
+/// layers below are at their reference states.
+void correct_profile(std::vector<LayerSpectra>& spectra, std::span<const StateLattice> lattices,
+                     std::span<const LayerState> reference, const std::vector<double>& k,
                      const std::vector<std::vector<double>>& shapes) {
   LayerSpectra& first = spectra[0];
-  std::vector<double> whole_at_0(grid.rows, 0.0), last_factor(grid.rows, 1.0);
+  const std::size_t nodes = first[0].rows;
+  std::vector<double> whole_at_0(nodes, 0.0), last_factor(nodes, 1.0);
+  std::vector<LatticePlace> places;
+  for (std::size_t i = 0; i < spectra.size(); ++i)
+    places.push_back(place_in(lattices[i], reference[i]));
   for (std::size_t j = 0; j < k.size(); ++j) {
     LayerResponse below{0.0, 1.0, 0.0, 1.0};
     for (std::size_t i = 1; i < spectra.size(); ++i)
-      below = stacked(below, response_at(spectra[i], grid, reference_sigma_a[i], j));
-    for (std::size_t row = 0; row < grid.rows; ++row) {
+      below = stacked(below, response_at(spectra[i], lattices[i], places[i], j));
+    for (std::size_t row = 0; row < nodes; ++row) {
       const LayerResponse top{first[0](row, j), first[1](row, j), first[2](row, j),
                               first[3](row, j)};
       const double whole = stacked(top, below).reflection_above;
@@ -158,6 +165,19 @@ double row_absorption(const GaussianTableGrid& grid, double row) {
          std::pow(grid.highest / grid.lowest, row / static_cast<double>(grid.rows - 1));
 }
 
+StateLattice lattice_of(const MappedLayer& layer, const GaussianTableGrid& grid) {
+  return layer.states.value_or(absorption_lattice({.sigma_a = grid.lowest,
+                                                   .sigma_s = layer.sigma_s,
+                                                   .g = layer.g,
+                                                   .thickness = layer.thickness},
+                                                  grid.lowest, grid.highest, grid.rows));
+}
+
+LayerState reference_state(const MappedLayer& layer, double sigma_a) {
+  if (layer.states) return state_of(layer.states->origin);
+  return {.sigma_a = sigma_a, .sigma_s = layer.sigma_s, .g = layer.g, .thickness = layer.thickness};
+}
+
 StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
                               std::span<const double> reference_sigma_a,
                               const GaussianTableGrid& grid) {
@@ -165,21 +185,28 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
   StackTables result{
       .grid = grid,
       .variances = doubling_variances(grid.first_variance, static_cast<int>(grid.gaussians)),
+      .ground_reflectance = stack.ground_reflectance,
+      .lattices = {},
       .layers = {}};
+  for (const MappedLayer& layer : stack.layers) result.lattices.push_back(lattice_of(layer, grid));
   const std::vector<double> k = test_frequencies(result.variances);
   const DenseMatrix gaussians = gaussians_at(k, result.variances);
   const DenseMatrix fitting = fitting_matrix(gaussians, grid.ridge);
   std::vector<LayerSpectra> spectra;
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
-    spectra.push_back(closed_form(stack, i, grid, k));
+    spectra.push_back(closed_form(stack, i, result.lattices[i], k));
   if (totals != OperatorTotals::diffusion) {
+    std::vector<LayerState> reference;
+    for (std::size_t i = 0; i < stack.layers.size(); ++i)
+      reference.push_back(
+          reference_state(stack.layers[i], stack.layers[i].states ? 0.0 : reference_sigma_a[i]));
     const auto wanted = detail::transfer_operator_totals(
-        stack, reference_sigma_a, grid, totals == OperatorTotals::radiative_transfer_diffuse);
+        stack, result.lattices, reference, totals == OperatorTotals::radiative_transfer_diffuse);
     for (std::size_t i = 0; i < spectra.size(); ++i) scale_to(wanted[i], spectra[i]);
+    if (totals == OperatorTotals::radiative_transfer_profile)
+      correct_profile(spectra, result.lattices, reference, k,
+                      detail::transfer_stack_shapes(stack, reference, result.lattices[0], k));
   }
-  if (totals == OperatorTotals::radiative_transfer_profile)
-    correct_profile(spectra, grid, reference_sigma_a, k,
-                    detail::transfer_stack_shapes(stack, reference_sigma_a, grid, k));
   for (std::size_t i = 0; i < spectra.size(); ++i) {
     const bool is_half_space = std::isinf(stack.layers[i].thickness);
     const auto table = [&](std::size_t which) {
@@ -191,19 +218,22 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
   return result;
 }
 
+std::vector<double> weights_at(const StateLattice& lattice, const GaussianTable& table,
+                               const LatticePlace& place) {
+  const std::size_t size = table.weights.size() / node_count(lattice);
+  std::vector<double> weights(size, 0.0);
+  for_nodes_around(lattice, place, [&](std::size_t node, double share) {
+    for (std::size_t i = 0; i < size; ++i) weights[i] += share * table.weights[node * size + i];
+  });
+  return weights;
+}
+
 std::vector<double> weights_at(const StackTables& tables, const GaussianTable& table,
                                double sigma_a) {
   const GaussianTableGrid& grid = tables.grid;
-  const detail::FourRows near =
-      detail::four_rows(std::log(sigma_a / grid.lowest) / std::log(grid.highest / grid.lowest) *
-                            static_cast<double>(grid.rows - 1),
-                        grid.rows);
-  const std::size_t size = tables.variances.size();
-  std::vector<double> weights(size, 0.0);
-  for (std::size_t r = 0; r < 4; ++r)
-    for (std::size_t i = 0; i < size; ++i)
-      weights[i] += near.share[r] * table.weights[(near.first + r) * size + i];
-  return weights;
+  const StateLattice lattice =
+      absorption_lattice({.sigma_s = 1.0}, grid.lowest, grid.highest, grid.rows);
+  return weights_at(lattice, table, place_in(lattice, {.sigma_a = sigma_a, .sigma_s = 1.0}));
 }
 
 }  // namespace lamina

@@ -9,22 +9,31 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/io/disk_cache.h"
+#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/heterogeneous/state_lattice.h"
 
 namespace lamina {
 
-/// A layer whose absorption is a map while all else is the same everywhere; one wavelength.
+/// A layer that is a map; one wavelength. Unless it has `states`, its absorption varies while all
+/// else is the same everywhere.
 struct MappedLayer {
   double sigma_s;    ///< [1/mm], > 0
   double g;          ///< in (-1, 1)
   double ior;        ///< > 0
   double thickness;  ///< [mm], > 0; may be infinite
+  /// All that the layer is anywhere, in place of sigma_s, g and thickness. Infinite thickness does
+  /// not vary.
+  std::optional<StateLattice> states = {};
 };
 
-/// Layers from the lit surface downward, with smooth boundaries.
+/// Layers from the lit surface downward, with smooth boundaries but for the first one, of which
+/// `states` may say that it is rough.
 struct MappedStack {
   double ior_above = 1.0;
   std::vector<MappedLayer> layers;  ///< at least one; only the last may be infinite
   double ior_below = 1.0;
+  double ground_reflectance = 0.0;  ///< Lambertian, under a last layer that is finite
+  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;  ///< of a rough surface
 };
 
 /// What the totals of the operators are scaled to.
@@ -60,10 +69,17 @@ struct GaussianTableGrid {
 /// Absorption of a row [1/mm].
 [[nodiscard]] double row_absorption(const GaussianTableGrid& grid, double row);
 
-/// One of R+, T+, R-, T- of one layer as weights of Gaussians, for every absorption of a grid.
+/// The states at which a layer is solved: its own, or all absorptions of a grid.
+[[nodiscard]] StateLattice lattice_of(const MappedLayer& layer, const GaussianTableGrid& grid);
+
+/// What the layers between which a layer lies are while it varies: its own middle state, or the
+/// absorption given [1/mm].
+[[nodiscard]] LayerState reference_state(const MappedLayer& layer, double sigma_a);
+
+/// One of R+, T+, R-, T- of one layer as weights of Gaussians, for every state of a lattice.
 struct GaussianTable {
-  std::vector<double> weights;  ///< [row][gaussian]; the first is the delta. May be negative
-  std::vector<double> error;    ///< [row] largest error over spatial frequency, of R(k = 0)
+  std::vector<double> weights;  ///< [node][gaussian]; the first is the delta. May be negative
+  std::vector<double> error;    ///< [node] largest error over spatial frequency, of R(k = 0)
 };
 
 /// The four operators of a layer. A half-space has the first one only.
@@ -81,6 +97,8 @@ struct LayerTables {
 struct StackTables {
   GaussianTableGrid grid;
   std::vector<double> variances;  ///< 0, then doubling [mm²]
+  double ground_reflectance = 0.0;
+  std::vector<StateLattice> lattices;  ///< [layer]
   std::vector<LayerTables> layers;
 };
 
@@ -97,12 +115,12 @@ inline constexpr double highest_fitted_frequency = 200.0;
 ///
 /// Totals by radiative transfer are those of each layer alone between its neighbours' indices, lit
 /// normally (or evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light
-/// between layers is not even, by which the sum over layers errs by up to 5 %. So a half-space at
-/// the bottom gets the reflectance with which the whole stack is right, for every absorption of its
-/// own and one of the layers above it.
+/// between layers is not even, by which the sum over layers errs by up to 5 %. So the last of
+/// several layers gets the reflectance, and if it is finite the transmittance, with which the whole
+/// stack is right, for every state of its own and one of the layers above it.
 ///
-/// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm]; not used for the
-///                           totals of diffusion.
+/// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm], of layers without
+///                           states; not used for the totals of diffusion.
 /// @throws InvalidInput as LayerStack.
 ///
 /// Source: [Donner2008] §5; [DEon2007] for Gaussians; docs/heterogeneous_skin.md.
@@ -116,8 +134,12 @@ inline constexpr double highest_fitted_frequency = 200.0;
                                               std::span<const double> reference_sigma_a = {},
                                               const GaussianTableGrid& grid = {});
 
-/// The weights at an absorption [1/mm], [gaussian]: cubic between rows in the logarithm, that of
-/// the first or last row beyond.
+/// The weights at a place of the table's lattice, [gaussian].
+[[nodiscard]] std::vector<double> weights_at(const StateLattice& lattice,
+                                             const GaussianTable& table, const LatticePlace& place);
+
+/// The weights at an absorption [1/mm] of a layer of which nothing else varies, [gaussian]: cubic
+/// between rows in the logarithm, that of the first or last row beyond.
 [[nodiscard]] std::vector<double> weights_at(const StackTables& tables, const GaussianTable& table,
                                              double sigma_a);
 

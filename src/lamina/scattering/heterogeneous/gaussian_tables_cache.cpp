@@ -15,8 +15,17 @@ std::string key_of(const MappedStack& stack, OperatorTotals totals,
   PlainTextStream key;
   key << std::hexfloat << "gaussian tables, format 1, solver " LAMINA_GAUSSIAN_TABLES_FINGERPRINT
       << ' ' << static_cast<int>(totals) << ' ' << stack.ior_above << ' ' << stack.ior_below;
-  for (const auto& [sigma_s, g, ior, thickness] : stack.layers)
+  for (const auto& [sigma_s, g, ior, thickness, states] : stack.layers) {
     key << " layer " << sigma_s << ' ' << g << ' ' << ior << ' ' << thickness;
+    if (!states) continue;
+    key << " states";
+    for (const double value : states->origin) key << ' ' << value;
+    for (const StateAxis& axis : states->axes) {
+      key << " axis " << axis.low << ' ' << axis.high << ' ' << axis.nodes;
+      for (const double value : axis.direction) key << ' ' << value;
+    }
+  }
+  key << ' ' << name_of(stack.distribution) << " ground " << stack.ground_reflectance;
   if (totals != OperatorTotals::diffusion)
     for (const double sigma_a : reference_sigma_a) key << " reference " << sigma_a;
   const auto& [lowest, highest, rows, first_variance, gaussians, ridge] = grid;
@@ -48,8 +57,13 @@ std::string packed(const StackTables& tables) {
 }
 
 std::optional<StackTables> unpacked(std::string_view bytes, const GaussianTableGrid& grid,
-                                    std::size_t layers) {
-  StackTables tables{.grid = grid, .variances = {}, .layers = std::vector<LayerTables>(layers)};
+                                    const MappedStack& stack) {
+  StackTables tables{.grid = grid,
+                     .variances = {},
+                     .ground_reflectance = stack.ground_reflectance,
+                     .lattices = {},
+                     .layers = std::vector<LayerTables>(stack.layers.size())};
+  for (const MappedLayer& layer : stack.layers) tables.lattices.push_back(lattice_of(layer, grid));
   bool is_good = true;
   for_each_part(tables, [&](std::vector<double>& part) {
     std::size_t size = 0;
@@ -74,7 +88,7 @@ StackTables cached_stack_tables(const std::optional<DiskCache>& cache, const Map
   if (!cache) return make_stack_tables(stack, totals, reference_sigma_a, grid);
   const std::string key = key_of(stack, totals, reference_sigma_a, grid);
   if (const auto bytes = load_cached(*cache, key))
-    if (auto tables = unpacked(*bytes, grid, stack.layers.size())) return std::move(*tables);
+    if (auto tables = unpacked(*bytes, grid, stack)) return std::move(*tables);
   StackTables tables = make_stack_tables(stack, totals, reference_sigma_a, grid);
   save_cached(*cache, key, packed(tables));
   return tables;

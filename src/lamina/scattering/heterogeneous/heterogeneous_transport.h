@@ -11,14 +11,8 @@
 
 namespace lamina {
 
-/// A layer on a grid of texels: its operators, and where in their range of absorptions each texel
-/// lies.
-struct TransportLayer {
-  Plane coordinate;
-  std::array<MappedOperator, 4> operators;  ///< R+, T+, R-, T-; a half-space has the first only
-};
-
-/// Layers whose absorption varies over the surface, with absorbing sheets between them; one band.
+/// Layers that vary over the surface, with absorbing sheets between them; one band. A ground that
+/// reflects is one more layer, at the bottom.
 struct HeterogeneousLayers {
   BlurPyramid pyramid;
   std::vector<TransportLayer> layers;  ///< from the lit surface downward
@@ -35,6 +29,16 @@ struct HeterogeneousLayers {
                                                             const std::vector<Plane>& absorbance,
                                                             double mm_per_texel,
                                                             double tolerance = 5e-5);
+
+/// The same of layers of which anything may vary.
+///
+/// @param texels  [layer] width * height each, or one.
+/// @param kind    powers, if transport shall take profiles of both ends
+/// @throws InvalidInput as make_transport_layer
+[[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(
+    const StackTables& tables, int width, int height, const std::vector<LayerTexels>& texels,
+    const std::vector<Plane>& absorbance, double mm_per_texel, double tolerance = 5e-5,
+    BasisKind kind = BasisKind::any);
 
 /// Whose absorption a profile is that of.
 enum class ProfileAt {

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/error.h"
+#include "lamina/scattering/heterogeneous/internal/operator_modes.h"
+
 namespace lamina {
 namespace {
 
 constexpr std::size_t most_powers = 20;
 
-using ValuesOfRows = std::vector<std::vector<double>>;
+using detail::ValuesOfRows;
 
 /// Coefficients of Chebyshev polynomials, [degree][column], of a function known at Chebyshev
 /// points.
@@ -49,13 +52,8 @@ ValuesOfRows powers_of(const ValuesOfRows& series) {
 /// Largest transform over spatial frequency of a row of weights.
 double largest_transform(const std::vector<double>& weights, const std::vector<double>& variances) {
   double largest = 0.0;
-  for (const double k : {0.0, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0,
-                         40.0, 80.0, 160.0}) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      sum += weights[i] * std::exp(-0.5 * k * k * variances[i]);
-    largest = std::max(largest, std::abs(sum));
-  }
+  for (const double k : detail::compared_frequencies)
+    largest = std::max(largest, std::abs(detail::transform(weights, variances, k)));
   return largest;
 }
 
@@ -68,6 +66,157 @@ std::size_t needed_degrees(const ValuesOfRows& series, const std::vector<double>
     if (rest > tolerance) return degree + 1;
   }
   return 1;
+}
+
+/// A series of powers as an operator on the scales of a pyramid.
+MappedOperator on_scales(const ValuesOfRows& terms, std::span<const double> scales) {
+  const std::size_t gaussians = terms[0].size(), scale_count = scales.size() / gaussians;
+  MappedOperator result{.terms = terms.size(),
+                        .weights = std::vector<float>(terms.size() * scale_count),
+                        .totals = {}};
+  for (std::size_t p = 0; p < terms.size(); ++p) {
+    double total = 0.0;
+    for (std::size_t j = 0; j < scale_count; ++j) {
+      double weight = 0.0;
+      for (std::size_t i = 0; i < gaussians; ++i)
+        weight += terms[p][i] * scales[i * scale_count + j];
+      result.weights[p * scale_count + j] = static_cast<float>(weight);
+      total += weight;
+    }
+    result.totals.push_back(static_cast<float>(total));
+  }
+  return result;
+}
+
+/// The operator whose weights at a coordinate in [-1, 1] are `weights_of(x)`.
+template <class WeightsOf>
+MappedOperator in_powers(const WeightsOf& weights_of, const std::vector<double>& variances,
+                         std::span<const double> scales, double tolerance) {
+  ValuesOfRows at_points;
+  double largest_total = 0.0;
+  for (std::size_t i = 0; i < most_powers; ++i) {
+    const double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / most_powers);
+    at_points.push_back(weights_of(x));
+    largest_total = std::max(largest_total, largest_transform(at_points.back(), variances));
+  }
+  ValuesOfRows series = chebyshev_series(at_points);
+  series.resize(needed_degrees(series, variances, tolerance * largest_total));
+  return on_scales(powers_of(series), scales);
+}
+
+bool is_uniform(const LayerTexels& texels) {
+  return varies_in_absorption_only(texels) && texels.sigma_a.size() == 1;
+}
+
+struct LayerToMap {
+  const StackTables& tables;
+  std::size_t index;
+  const LayerTexels& texels;
+  std::span<const double> scales;
+  double tolerance;
+
+  [[nodiscard]] const StateLattice& lattice() const { return tables.lattices[index]; }
+  [[nodiscard]] bool varies_in_absorption() const {
+    return lattice().axes.size() == 1 && lattice().axes[0].direction[0] == 1.0;
+  }
+  /// Calls `make` for each operator that there is.
+  template <class Make>
+  void make_operators(TransportLayer& layer, const Make& make) const {
+    const auto each = operator_tables(tables.layers[index]);
+    for (std::size_t which = 0; which < each.size(); ++which)
+      if (!each[which]->weights.empty()) layer.operators[which] = make(*each[which]);
+  }
+};
+
+TransportLayer uniform_layer(const LayerToMap& from, int width, int height) {
+  TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
+  const LatticePlace place = place_in(from.lattice(), state_of(from.texels, 0));
+  from.make_operators(layer, [&](const GaussianTable& table) {
+    return on_scales({weights_at(from.lattice(), table, place)}, from.scales);
+  });
+  return layer;
+}
+
+/// What the texels absorb, as far as the lattice of absorptions goes.
+AbsorptionRange absorption_range(const LayerToMap& from) {
+  const StateAxis& axis = from.lattice().axes[0];
+  const double least = std::exp(from.lattice().origin[0] + axis.low);
+  const double most = std::exp(from.lattice().origin[0] + axis.high);
+  const auto [low, high] = std::ranges::minmax(from.texels.sigma_a);
+  return {std::clamp<double>(low, least, most), std::clamp<double>(high, least, most)};
+}
+
+TransportLayer layer_of_powers(const LayerToMap& from, int width, int height) {
+  const StateLattice& lattice = from.lattice();
+  TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
+  const auto make = [&](const auto& place_at) {
+    from.make_operators(layer, [&](const GaussianTable& table) {
+      return in_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
+                       from.tables.variances, from.scales, from.tolerance);
+    });
+  };
+  if (from.varies_in_absorption()) {
+    const AbsorptionRange range = absorption_range(from);
+    const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
+    LayerState state = state_of(lattice.origin);
+    make([&](double x) {
+      const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
+      state.sigma_a = root * root;
+      return place_in(lattice, state);
+    });
+    layer.basis.coordinate = absorption_coordinate({width, height, from.texels.sigma_a}, range);
+  } else {
+    const double last = static_cast<double>(lattice.axes[0].nodes - 1);
+    make([&](double x) { return LatticePlace{0.5 * (x + 1.0) * last}; });
+    const TexelPlaces places(lattice, from.texels);
+    std::vector<float>& coordinate = layer.basis.coordinate.values;
+    for (std::size_t t = 0; t < coordinate.size(); ++t)
+      coordinate[t] = static_cast<float>(2.0 * places.at(t)[0] / last - 1.0);
+  }
+  return layer;
+}
+
+TransportLayer layer_of_modes(const LayerToMap& from, int width, int height) {
+  StateLattice lattice = from.lattice();
+  if (from.varies_in_absorption()) {  // of all absorptions those that there are
+    constexpr std::size_t nodes = 200;
+    const AbsorptionRange range = absorption_range(from);
+    lattice = absorption_lattice(state_of(lattice.origin), range.lowest, range.highest, nodes);
+  }
+  const auto each = operator_tables(from.tables.layers[from.index]);
+  std::array<ValuesOfRows, 4> at_nodes;
+  for (std::size_t which = 0; which < each.size(); ++which)
+    for (std::size_t n = 0; !each[which]->weights.empty() && n < node_count(lattice); ++n)
+      at_nodes[which].push_back(weights_at(from.lattice(), *each[which],
+                                           place_in(from.lattice(), node_state(lattice, n))));
+  const detail::OperatorModes modes =
+      detail::find_modes(at_nodes, from.tables.variances, from.tolerance);
+
+  TransportLayer layer{
+      .basis = {.coordinate = {},
+                .modes = std::vector<Plane>(modes.at_nodes.size(), make_plane(width, height))},
+      .operators = {}};
+  for (std::size_t which = 0; which < each.size(); ++which)
+    if (!modes.weights[which].empty())
+      layer.operators[which] = on_scales(modes.weights[which], from.scales);
+  const std::size_t count = modes.at_nodes.size();
+  std::vector<float> by_node(node_count(lattice) * count);  // [node][mode]
+  for (std::size_t n = 0; n < node_count(lattice); ++n)
+    for (std::size_t m = 0; m < count; ++m)
+      by_node[n * count + m] = static_cast<float>(modes.at_nodes[m][n]);
+  const TexelPlaces places(lattice, from.texels);
+  std::vector<float> here(count);
+  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  for (std::size_t t = 0; t < texels; ++t) {
+    std::ranges::fill(here, 0.0f);
+    for_nodes_around(lattice, places.at(t), [&](std::size_t node, double share) {
+      const auto weight = static_cast<float>(share);
+      const float* values = &by_node[node * count];
+      for (std::size_t m = 0; m < count; ++m) here[m] += weight * values[m];
+    });
+    for (std::size_t m = 0; m < count; ++m) layer.basis.modes[m].values[t] = here[m];
+  }
+  return layer;
 }
 
 }  // namespace
@@ -93,34 +242,31 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
                                     const AbsorptionRange& range, std::span<const double> scales,
                                     double tolerance) {
   const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
-  ValuesOfRows at_points;
-  double largest_total = 0.0;
-  for (std::size_t i = 0; i < most_powers; ++i) {
-    const double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / most_powers);
+  const auto weights_of = [&](double x) {
     const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
-    at_points.push_back(weights_at(tables, table, root * root));
-    largest_total = std::max(largest_total, largest_transform(at_points.back(), tables.variances));
-  }
-  ValuesOfRows series = chebyshev_series(at_points);
-  series.resize(needed_degrees(series, tables.variances, tolerance * largest_total));
-  const ValuesOfRows powers = powers_of(series);
+    return weights_at(tables, table, root * root);
+  };
+  return in_powers(weights_of, tables.variances, scales, tolerance);
+}
 
-  const std::size_t scale_count = scales.size() / tables.variances.size();
-  MappedOperator result{.powers = powers.size(),
-                        .weights = std::vector<float>(powers.size() * scale_count),
-                        .totals = {}};
-  for (std::size_t p = 0; p < powers.size(); ++p) {
-    double total = 0.0;
-    for (std::size_t j = 0; j < scale_count; ++j) {
-      double weight = 0.0;
-      for (std::size_t i = 0; i < tables.variances.size(); ++i)
-        weight += powers[p][i] * scales[i * scale_count + j];
-      result.weights[p * scale_count + j] = static_cast<float>(weight);
-      total += weight;
-    }
-    result.totals.push_back(static_cast<float>(total));
+TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
+                                    const LayerTexels& texels, int width, int height,
+                                    std::span<const double> scales, double tolerance,
+                                    BasisKind kind) {
+  const LayerToMap layer{tables, i, texels, scales, tolerance};
+  if (is_uniform(texels)) return uniform_layer(layer, width, height);
+  if (tables.lattices[i].axes.size() == 1) {
+    constexpr std::size_t most_short_powers = 12;
+    TransportLayer powers = layer_of_powers(layer, width, height);
+    const auto terms = [](const MappedOperator& op) { return op.terms; };
+    if (kind == BasisKind::powers ||
+        std::ranges::max(powers.operators, {}, terms).terms <= most_short_powers)
+      return powers;
   }
-  return result;
+  if (kind == BasisKind::powers)
+    throw InvalidInput(
+        "profiles of both ends need layers of which one quantity varies: take those of the exit");
+  return layer_of_modes(layer, width, height);
 }
 
 }  // namespace lamina

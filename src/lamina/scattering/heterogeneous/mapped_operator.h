@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
@@ -30,5 +31,34 @@ struct AbsorptionRange {
                                                   const AbsorptionRange& range,
                                                   std::span<const double> scales,
                                                   double tolerance = 5e-5);
+
+/// A layer over a surface: its operators, and the functions of the texel that their weights are
+/// sums of.
+struct TransportLayer {
+  TexelBasis basis;
+  std::array<MappedOperator, 4> operators;  ///< R+, T+, R-, T-; a half-space has the first only
+};
+
+enum class BasisKind {
+  any,
+  powers  ///< so that profiles of both ends can be had, however many powers it takes
+};
+
+/// The operators of layer i of a stack as its states vary over texels.
+///
+/// Where one axis of states is all that varies, and polynomials are short, the basis is the powers
+/// of a coordinate along it: of absorption alone the square root, else the place along the axis.
+/// Otherwise it is modes: functions of the state, orthogonal to one another, that together hold the
+/// operators of all nodes of the lattice to `tolerance` of their largest totals. They are found by
+/// taking in, again and again, the node that the modes so far miss most (Gram and Schmidt's
+/// process with pivots), so they are few: about as many as the operators have independent shapes.
+///
+/// @param texels  width * height of them, or one where all are the same
+/// @param scales  of the tables' Gaussians, as scales_of_gaussians gives them
+/// @throws InvalidInput where powers are asked for and more than one axis varies.
+[[nodiscard]] TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
+                                                  const LayerTexels& texels, int width, int height,
+                                                  std::span<const double> scales, double tolerance,
+                                                  BasisKind kind = BasisKind::any);
 
 }  // namespace lamina

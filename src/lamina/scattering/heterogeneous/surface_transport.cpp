@@ -20,10 +20,10 @@ using enum detail::LayerOperator;
 /// One band of an operator, in the lane of that band.
 template <int N>
 void add_operator(int band, const MappedOperator& from, std::size_t scales, CellOperator<N>& to) {
-  to.powers = std::max(to.powers, from.powers);
+  to.powers = std::max(to.powers, from.terms);
   to.weights.resize(to.powers * scales);
   to.totals.resize(to.powers);
-  for (std::size_t p = 0; p < from.powers; ++p) {
+  for (std::size_t p = 0; p < from.terms; ++p) {
     for (std::size_t j = 0; j < scales; ++j)
       to.weights[p * scales + j][band] = from.weights[p * scales + j];
     to.totals[p][band] = from.totals[p];

@@ -57,6 +57,16 @@ HWY_ATTR void add_times_polynomial(const float* row, const float* coordinate,
   });
 }
 
+HWY_ATTR void add_times_modes(const float* row, std::span<const float* const> modes,
+                              std::span<const float> coefficients, float* sum, std::size_t size) {
+  for_each_place(size, [&](auto d, std::size_t x) HWY_ATTR {
+    auto value = hn::Mul(hn::Set(d, coefficients[0]), hn::LoadU(d, modes[0] + x));
+    for (std::size_t p = 1; p < coefficients.size(); ++p)
+      value = hn::MulAdd(hn::Set(d, coefficients[p]), hn::LoadU(d, modes[p] + x), value);
+    hn::StoreU(hn::MulAdd(value, hn::LoadU(d, row + x), hn::LoadU(d, sum + x)), d, sum + x);
+  });
+}
+
 HWY_ATTR void halve_row(const float* row, float* result, std::size_t size) {
   for_each_place(size, [&](auto d, std::size_t x) HWY_ATTR {
     const auto eighth = hn::Set(d, 0.125f), three = hn::Set(d, 3.0f);
@@ -97,6 +107,16 @@ HWY_ATTR void add_polynomial(std::span<const float* const> rows, const float* co
   });
 }
 
+HWY_ATTR void add_products(std::span<const float* const> rows, std::span<const float* const> modes,
+                           float* sum, std::size_t size) {
+  for_each_place(size, [&](auto d, std::size_t x) HWY_ATTR {
+    auto value = hn::LoadU(d, sum + x);
+    for (std::size_t p = 0; p < rows.size(); ++p)
+      value = hn::MulAdd(hn::LoadU(d, rows[p] + x), hn::LoadU(d, modes[p] + x), value);
+    hn::StoreU(value, d, sum + x);
+  });
+}
+
 }  // namespace lamina::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -106,10 +126,12 @@ namespace lamina {
 HWY_EXPORT(combine_rows);
 HWY_EXPORT(convolve_row);
 HWY_EXPORT(add_times_polynomial);
+HWY_EXPORT(add_times_modes);
 HWY_EXPORT(halve_row);
 HWY_EXPORT(double_row);
 HWY_EXPORT(add_row);
 HWY_EXPORT(add_polynomial);
+HWY_EXPORT(add_products);
 
 void detail::combine_rows(std::span<const float* const> rows, std::span<const float> taps,
                           float* sum, std::size_t size) {
@@ -124,6 +146,10 @@ void detail::add_times_polynomial(const float* row, const float* coordinate,
                                   std::size_t size) {
   HWY_DYNAMIC_DISPATCH(add_times_polynomial)(row, coordinate, coefficients, sum, size);
 }
+void detail::add_times_modes(const float* row, std::span<const float* const> modes,
+                             std::span<const float> coefficients, float* sum, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(add_times_modes)(row, modes, coefficients, sum, size);
+}
 void detail::halve_row(const float* row, float* result, std::size_t size) {
   HWY_DYNAMIC_DISPATCH(halve_row)(row, result, size);
 }
@@ -136,6 +162,10 @@ void detail::add_row(const float* row, float weight, float* sum, std::size_t siz
 void detail::add_polynomial(std::span<const float* const> rows, const float* coordinate, float* sum,
                             std::size_t size) {
   HWY_DYNAMIC_DISPATCH(add_polynomial)(rows, coordinate, sum, size);
+}
+void detail::add_products(std::span<const float* const> rows, std::span<const float* const> modes,
+                          float* sum, std::size_t size) {
+  HWY_DYNAMIC_DISPATCH(add_products)(rows, modes, sum, size);
 }
 
 }  // namespace lamina

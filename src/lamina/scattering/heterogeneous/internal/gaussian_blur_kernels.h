@@ -24,6 +24,10 @@ void convolve_row(const float* row, std::span<const float> taps, float* result, 
 void add_times_polynomial(const float* row, const float* coordinate,
                           std::span<const float> coefficients, float* sum, std::size_t size);
 
+/// sum[x] += row[x] * sum over p of coefficients[p] modes[p][x]; at least one.
+void add_times_modes(const float* row, std::span<const float* const> modes,
+                     std::span<const float> coefficients, float* sum, std::size_t size);
+
 /// Every second place of a framed row of 2 * size, weighted 1 3 3 1 over 8 around it.
 void halve_row(const float* row, float* result, std::size_t size);
 
@@ -37,5 +41,9 @@ void add_row(const float* row, float weight, float* sum, std::size_t size);
 /// sum[x] += sum over p of coordinate[x]^p rows[p][x].
 void add_polynomial(std::span<const float* const> rows, const float* coordinate, float* sum,
                     std::size_t size);
+
+/// sum[x] += sum over p of modes[p][x] rows[p][x]; at least as many modes as rows.
+void add_products(std::span<const float* const> rows, std::span<const float* const> modes,
+                  float* sum, std::size_t size);
 
 }  // namespace lamina::detail

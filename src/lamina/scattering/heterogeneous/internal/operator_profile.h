@@ -10,22 +10,16 @@
 
 namespace lamina::detail {
 
-/// The four equidistant rows around a place, and their shares in Lagrange's polynomial.
-struct FourRows {
-  std::size_t first;
-  std::array<double, 4> share;
-};
-[[nodiscard]] FourRows four_rows(double place, std::size_t rows);
-
 /// What a whole stack reflects of light entering as J0(k r), over what it reflects at k = 0, by
-/// radiative transfer; [row of the first layer's absorption][k]. The layers below are at their
-/// reference absorption.
+/// radiative transfer; [node of the first layer's lattice][k]. The layers below are at their
+/// reference states.
 ///
-/// Solved for 8 absorptions of .02 to 40/mm and 12 frequencies up to 24/mm; beyond these it stays
-/// as at the nearest. About a second of CPU time.
+/// Solved for at most 8 states along one axis, 4 along each of two and 3 along each of more; of
+/// absorption alone from .02 to 40/mm; and for 12 frequencies up to 24/mm. Beyond these it stays as
+/// at the nearest. About a second of CPU time for 8 states.
 [[nodiscard]] std::vector<std::vector<double>> transfer_stack_shapes(
-    const MappedStack& stack, std::span<const double> reference_sigma_a,
-    const GaussianTableGrid& grid, std::span<const double> k);
+    const MappedStack& stack, std::span<const LayerState> reference, const StateLattice& lattice,
+    std::span<const double> k);
 
 /// Beyond this frequency the shapes are those at it [1/mm].
 inline constexpr double highest_transfer_frequency = 24.0;

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/scattering/heterogeneous/internal/chebyshev_box.h"
 #include "lamina/scattering/profile/layer_response.h"
 
 namespace lamina::detail {
@@ -19,11 +20,6 @@ double ior_over(const MappedStack& stack, std::size_t layer) {
 
 double ior_under(const MappedStack& stack, std::size_t layer) {
   return layer + 1 == stack.layers.size() ? stack.ior_below : stack.layers[layer + 1].ior;
-}
-
-Layer solid_layer(const MappedLayer& layer, double sigma_a) {
-  return {.medium = {.sigma_a = sigma_a, .sigma_s = layer.sigma_s, .g = layer.g, .ior = layer.ior},
-          .thickness = layer.thickness};
 }
 
 /// Where light comes from.
@@ -48,103 +44,103 @@ Entered solve(const LayerStack& stack, From from) {
   return {totals.diffuse_reflectance / entered, totals.transmittance / entered};
 }
 
-LayerResponse solve_layer(const MappedStack& stack, std::size_t i, double sigma_a, From outside) {
-  const Layer layer = solid_layer(stack.layers[i], sigma_a);
+LayerResponse solve_layer(const MappedStack& stack, std::size_t i, const LayerState& state,
+                          From outside) {
+  Layer layer = solid_layer(stack, i, state);
   const double over = ior_over(stack, i), under = ior_under(stack, i);
   const Entered above = solve(LayerStack({layer}, over, under), i == 0 ? outside : From::neighbor);
   if (std::isinf(layer.thickness)) return {above.reflection, 0.0, 0.0, 0.0};
-  const bool is_last = i + 1 == stack.layers.size();
-  const Entered below = solve(LayerStack({layer}, under, over), is_last ? outside : From::neighbor);
+  const bool is_last = i + 1 == stack.layers.size() && stack.ground_reflectance == 0.0;
+  const Interface top = std::exchange(layer.top, {});
+  const Entered below =
+      solve(LayerStack({layer}, under, over, {.top = top}), is_last ? outside : From::neighbor);
   return {above.reflection, above.transmission, below.reflection, below.transmission};
 }
 
-/// A smooth function at n Chebyshev points of [-1, 1], [node].
-std::vector<double> chebyshev_points(std::size_t n) {
-  std::vector<double> x;
-  for (std::size_t i = 0; i < n; ++i)
-    x.push_back(
-        std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)));
-  return x;
-}
-
-/// The polynomial through values at Chebyshev points, by the barycentric formula [Berrut2004].
-double interpolate(const std::vector<double>& points, const std::vector<double>& values, double x) {
-  double above = 0.0, below = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (x == points[i]) return values[i];
-    const double angle =
-        std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(points.size());
-    const double weight = (i % 2 == 0 ? 1.0 : -1.0) * std::sin(angle) / (x - points[i]);
-    above += weight * values[i];
-    below += weight;
-  }
-  return above / below;
-}
-
-/// The reflectance that a half-space must have for the whole stack to reflect `wanted`.
-double reflection_for(const LayerResponse& cover, double wanted) {
-  const double through = std::max(0.0, wanted - cover.reflection_above);
-  return through /
-         (cover.transmission_down * cover.transmission_up + through * cover.reflection_below);
+/// The last layer such that the whole stack reflects and transmits as `whole`.
+LayerResponse last_of(const LayerResponse& cover, const Entered& whole, LayerResponse last) {
+  const double through = std::max(0.0, whole.reflection - cover.reflection_above);
+  last.reflection_above = through / (cover.transmission_down * cover.transmission_up +
+                                     through * cover.reflection_below);
+  if (last.transmission_down > 0.0)
+    last.transmission_down = std::max(0.0, whole.transmission) *
+                             (1.0 - cover.reflection_below * last.reflection_above) /
+                             cover.transmission_down;
+  return last;
 }
 
 }  // namespace
 
+Layer solid_layer(const MappedStack& stack, std::size_t layer, const LayerState& state) {
+  return {
+      .medium = {.sigma_a = state.sigma_a,
+                 .sigma_s = state.sigma_s,
+                 .g = state.g,
+                 .ior = stack.layers[layer].ior},
+      .thickness = state.thickness,
+      .top = {.roughness = layer == 0 ? state.roughness : 0.0, .distribution = stack.distribution}};
+}
+
 std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
-                                                  std::span<const double> reference_sigma_a,
-                                                  const GaussianTableGrid& grid,
+                                                  std::span<const StateLattice> lattices,
+                                                  std::span<const LayerState> reference,
                                                   bool is_lit_evenly) {
-  assert(reference_sigma_a.size() == stack.layers.size());
-  constexpr std::size_t nodes = 28;
-  const std::vector<double> points = chebyshev_points(nodes);
+  assert(reference.size() == stack.layers.size() && lattices.size() == stack.layers.size());
   const std::size_t size = stack.layers.size();
   const From outside = is_lit_evenly ? From::outside_evenly : From::outside;
-  const bool ends_in_half_space = size > 1 && std::isinf(stack.layers.back().thickness);
 
-  // The layers above the last one, at their reference absorption, or at so much less that enough
-  // light comes back through them to tell how the last one reflects.
+  // The layers above the last one, at their reference states, or with so much less absorption that
+  // enough light comes back through them to tell how the last one reflects.
   constexpr double enough = 1e-3;
   LayerResponse cover;
   std::vector<Layer> all;
-  for (double share = 1.0; ends_in_half_space && all.empty(); share *= 0.5) {
+  for (double share = 1.0; size > 1 && all.empty(); share *= 0.5) {
     cover = LayerResponse{};
     for (std::size_t i = 0; i + 1 < size; ++i) {
-      cover = stacked(cover, solve_layer(stack, i, share * reference_sigma_a[i], outside));
-      all.push_back(solid_layer(stack.layers[i], share * reference_sigma_a[i]));
+      LayerState state = reference[i];
+      state.sigma_a *= share;
+      cover = stacked(cover, solve_layer(stack, i, state, outside));
+      all.push_back(solid_layer(stack, i, state));
     }
     if (cover.transmission_down * cover.transmission_up < enough && share > 1e-3) all.clear();
   }
 
   std::vector<LayerTotals> totals(size);
   for (std::size_t i = 0; i < size; ++i) {
-    LayerTotals at_nodes;
-    for (const double x : points) {
-      const double sigma_a =
-          row_absorption(grid, 0.5 * (x + 1.0) * static_cast<double>(grid.rows - 1));
-      LayerResponse r;
-      if (ends_in_half_space && i + 1 == size) {
+    const ChebyshevBox box(lattices[i], 4.0, 28);
+    LayerTotals at_points;
+    for (std::size_t point = 0; point < box.size(); ++point) {
+      const LayerState state = box.state(point);
+      const bool is_on_others = size > 1 && i + 1 == size;
+      LayerResponse r{0.0, 0.0, 0.0, 0.0};
+      if (!is_on_others || std::isfinite(state.thickness))
+        r = solve_layer(stack, i, state, outside);
+      if (is_on_others) {
         std::vector<Layer> layers = all;
-        layers.push_back(solid_layer(stack.layers[i], sigma_a));
-        r.reflection_above = reflection_for(
-            cover, solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside).reflection);
-      } else {
-        r = solve_layer(stack, i, sigma_a, outside);
+        layers.push_back(solid_layer(stack, i, state));
+        r = last_of(cover, solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside), r);
       }
-      at_nodes[0].push_back(r.reflection_above), at_nodes[1].push_back(r.transmission_down);
-      at_nodes[2].push_back(r.reflection_below), at_nodes[3].push_back(r.transmission_up);
+      at_points[0].push_back(r.reflection_above), at_points[1].push_back(r.transmission_down);
+      at_points[2].push_back(r.reflection_below), at_points[3].push_back(r.transmission_up);
     }
-    for (std::size_t which = 0; which < 4; ++which)
-      for (std::size_t row = 0; row < grid.rows; ++row) {
-        const double x = 2.0 * static_cast<double>(row) / static_cast<double>(grid.rows - 1) - 1.0;
-        totals[i][which].push_back(std::max(0.0, interpolate(points, at_nodes[which], x)));
+    for (std::size_t node = 0; node < node_count(lattices[i]); ++node) {
+      const std::vector<double> shares = box.shares(node_state(lattices[i], node));
+      for (std::size_t which = 0; which < 4; ++which) {
+        double sum = 0.0;
+        for (std::size_t p = 0; p < shares.size(); ++p) sum += shares[p] * at_points[which][p];
+        totals[i][which].push_back(std::max(0.0, sum));
       }
+    }
   }
   return totals;
 }
 
-std::pair<double, double> boundary_reflectances(const MappedStack& stack, std::size_t layer) {
+std::pair<double, double> boundary_reflectances(const MappedStack& stack, std::size_t layer,
+                                                double roughness) {
   const double ior = stack.layers[layer].ior;
-  return {diffuse_reflectance_inside({}, ior, ior_over(stack, layer), DiffuseFresnel::exact),
+  const Interface top{.roughness = layer == 0 ? roughness : 0.0,
+                      .distribution = stack.distribution};
+  return {diffuse_reflectance_inside(top, ior, ior_over(stack, layer), DiffuseFresnel::exact),
           diffuse_reflectance_inside({}, ior, ior_under(stack, layer), DiffuseFresnel::exact)};
 }
 

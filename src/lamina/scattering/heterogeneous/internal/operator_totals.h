@@ -11,19 +11,26 @@
 
 namespace lamina::detail {
 
-/// Totals of R+, T+, R-, T- of a layer, each [row].
+/// Totals of R+, T+, R-, T- of a layer, each [node].
 using LayerTotals = std::array<std::vector<double>, 4>;
 
 /// Totals by adding-doubling as make_stack_tables explains them, [layer]. They are solved at
-/// Chebyshev nodes of the logarithm of absorption and interpolated: to 1e-5 of incident light.
+/// Chebyshev points of the states and interpolated: to 1e-5 of incident light where only absorption
+/// varies.
 ///
+/// @param lattices       [layer] states of each layer
+/// @param reference      [layer] what a layer is while the others vary
 /// @param is_lit_evenly  from outside, else normally
 [[nodiscard]] std::vector<LayerTotals> transfer_operator_totals(
-    const MappedStack& stack, std::span<const double> reference_sigma_a,
-    const GaussianTableGrid& grid, bool is_lit_evenly);
+    const MappedStack& stack, std::span<const StateLattice> lattices,
+    std::span<const LayerState> reference, bool is_lit_evenly);
 
 /// What the top and the bottom boundary of a layer turn back from inside.
 [[nodiscard]] std::pair<double, double> boundary_reflectances(const MappedStack& stack,
-                                                              std::size_t layer);
+                                                              std::size_t layer, double roughness);
+
+/// A layer in one of its states.
+[[nodiscard]] Layer solid_layer(const MappedStack& stack, std::size_t layer,
+                                const LayerState& state);
 
 }  // namespace lamina::detail
