@@ -49,6 +49,18 @@ JsonOutput skin_json(const SkinMaps& base, const std::vector<SkinMap>& maps) {
       skin[name] = value;
   }
   if (!base.skin.junction_spectrum.empty()) skin["junction_spectrum"] = base.skin.junction_spectrum;
+  for (std::size_t i = 0; i < base.skin.inks.size(); ++i) {
+    const SkinInk& from = base.skin.inks[i];
+    const std::string name = "ink_" + ink_name(base.skin, i);
+    JsonOutput ink;
+    ink["name"] = ink_name(base.skin, i);
+    if (std::ranges::find(maps, name, &SkinMap::name) != maps.end())
+      ink["absorbance"] = {{"map", name + ".exr"}};
+    else
+      ink["absorbance"] = from.absorbance;
+    if (!from.spectrum.empty()) ink["spectrum"] = from.spectrum;
+    skin["inks"].push_back(std::move(ink));
+  }
   return skin;
 }
 
@@ -93,7 +105,8 @@ void run_maps(const MapsOptions& options) {
   std::string text;
   std::string user;  // of the maps: a file to render
   JsonOutput user_json;
-  if (auto on_mesh = load_surface_map_recipe(options.recipe, options.common.memory, options.settings)) {
+  if (auto on_mesh =
+          load_surface_map_recipe(options.recipe, options.common.memory, options.settings)) {
     if (has_seed) on_mesh->seed = options.common.seed;
     const auto kind_of = [](const SurfaceFeature& feature) -> auto& { return feature.kind; };
     warn_of_patches(on_mesh->features, kind_of, json);
@@ -111,7 +124,8 @@ void run_maps(const MapsOptions& options) {
     user = "material";
     user_json = material_json(*on_mesh, maps);
   } else {
-    SkinMapRecipe recipe = load_skin_map_recipe(options.recipe, options.common.memory, options.settings);
+    SkinMapRecipe recipe =
+        load_skin_map_recipe(options.recipe, options.common.memory, options.settings);
     if (has_seed) recipe.seed = options.common.seed;
     warn_of_patches(recipe.features, std::identity{}, json);
     maps = make_skin_maps(recipe, progress);
@@ -125,10 +139,9 @@ void run_maps(const MapsOptions& options) {
   if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
   json["maps"] = JsonOutput::array();
   for (const SkinMap& map : maps) {
-    const fs::path file = folder / (std::string(map.name) + ".exr");
+    const fs::path file = folder / (map.name + ".exr");
     save_exr(map.values, file, ExrPrecision::single_float);
-    if (options.has_pictures)
-      save_png(picture_of(map.values), folder / (std::string(map.name) + ".png"));
+    if (options.has_pictures) save_png(picture_of(map.values), folder / (map.name + ".png"));
     const auto [low, high] = std::ranges::minmax(map.values.pixels);
     text += fmt::format("{}: {:.4g} to {:.4g}\n", file.string(), low, high);
     json["maps"].push_back(

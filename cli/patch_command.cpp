@@ -1,12 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "commands.h"
 #include "console.h"
@@ -30,7 +32,7 @@ struct PatchOptions {
   bool uses_no_cache = false;
 };
 
-/// How well sums of Gaussians follow each operator, over absorption.
+/// How well sums of Gaussians follow each operator, over absorption or over all states of a layer.
 void save_fit_plot(const std::string& file, const SkinPatch& patch,
                    const std::vector<StackTables>& tables) {
   Plot plot;
@@ -51,13 +53,21 @@ void save_fit_plot(const std::string& file, const SkinPatch& patch,
       if ((tables[0].layers[layer].*table).error.empty()) continue;
       PlotPanel& panel = plot.panels.emplace_back();
       panel.title = fmt::format("{} of layer {}", name, layer);
-      panel.x = {.label = "absorption [1/mm]", .scale = AxisScale::logarithmic};
+      const bool varies_in_absorption =
+          std::ranges::all_of(tables, [&](const StackTables& of_band) {
+            const StateLattice& lattice = of_band.lattices[layer];
+            return lattice.axes.size() == 1 && lattice.axes[0].direction[0] == 1.0;
+          });
+      panel.x = {.label = varies_in_absorption ? "absorption [1/mm]" : "state of the layer"};
+      if (varies_in_absorption) panel.x.scale = AxisScale::logarithmic;
       panel.y = {.label = "error", .scale = AxisScale::logarithmic};
       for (std::size_t b = 0; b < tables.size(); ++b) {
         PlotCurve curve{.name = band_label(patch.bands, b), .color = band_color(patch.bands, b)};
         curve.y = (tables[b].layers[layer].*table).error;
-        for (std::size_t row = 0; row < curve.y.size(); ++row)
-          curve.x.push_back(row_absorption(tables[b].grid, static_cast<double>(row)));
+        for (std::size_t node = 0; node < curve.y.size(); ++node)
+          curve.x.push_back(varies_in_absorption
+                                ? node_state(tables[b].lattices[layer], node).sigma_a
+                                : static_cast<double>(node));
         panel.curves.push_back(std::move(curve));
       }
     }
@@ -72,6 +82,18 @@ std::array<double, 3> mean_color(const Image& image) {
     sum[i % 3] += static_cast<double>(rgb.pixels[i]);
   for (double& channel : sum) channel *= 3.0 / static_cast<double>(rgb.pixels.size());
   return sum;
+}
+
+/// Where the light that comes through is shown, beside the picture; empty: nowhere.
+std::string transmitted_file(const std::string& png, const Image& image) {
+  if (png.empty() || !channel_index(image, "transmitted.R")) return {};
+  return png.substr(0, png.size() - std::string_view(".png").size()) + "_transmitted.png";
+}
+
+Image transmitted_light(const Image& image) {
+  Image light = select_channels(image, {"transmitted.R", "transmitted.G", "transmitted.B"});
+  light.channels = {"R", "G", "B"};
+  return light;
 }
 
 void run_patch(const PatchOptions& options) {
@@ -90,19 +112,24 @@ void run_patch(const PatchOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const SkinPatchResult result =
       render_skin_patch(patch, options.uses_no_cache ? std::nullopt : user_cache(),
-                        make_progress("light through skin", Keeps::nothing));
+                        make_progress("light through layers", Keeps::nothing));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!files.exr.empty()) save_exr(result.image, files.exr, ExrPrecision::single_float);
   if (!options.fit_plot.empty()) save_fit_plot(options.fit_plot, patch, result.tables);
   if (!files.png.empty())
     save_png(view_image(result.image, View::standard, options.exposure), files.png);
+  const std::string other_side = transmitted_file(files.png, result.image);
+  if (!other_side.empty())
+    save_png(view_image(transmitted_light(result.image), View::standard, options.exposure),
+             other_side);
 
   const double texel_bands =
       static_cast<double>(patch.width) * patch.height * static_cast<double>(patch.bands.size());
-  std::string text = fmt::format("{}{}{}\n{:>8}  {:>16}  {:>9}  {:>7}  {:>11}\n", files.exr,
+  std::string text = fmt::format("{}{}{}{}{}\n{:>8}  {:>16}  {:>9}  {:>7}  {:>11}\n", files.exr,
                                  files.exr.empty() || files.png.empty() ? "" : ", ", files.png,
-                                 "band", "mean reflectance", "fit error", "bounces", "last bounce");
+                                 other_side.empty() ? "" : ", ", other_side, "band",
+                                 "mean reflectance", "fit error", "bounces", "last bounce");
   JsonOutput json = make_result("patch");
   json["name"] = patch.name;
   json["width"] = patch.width;
@@ -136,8 +163,10 @@ void run_patch(const PatchOptions& options) {
 
 void add_patch_command(CLI::App& app) {
   auto options = std::make_shared<PatchOptions>();
-  const Command command(app, "patch",
-                        "A flat piece of skin whose pigments are maps, under a pattern of light.");
+  const Command command(
+      app, "patch",
+      "A flat piece of skin, or of other layers, whose numbers are maps, under a pattern of "
+      "light.");
   command.add_option("patch", options->patch, "patch file").type_name("PATCH").required();
   add_settings_option(command, options->settings, "patch");
   command

@@ -60,7 +60,7 @@ const std::vector<Sample>& material_samples() {
       {"coat", wax, wax + R"(, "coat": {"roughness": 0.5})"},
       {"bump", wax, wax + R"(, "bump": {"noise": {"size": 0.5}, "scale": 0.1})"},
       {"normal_map", wax, wax + R"(, "normal_map": "checker.png")"},
-      {"subsurface.skin", skin,
+      {"subsurface.maps", skin,
        in_file(recipe + R"("melanin": {"map": "checker.png", "scale": 0.1, "offset": 0.01}})")},
       {"subsurface.skin.dermis_thickness", skin,
        in_file(R"("ior_below": 1, )" + recipe + R"("dermis_thickness": 0.5})")},
@@ -89,7 +89,7 @@ const std::vector<Sample>& skin_samples() {
     of_skin.push_back(
         {"subsurface.surface", skin, in_file(R"("surface": {"roughness": 0.5}, )" + recipe + "}")});
     for (const Sample& sample : material_samples())
-      if (sample.key == "subsurface.skin" || sample.key == "subsurface.skin.dermis_thickness")
+      if (sample.key == "subsurface.maps" || sample.key == "subsurface.skin.dermis_thickness")
         of_skin.push_back(sample);
     return of_skin;
   }();

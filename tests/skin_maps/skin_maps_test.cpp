@@ -83,7 +83,8 @@ TEST_F(SkinMapFiles, AreRefusedWithTheFieldAndTheReason) {
             std::string::npos);
   EXPECT_NE(message_of(R"({"melanin": {"map": "none.exr"}})").find("none.exr"), std::string::npos);
   save("m.exr", {0.1f});
-  EXPECT_NE(message_of(R"({"epidermis_thickness": {"map": "m.exr"}})").find("must be a number"),
+  EXPECT_NE(message_of(R"({"melanin": {"noise": {"size": 1}}})").find("images"), std::string::npos);
+  EXPECT_NE(message_of(R"({"inks": [{"absorbance": 1}, {"absorbance": 11}]})").find("inks[1]"),
             std::string::npos);
   EXPECT_NE(message_of(R"({"melanin": {"map": "m.exr", "channel": "Q"}})").find("\"Q\""),
             std::string::npos);
@@ -181,20 +182,6 @@ TEST(SkinFeatures, PressingTakesBloodFromTheDiscOnly) {
   EXPECT_NEAR(*blood.at(50, 50), 0.0025, 1e-6);
   EXPECT_NEAR(*blood.at(2, 2), 0.01, 1e-6);
   EXPECT_EQ(maps.size(), 2u);  // of epidermis and dermis
-}
-
-// Blood comes back from the rim: less at the middle of the rim's way, the same at the disc's
-// middle. What has opened around it holds more than before, and nothing changes far away.
-TEST(SkinFeatures, PressedSkinRefillsFromItsRim) {
-  const PressedDisc pressed{.diameter = 8.0, .share = 0.75};
-  PressedDisc refilled = pressed;
-  refilled.refill = 1.0;
-  refilled.hyperemia = 0.5;
-  EXPECT_DOUBLE_EQ(share_left(pressed, 0.0, 0.0), 0.25);
-  EXPECT_NEAR(share_left(refilled, 0.0, 0.0), 0.25, 0.01);
-  EXPECT_GT(share_left(refilled, 2.8, 0.0), share_left(pressed, 2.8, 0.0) + 0.1);
-  EXPECT_GT(share_left(refilled, 6.5, 0.0), 1.2);
-  EXPECT_NEAR(share_left(refilled, 14.0, 0.0), 1.0, 1e-3);
 }
 
 TEST(SkinFeatures, InkLiesAtTheJunctionWhereTheImageIsDark) {

@@ -29,20 +29,22 @@ double difference(const Plane& a, const Plane& b) {
 int main() {
   const SkinMapRecipe recipe = load_skin_map_recipe(std::filesystem::path(LAMINA_SOURCE_DIR) /
                                                     "examples/skin/freckles.json");
-  SkinMaps skin = recipe.base;
-  skin.maps = make_skin_maps(recipe);
+  SkinPatch patch;
+  patch.width = recipe.width, patch.height = recipe.height;
+  patch.skin = recipe.base;
+  patch.skin.maps = make_skin_maps(recipe);
+  const PatchMaterial made_of = material_of(patch);
   const Plane light = make_plane(recipe.width, recipe.height, 1.0f);
   std::printf("| nm | 1 bounce | 2 bounces | 3 bounces | 4 bounces |\n|---|---|---|---|---|\n");
-  const BandSet bands = default_spectral_bands();
-  for (const double wavelength : bands.wavelengths()) {
-    const SkinPlanes planes = skin_planes(skin, recipe.width, recipe.height, wavelength);
-    std::vector<double> reference;
-    for (const Plane& sigma_a : planes.sigma_a)
-      reference.push_back(typical_absorption(sigma_a.values));
-    const HeterogeneousLayers layers =
-        make_heterogeneous_layers(make_stack_tables(mapped_skin_stack(skin.skin, wavelength),
-                                                    OperatorTotals::radiative_transfer, reference),
-                                  planes.sigma_a, planes.absorbance, recipe.mm_per_texel);
+  for (std::size_t b = 0; b < patch.bands.size(); ++b) {
+    const double wavelength = patch.bands.wavelengths()[b];
+    const BandTexels texels = band_texels(made_of.material, made_of.maps, light.values.size(), b);
+    const StackTables tables =
+        make_stack_tables(mapped_stack(made_of.material, b, texels),
+                          OperatorTotals::radiative_transfer, reference_absorptions(texels));
+    const HeterogeneousLayers layers = make_heterogeneous_layers(
+        tables, recipe.width, recipe.height, texels.layers,
+        {make_plane(recipe.width, recipe.height, texels.absorbance[0][0])}, recipe.mm_per_texel);
     const Plane many = transport(layers, light, {.interlayer_bounces = 7}).reflected;
     std::printf("| %.0f |", wavelength);
     for (const int bounces : {1, 2, 3, 4})

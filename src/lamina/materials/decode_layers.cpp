@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lamina/core/number_text.h"
 #include "lamina/materials/material_file.h"
@@ -14,8 +15,22 @@ std::string short_number(double value) {
   return text.str();
 }
 
+/// A map's means, one for each band.
+std::vector<double> means_of_map(const JsonInput& value, const MappableNumber& number,
+                                 const Context& context) {
+  std::vector<double> means = context.maps(number, value);
+  means.resize(context.bands, means.front());
+  return means;
+}
+
 /// Coefficients of `value` in the file's unit, turned to 1/mm.
-std::vector<double> decode_coefficients(const JsonInput& value, const Context& context) {
+std::vector<double> decode_coefficients(const JsonInput& value, MappableNumber number,
+                                        const Context& context) {
+  if (is_map(value, context)) {
+    number.high = largest_number;
+    number.unit = 1.0 / context.mm_per_unit;
+    return means_of_map(value, number, context);
+  }
   const std::string unit = "1/" + context.length_unit;
   const double largest = largest_number * context.mm_per_unit;
   std::vector<double> values = value.number_or_numbers(context.bands, at_least(0.0, unit));
@@ -25,9 +40,23 @@ std::vector<double> decode_coefficients(const JsonInput& value, const Context& c
 }
 
 /// The keys "sigma_a", "sigma_s", "g" and "phase" of a MaterialLayer or a MixturePart.
-void decode_substance(const JsonObject& object, const Context& context, auto& substance) {
-  substance.sigma_a = decode_coefficients(object.required("sigma_a"), context);
-  substance.sigma_s = decode_coefficients(object.required("sigma_s"), context);
+///
+/// @param layer  of which coefficients may be maps; of parts they may not
+void decode_substance(const JsonObject& object, const Context& context,
+                      std::optional<std::size_t> layer, auto& substance) {
+  Context own = context;
+  if (!layer) own.maps = {};
+  const auto number = [&](MappableNumber::Of of, const char* key) {
+    return MappableNumber{.of = of,
+                          .layer = layer.value_or(0),
+                          .name = "layers[" + std::to_string(layer.value_or(0)) + "]." + key,
+                          .channels = context.channels};
+  };
+  using Of = MappableNumber::Of;
+  substance.sigma_a =
+      decode_coefficients(object.required("sigma_a"), number(Of::sigma_a, "sigma_a"), own);
+  substance.sigma_s =
+      decode_coefficients(object.required("sigma_s"), number(Of::sigma_s, "sigma_s"), own);
   if (const auto phase = object.optional("phase")) substance.phase = phase->choice<ParticlePhase>();
   if (substance.phase == ParticlePhase::rayleigh) {
     substance.g.assign(context.bands, 0.0);
@@ -35,11 +64,15 @@ void decode_substance(const JsonObject& object, const Context& context, auto& su
       if (g->number_or_numbers(context.bands) != substance.g)
         g->fail("must be 0 or missing where phase is \"rayleigh\"");
   } else {
-    substance.g = object.required("g").number_or_numbers(context.bands, open_interval(-1.0, 1.0));
+    const JsonInput g = object.required("g");
+    MappableNumber mapped = number(Of::g, "g");
+    mapped.low = -0.999, mapped.high = 0.999;
+    substance.g = is_map(g, own) ? means_of_map(g, mapped, own)
+                                 : g.number_or_numbers(context.bands, open_interval(-1.0, 1.0));
   }
 }
 
-std::vector<MixturePart> decode_mixture(const JsonInput& value, bool has_base,
+std::vector<MixturePart> decode_mixture(const JsonInput& value, std::size_t layer, bool has_base,
                                         const Context& context) {
   std::vector<MixturePart> parts;
   double sum = 0.0;
@@ -48,8 +81,19 @@ std::vector<MixturePart> decode_mixture(const JsonInput& value, bool has_base,
         element.object({"name", "fraction", "sigma_a", "sigma_s", "g", "phase"});
     MixturePart& part = parts.emplace_back();
     if (const auto name = object.optional("name")) part.name = name->string();
-    part.fraction = object.required("fraction").number(closed_interval(0.0, 1.0));
-    decode_substance(object, context, part);
+    const JsonInput fraction = object.required("fraction");
+    if (!has_base && is_map(fraction, context))
+      fraction.fail("cannot be a map where nothing fills the rest of the volume");
+    part.fraction = mappable_number(fraction,
+                                    {.of = MappableNumber::Of::fraction,
+                                     .layer = layer,
+                                     .part = parts.size() - 1,
+                                     .name = "layers[" + std::to_string(layer) + "].mixture[" +
+                                             std::to_string(parts.size() - 1) + "].fraction",
+                                     .low = 0.0,
+                                     .high = 1.0},
+                                    context);
+    decode_substance(object, context, std::nullopt, part);
     sum += part.fraction;
   }
   if (has_base && sum > 1.0 + mixture_tolerance)
@@ -60,7 +104,15 @@ std::vector<MixturePart> decode_mixture(const JsonInput& value, bool has_base,
   return parts;
 }
 
-double decode_thickness(const JsonInput& value, const Context& context) {
+double decode_thickness(const JsonInput& value, std::size_t layer, const Context& context) {
+  if (is_map(value, context))
+    return mappable_length(value,
+                           {.of = MappableNumber::Of::thickness,
+                            .layer = layer,
+                            .name = "layers[" + std::to_string(layer) + "].thickness",
+                            .low = 1e-6,
+                            .high = largest_number},
+                           context);
   if (value.is_string() && value.string() == "infinite")
     return std::numeric_limits<double>::infinity();
   if (!value.is_number()) value.refuse("must be a number or \"infinite\"");
@@ -70,8 +122,9 @@ double decode_thickness(const JsonInput& value, const Context& context) {
   return thickness * context.mm_per_unit;
 }
 
-MaterialLayer decode_layer(const JsonInput& value, bool is_top, bool is_bottom,
+MaterialLayer decode_layer(const JsonInput& value, std::size_t index, bool is_bottom,
                            const Context& context) {
+  const bool is_top = index == 0;
   const JsonObject object = value.object({"name", "sigma_a", "sigma_s", "g", "phase", "ior",
                                           "thickness", "mixture", "roughness", "distribution"});
   MaterialLayer layer;
@@ -79,11 +132,11 @@ MaterialLayer decode_layer(const JsonInput& value, bool is_top, bool is_bottom,
   const auto mixture = object.optional("mixture");
   const bool has_base = !mixture || object.has("sigma_a") || object.has("sigma_s") ||
                         object.has("g") || object.has("phase");
-  if (has_base) decode_substance(object, context, layer);
-  if (mixture) layer.mixture = decode_mixture(*mixture, has_base, context);
+  if (has_base) decode_substance(object, context, index, layer);
+  if (mixture) layer.mixture = decode_mixture(*mixture, index, has_base, context);
   layer.ior = decode_ior(object.required("ior"), context);
   const JsonInput thickness = object.required("thickness");
-  layer.thickness = decode_thickness(thickness, context);
+  layer.thickness = decode_thickness(thickness, index, context);
   if (std::isinf(layer.thickness) && !is_bottom)
     thickness.fail("only the last layer may be infinite");
   if (is_top)
@@ -96,10 +149,16 @@ MaterialLayer decode_layer(const JsonInput& value, bool is_top, bool is_bottom,
 
 }  // namespace
 
-Interface decode_interface(const JsonObject& object) {
+Interface decode_interface(const JsonObject& object, const Context* context) {
   Interface interface;
   if (const auto roughness = object.optional("roughness"))
-    interface.roughness = roughness->number(closed_interval(0.0, 1.0));
+    interface.roughness = context ? mappable_number(*roughness,
+                                                    {.of = MappableNumber::Of::roughness,
+                                                     .name = "surface.roughness",
+                                                     .low = 0.0,
+                                                     .high = 1.0},
+                                                    *context)
+                                  : plain_number(*roughness, closed_interval(0.0, 1.0));
   if (const auto distribution = object.optional("distribution")) {
     interface.distribution = distribution->choice<MicrofacetDistribution>();
     (void)object.required("roughness");
@@ -115,7 +174,7 @@ std::vector<MaterialLayer> decode_layers(const JsonInput& layers, const Context&
   const std::vector<JsonInput> values = layers.array(1, 1000);
   std::vector<MaterialLayer> decoded;
   for (std::size_t i = 0; i < values.size(); ++i)
-    decoded.push_back(decode_layer(values[i], i == 0, i + 1 == values.size(), context));
+    decoded.push_back(decode_layer(values[i], i, i + 1 == values.size(), context));
   return decoded;
 }
 

@@ -11,14 +11,21 @@ void decode_leaf(const JsonInput& recipe, const Context& context, Material& mate
   require_wavelengths(recipe, context, 400.0, 800.0);
   LeafParameters leaf;
   for (const LeafParameterRange& range : leaf_parameter_ranges())
-    if (const auto value = object.optional(range.name))
-      leaf.*range.value = range.is_length
-                              ? recipe_length(*value, range.low, range.high, context)
-                              : recipe_number(*value, closed_interval(range.low, range.high));
+    if (const auto value = object.optional(range.name)) {
+      const MappableNumber number{
+          .of = MappableNumber::Of::leaf,
+          .part = static_cast<std::size_t>(&range - leaf_parameter_ranges().data()),
+          .name = "leaf." + std::string(range.name),
+          .low = range.low,
+          .high = range.high};
+      leaf.*range.value = range.is_length ? mappable_length(*value, number, context)
+                                          : mappable_number(*value, number, context);
+    }
   std::vector<LayerStack> bands;
   for (const double wavelength : context.wavelengths)
     bands.push_back(leaf_layer_stack(leaf, wavelength));
   material.layers = material_layers(bands, {"palisade", "spongy"});
+  material.leaf = leaf;
   add_to_source(material, "absorption: PROSPECT-D");
 }
 

@@ -42,7 +42,7 @@ std::vector<std::complex<double>> own_ior(const JsonObject& object, const Contex
   return ior;
 }
 
-DecodedPigment decode_pigment(const JsonInput& value, const Context& context) {
+DecodedPigment decode_pigment(const JsonInput& value, std::size_t index, const Context& context) {
   const JsonObject object = value.object(
       {"name", "pigment", "ior", "k", "median_radius", "sigma_log_radius", "fraction"});
   DecodedPigment decoded;
@@ -66,12 +66,19 @@ DecodedPigment decode_pigment(const JsonInput& value, const Context& context) {
   }
   if (const auto name = object.optional("name")) decoded.name = name->string();
   if (const auto radius = object.optional("median_radius"))
-    particles.median_radius = recipe_length(*radius, smallest_radius, largest_radius, context);
+    particles.median_radius = plain_length(*radius, smallest_radius, largest_radius, context);
   if (const auto spread = object.optional("sigma_log_radius"))
-    particles.sigma_log_radius = recipe_number(*spread, closed_interval(0.0, 1.5));
+    particles.sigma_log_radius = plain_number(*spread, closed_interval(0.0, 1.5));
   if (largest_of(particles) > largest_grain)
     value.fail("sigma_log_radius is too large for this median_radius: grains of more than 0.1 mm");
-  particles.volume_fraction = recipe_number(object.required("fraction"), closed_interval(0.0, 0.6));
+  particles.volume_fraction =
+      mappable_number(object.required("fraction"),
+                      {.of = MappableNumber::Of::fraction,
+                       .part = index,
+                       .name = "paint.pigments[" + std::to_string(index) + "].fraction",
+                       .low = 0.0,
+                       .high = 0.6},
+                      context);
   return decoded;
 }
 
@@ -105,11 +112,15 @@ void decode_paint(const JsonInput& recipe, const Context& context, Material& mat
     paint.ior = ior->number_or_numbers(context.bands, closed_interval(1.0, 3.0));
   const JsonInput thickness = object.required("thickness");
   const bool is_infinite = thickness.is_string() && thickness.string() == "infinite";
-  if (!is_infinite) paint.thickness = recipe_length(thickness, 1e-4, 1e3, context);
+  if (!is_infinite)
+    paint.thickness = mappable_length(
+        thickness,
+        {.of = MappableNumber::Of::thickness, .name = "paint.thickness", .low = 1e-4, .high = 1e3},
+        context);
   const JsonInput pigments = object.required("pigments");
   double sum = 0.0;
   for (const JsonInput& value : pigments.array(1, 100)) {
-    const DecodedPigment pigment = decode_pigment(value, context);
+    const DecodedPigment pigment = decode_pigment(value, paint.mixture.size(), context);
     sum += pigment.particles.volume_fraction;
     paint.mixture.push_back(mixture_part(pigment, paint.ior, context));
   }

@@ -5,16 +5,35 @@
 
 namespace lamina::material_file {
 
-double recipe_number(const JsonInput& value, const NumberRange& range) {
-  if (value.is_object() && value.peek("map"))
-    value.fail("maps are for the recipe \"skin\" of a scene only; give a number");
+bool is_map(const JsonInput& value, const Context& context) {
+  if (!value.is_object()) return false;
+  if (context.maps) return true;
+  if (value.peek("map") || value.peek("noise"))
+    value.fail("maps are for patches and scenes only; give a number");
+  return false;
+}
+
+double mappable_number(const JsonInput& value, const MappableNumber& number,
+                       const Context& context) {
+  if (is_map(value, context)) return context.maps(number, value).front();
+  return value.number(closed_interval(number.low, number.high));
+}
+
+double mappable_length(const JsonInput& value, MappableNumber number, const Context& context) {
+  if (!is_map(value, context)) return plain_length(value, number.low, number.high, context);
+  number.unit = context.mm_per_unit;
+  return context.maps(number, value).front();
+}
+
+double plain_number(const JsonInput& value, const NumberRange& range) {
+  if (value.is_object() && value.peek("map")) value.fail("cannot be a map; give a number");
   return value.number(range);
 }
 
-double recipe_length(const JsonInput& value, double low, double high, const Context& context) {
+double plain_length(const JsonInput& value, double low, double high, const Context& context) {
   return context.mm_per_unit *
-         recipe_number(value, closed_interval(low / context.mm_per_unit, high / context.mm_per_unit,
-                                              context.length_unit));
+         plain_number(value, closed_interval(low / context.mm_per_unit, high / context.mm_per_unit,
+                                             context.length_unit));
 }
 
 void require_wavelengths(const JsonInput& recipe, const Context& context, double shortest,

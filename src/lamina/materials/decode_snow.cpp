@@ -11,8 +11,8 @@ void decode_snow(const JsonInput& recipe, const Context& context, Material& mate
   for (const SnowParameterRange& range : snow_parameter_ranges())
     if (const auto value = object.optional(range.name))
       snow.*range.value = range.is_length
-                              ? recipe_length(*value, range.low, range.high, context)
-                              : recipe_number(*value, closed_interval(range.low, range.high));
+                              ? plain_length(*value, range.low, range.high, context)
+                              : plain_number(*value, closed_interval(range.low, range.high));
   std::vector<LayerStack> bands;
   for (const double wavelength : context.wavelengths)
     bands.push_back(snow_layer_stack(snow, wavelength));

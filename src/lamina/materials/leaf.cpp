@@ -37,18 +37,27 @@ void check(const LeafParameters& leaf) {
 
 std::span<const LeafParameterRange> leaf_parameter_ranges() { return leaf_ranges; }
 
-double leaf_absorption(const LeafParameters& leaf, double wavelength) {
-  return leaf.chlorophyll * interpolate(chlorophyll_absorption, wavelength) +
-         leaf.carotenoids * interpolate(carotenoid_absorption, wavelength) +
-         leaf.anthocyanins * interpolate(anthocyanin_absorption, wavelength) +
-         leaf.brown_pigments * interpolate(brown_absorption, wavelength) +
-         leaf.water * interpolate(leaf_water_absorption, wavelength) +
-         leaf.dry_matter * interpolate(dry_matter_absorption, wavelength);
+LeafSpectrum leaf_spectrum(double wavelength) {
+  return {.chlorophyll = interpolate(chlorophyll_absorption, wavelength),
+          .carotenoids = interpolate(carotenoid_absorption, wavelength),
+          .anthocyanins = interpolate(anthocyanin_absorption, wavelength),
+          .brown_pigments = interpolate(brown_absorption, wavelength),
+          .water = interpolate(leaf_water_absorption, wavelength),
+          .dry_matter = interpolate(dry_matter_absorption, wavelength)};
 }
 
-LayerStack leaf_layer_stack(const LeafParameters& leaf, double wavelength) {
-  check(leaf);
-  const double absorption = leaf_absorption(leaf, wavelength), d = 0.5 * leaf.thickness;
+double leaf_absorption(const LeafParameters& leaf, const LeafSpectrum& spectrum) {
+  return leaf.chlorophyll * spectrum.chlorophyll + leaf.carotenoids * spectrum.carotenoids +
+         leaf.anthocyanins * spectrum.anthocyanins + leaf.brown_pigments * spectrum.brown_pigments +
+         leaf.water * spectrum.water + leaf.dry_matter * spectrum.dry_matter;
+}
+
+double leaf_absorption(const LeafParameters& leaf, double wavelength) {
+  return leaf_absorption(leaf, leaf_spectrum(wavelength));
+}
+
+std::array<Layer, 2> leaf_layers(const LeafParameters& leaf, const LeafSpectrum& spectrum) {
+  const double absorption = leaf_absorption(leaf, spectrum), d = 0.5 * leaf.thickness;
   const auto layer = [&](double absorption_share, double scattering_share) -> Layer {
     return {.medium = {.sigma_a = absorption_share * absorption / d,
                        .sigma_s = scattering_share * leaf.structure / (d * (1.0 - g)),
@@ -56,8 +65,14 @@ LayerStack leaf_layer_stack(const LeafParameters& leaf, double wavelength) {
                        .ior = ior},
             .thickness = d};
   };
-  return LayerStack({layer(leaf.palisade_share, palisade_scattering),
-                     layer(1.0 - leaf.palisade_share, 1.0 - palisade_scattering)});
+  return {layer(leaf.palisade_share, palisade_scattering),
+          layer(1.0 - leaf.palisade_share, 1.0 - palisade_scattering)};
+}
+
+LayerStack leaf_layer_stack(const LeafParameters& leaf, double wavelength) {
+  check(leaf);
+  const std::array<Layer, 2> layers = leaf_layers(leaf, leaf_spectrum(wavelength));
+  return LayerStack({layers.begin(), layers.end()});
 }
 
 }  // namespace lamina

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <string_view>
 
@@ -25,7 +26,7 @@ struct LeafParameters {
 /// A number of LeafParameters and the closed range that it must lie in.
 struct LeafParameterRange {
   std::string_view name;  ///< as in files
-  double LeafParameters::* value;
+  double LeafParameters::*value;
   double low, high;
   bool is_length = false;  ///< in mm
 };
@@ -36,6 +37,17 @@ struct LeafParameterRange {
 /// Absorption optical thickness of all that a leaf holds, at a wavelength [nm] in [400, 800].
 /// Source: specific absorption coefficients of [Feret2017].
 [[nodiscard]] double leaf_absorption(const LeafParameters& leaf, double wavelength);
+
+/// Absorption of a unit of all that a leaf holds, for use at many places.
+struct LeafSpectrum {
+  double chlorophyll, carotenoids, anthocyanins, brown_pigments, water, dry_matter;
+};
+[[nodiscard]] LeafSpectrum leaf_spectrum(double wavelength);
+[[nodiscard]] double leaf_absorption(const LeafParameters& leaf, const LeafSpectrum& spectrum);
+
+/// The layers of leaf_layer_stack, of a leaf in range.
+[[nodiscard]] std::array<Layer, 2> leaf_layers(const LeafParameters& leaf,
+                                               const LeafSpectrum& spectrum);
 
 /// Palisade cells over spongy cells, as thick as each other, between air. Smooth, index 1.4.
 ///

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -12,13 +11,13 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
+#include "lamina/materials/leaf.h"
+#include "lamina/materials/mappable_number.h"
 #include "lamina/materials/skin.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/spectrum/band_set.h"
 
 namespace lamina {
-
-class JsonInput;
 
 /// How particles scatter, as material files name it.
 enum class ParticlePhase {
@@ -73,13 +72,11 @@ struct Material {
   std::vector<MaterialLayer> layers;
   double oiliness = 0.0;  ///< strength of an oily coat for the renderer, in [0, 1]; solvers of
                           ///< layers do not see it
-  /// Of the recipe `skin`: what it says. Where parameters are maps, both have their means.
+  /// Of the recipes `skin` and `leaf`: what they say. Where parameters are maps, these and the
+  /// layers have their means.
   std::optional<SkinRecipe> skin;
+  std::optional<LeafParameters> leaf;
 };
-
-/// Takes a parameter of the recipe `skin` that is a map, as {"map": FILE}, and returns its mean.
-/// Empty: maps are refused.
-using RecipeMaps = std::function<double(const SkinParameterRange& parameter, const JsonInput&)>;
 
 /// The optical layers of one band.
 ///
@@ -102,11 +99,12 @@ using RecipeMaps = std::function<double(const SkinParameterRange& parameter, con
 
 /// Reads a material file; docs/materials.md has the format.
 /// @param memory  what reading it may take
+/// @param maps    takes numbers that are maps; empty: they are refused
 /// @throws FileError if it is missing or unreadable; InvalidInput with file, line and field if what
 ///         it says is wrong.
 [[nodiscard]] Material load_material(const std::filesystem::path& file);
 [[nodiscard]] Material load_material(const std::filesystem::path& file, MemoryBudget& memory,
-                                     const RecipeMaps& maps = {});
+                                     const MaterialMaps& maps = {});
 
 /// Decodes the text of a material file; `name` stands for the file in messages.
 [[nodiscard]] Material parse_material(const std::string& text, const std::string& name);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace lamina {
 namespace {
@@ -12,6 +13,7 @@ using material_file::Context;
 using material_file::decode_interface;
 using material_file::decode_ior;
 using material_file::decode_layers;
+using material_file::mappable_number;
 
 /// A description by composition instead of `layers`.
 struct Recipe {
@@ -90,7 +92,7 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 
 }  // namespace
 
-Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
+Material decode_material(const JsonInput& root, const MaterialMaps& maps) {
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
@@ -103,10 +105,14 @@ Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
                                      : decode_bands(file.required("bands"));
   const JsonInput unit = file.required("length_unit");
   const auto wavelengths = material.bands.wavelengths();
+  std::vector<std::string> channels;
+  for (std::size_t b = 0; b < material.bands.size(); ++b)
+    channels.push_back(band_name(material.bands, b) + (material.bands.is_rgb() ? "" : "nm"));
   const Context context{.bands = material.bands.size(),
                         .length_unit = unit.string(),
                         .mm_per_unit = mm_per_unit(unit),
                         .wavelengths = {wavelengths.begin(), wavelengths.end()},
+                        .channels = std::move(channels),
                         .maps = maps};
   material.ior_above.assign(context.bands, 1.0);
   if (const auto ior = file.optional("ior_above")) material.ior_above = decode_ior(*ior, context);
@@ -117,12 +123,14 @@ Material decode_material(const JsonInput& root, const RecipeMaps& maps) {
   if (const auto oiliness = file.optional("oiliness")) {
     if (recipe != nullptr && recipe->key == "skin")
       oiliness->fail("stands in \"skin\" where that is given");
-    material.oiliness = oiliness->number(closed_interval(0.0, 1.0));
+    material.oiliness = mappable_number(
+        *oiliness,
+        {.of = MappableNumber::Of::oiliness, .name = "oiliness", .low = 0.0, .high = 1.0}, context);
   }
   if (const auto surface = file.optional("surface")) {
     const JsonObject object = surface->object({"roughness", "distribution"});
     (void)object.required("roughness");
-    material.layers.front().top = decode_interface(object);
+    material.layers.front().top = decode_interface(object, &context);
   }
   decode_below(file, context, material);
   return material;
@@ -134,7 +142,7 @@ Material load_material(const std::filesystem::path& file) {
 }
 
 Material load_material(const std::filesystem::path& file, MemoryBudget& memory,
-                       const RecipeMaps& maps) {
+                       const MaterialMaps& maps) {
   const JsonDocument document = load_json(file, memory);
   return decode_material(document.root(), maps);
 }

@@ -17,7 +17,7 @@ namespace lamina {
 
 /// A material file as a value, as in a scene that holds the whole of it.
 /// @throws InvalidInput as parse_material.
-[[nodiscard]] Material decode_material(const JsonInput& root, const RecipeMaps& maps = {});
+[[nodiscard]] Material decode_material(const JsonInput& root, const MaterialMaps& maps = {});
 
 }  // namespace lamina
 
@@ -25,11 +25,12 @@ namespace lamina::material_file {
 
 /// What the rest of the file says about its numbers.
 struct Context {
-  std::size_t bands = 0;            ///< how many numbers stand for a quantity per band
-  std::string length_unit;          ///< as written: "mm", "cm", "um" or "m"
-  double mm_per_unit = 1.0;         ///< the length of that unit
-  std::vector<double> wavelengths;  ///< [nm]; empty for RGB, which recipes do not get
-  RecipeMaps maps;
+  std::size_t bands = 0;              ///< how many numbers stand for a quantity per band
+  std::string length_unit;            ///< as written: "mm", "cm", "um" or "m"
+  double mm_per_unit = 1.0;           ///< the length of that unit
+  std::vector<double> wavelengths;    ///< [nm]; empty for RGB, which recipes do not get
+  std::vector<std::string> channels;  ///< what images call the bands, as "R" or "540nm"
+  MaterialMaps maps;
 };
 
 /// Coefficients beyond this [1/mm] and lengths beyond this [mm] are taken for mistakes; so are
@@ -47,17 +48,31 @@ void decode_leaf(const JsonInput& recipe, const Context& context, Material& mate
 void decode_paint(const JsonInput& recipe, const Context& context, Material& material);
 void decode_snow(const JsonInput& recipe, const Context& context, Material& material);
 
-/// The keys of a recipe of skin, and the set of constants that it names.
-[[nodiscard]] JsonObject skin_object(const JsonInput& recipe);
-[[nodiscard]] std::vector<std::array<double, 2>> decode_junction_spectrum(const JsonObject& skin);
-[[nodiscard]] SkinConstants decode_constants(const JsonObject& skin);
+/// A number in [low, high], or the mean of the map that stands for it. Where maps are not for here,
+/// the message says so.
+[[nodiscard]] double mappable_number(const JsonInput& value, const MappableNumber& number,
+                                     const Context& context);
 
-/// A number of a recipe. Where a map stands for it, the message says that maps are not for here.
-[[nodiscard]] double recipe_number(const JsonInput& value, const NumberRange& range);
+/// The same of a length in the file's unit, turned to mm; low and high are in mm.
+[[nodiscard]] double mappable_length(const JsonInput& value, MappableNumber number,
+                                     const Context& context);
+
+/// Whether a map stands for a value. @throws InvalidInput if maps are not for here.
+[[nodiscard]] bool is_map(const JsonInput& value, const Context& context);
+
+/// A number of a recipe that cannot be a map.
+[[nodiscard]] double plain_number(const JsonInput& value, const NumberRange& range);
 
 /// A length of a recipe in [low, high] mm, stated in the file's unit, turned to mm.
-[[nodiscard]] double recipe_length(const JsonInput& value, double low, double high,
-                                   const Context& context);
+[[nodiscard]] double plain_length(const JsonInput& value, double low, double high,
+                                  const Context& context);
+
+/// The numbers of a recipe of skin, its inks, and how oily it is.
+struct DecodedSkin {
+  SkinRecipe recipe;
+  double oiliness = 0.0;
+};
+[[nodiscard]] DecodedSkin decode_skin_recipe(const JsonInput& recipe, const Context& context);
 
 /// @throws InvalidInput if a wavelength lies outside the tables of a recipe [nm].
 void require_wavelengths(const JsonInput& recipe, const Context& context, double shortest,
@@ -72,7 +87,10 @@ void require_wavelengths(const JsonInput& recipe, const Context& context, double
 void add_to_source(Material& material, const std::string& text);
 
 /// A boundary's keys "roughness" and "distribution". @throws InvalidInput
-[[nodiscard]] Interface decode_interface(const JsonObject& object);
+///
+/// @param context  of a boundary whose roughness may be a map, that of the lit surface
+[[nodiscard]] Interface decode_interface(const JsonObject& object,
+                                         const Context* context = nullptr);
 
 /// A refractive index, one number or one per band.
 [[nodiscard]] std::vector<double> decode_ior(const JsonInput& value, const Context& context);

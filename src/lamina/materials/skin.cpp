@@ -55,7 +55,10 @@ void check(const SkinParameters& skin) {
   }
 }
 
-bool has_junction(const SkinParameters& skin) { return skin.junction_absorption > 0.0; }
+bool has_junction(const SkinParameters& skin) {
+  return skin.junction_absorption > 0.0 ||
+         std::ranges::any_of(skin.inks, [](const SkinInk& ink) { return ink.absorbance > 0.0; });
+}
 
 }  // namespace
 
@@ -126,8 +129,7 @@ double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectru
          (1.0 - skin.hemoglobin_dermis) * skin.baseline_scale * spectrum.baseline;
 }
 
-double junction_factor(const SkinParameters& skin, double wavelength) {
-  const auto& points = skin.junction_spectrum;
+double spectrum_factor(std::span<const std::array<double, 2>> points, double wavelength) {
   if (points.empty()) return 1.0;
   const auto above =
       std::ranges::upper_bound(points, wavelength, {}, [](const auto& point) { return point[0]; });
@@ -135,6 +137,13 @@ double junction_factor(const SkinParameters& skin, double wavelength) {
   if (above == points.end()) return points.back()[1];
   const auto& [nm, factor] = *(above - 1);
   return factor + (wavelength - nm) / ((*above)[0] - nm) * ((*above)[1] - factor);
+}
+
+double junction_absorbance(const SkinParameters& skin, double wavelength) {
+  double sum = spectrum_factor(skin.junction_spectrum, wavelength) * skin.junction_absorption;
+  for (const SkinInk& ink : skin.inks)
+    sum += spectrum_factor(ink.spectrum, wavelength) * ink.absorbance;
+  return sum;
 }
 
 double epidermis_absorption(const SkinParameters& skin, double wavelength) {
@@ -163,8 +172,7 @@ LayerStack skin_layer_stack(const SkinParameters& skin, double wavelength) {
                   .thickness = skin.epidermis_thickness};
   Layer junction = epidermis;
   if (has_junction(skin)) {
-    junction.medium.sigma_a +=
-        0.5 * junction_factor(skin, wavelength) * skin.junction_absorption / junction_thickness;
+    junction.medium.sigma_a += 0.5 * junction_absorbance(skin, wavelength) / junction_thickness;
     junction.thickness = junction_thickness;
     epidermis.thickness -= junction_thickness;
   }

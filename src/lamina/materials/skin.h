@@ -35,6 +35,15 @@ namespace lamina {
 /// A solution of 1 g/L beta-carotene. [Donner2008] gives its fraction no unit; this is ours.
 [[nodiscard]] double carotene_absorption(double wavelength);
 
+/// Ink in the sheet between epidermis and dermis.
+struct SkinInk {
+  std::string name = {};
+  double absorbance = 0.0;  ///< natural, of diffuse light per crossing, in [0, largest_absorbance]
+  /// Factors on it, as SkinParameters::junction_spectrum
+  std::vector<std::array<double, 2>> spectrum = {};
+};
+inline constexpr double largest_absorbance = 10.0;
+
 /// What skin is made of at one place; fractions are of volume. Source: [Donner2008] Table 1 and
 /// eqs. 10-12, and three scales that measured skin asks for. The ranges are those of
 /// skin_parameter_ranges.
@@ -55,6 +64,7 @@ struct SkinParameters {
   /// Factor on junction_absorption, in [0, 1], at ascending wavelengths [nm]: linear between them,
   /// constant beyond. Empty: 1, as of black ink.
   std::vector<std::array<double, 2>> junction_spectrum;
+  std::vector<SkinInk> inks;  ///< further ones in the same sheet, each of its color
 };
 
 /// A number of SkinParameters and the closed range that it must lie in.
@@ -104,8 +114,13 @@ struct SkinSpectrum {
 [[nodiscard]] double epidermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
 [[nodiscard]] double dermis_absorption(const SkinParameters& skin, const SkinSpectrum& spectrum);
 
-/// Factor on junction_absorption at a wavelength [nm].
-[[nodiscard]] double junction_factor(const SkinParameters& skin, double wavelength);
+/// Factor of a spectrum of points at a wavelength [nm]: 1 if it has none.
+[[nodiscard]] double spectrum_factor(std::span<const std::array<double, 2>> points,
+                                     double wavelength);
+
+/// What the sheet between the layers absorbs at a wavelength [nm], inks included: natural
+/// absorbance of diffuse light per crossing.
+[[nodiscard]] double junction_absorbance(const SkinParameters& skin, double wavelength);
 
 /// Absorption of the epidermis and of the dermis [1/mm]. Source: [Donner2008] eqs. 10, 11.
 [[nodiscard]] double epidermis_absorption(const SkinParameters& skin, double wavelength);
@@ -122,7 +137,7 @@ struct SkinSpectrum {
 /// dermis a fold of skin as in an ear, whose far side is an epidermis, too.
 ///
 /// The absorbing junction is the last 1 µm of the epidermis, the basal cells. Its optical thickness
-/// of absorption is half of junction_absorption times junction_factor, because diffuse light
+/// of absorption is half of junction_absorbance, because diffuse light
 /// crosses a thin sheet on a path of twice its thickness. (Diffusion passes straight through so
 /// thin a layer and sees this half only: 0.9 % of the light per crossing by default.)
 /// @throws InvalidInput naming the parameter, its range and the value given.

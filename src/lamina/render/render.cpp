@@ -26,8 +26,8 @@
 #include "lamina/render/subsurface/methods/make_methods.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/scene/common_bands.h"
+#include "lamina/scene/material_layer_maps.h"
 #include "lamina/scene/method_settings.h"
-#include "lamina/scene/skin_layer_maps.h"
 
 namespace lamina {
 namespace {
@@ -198,7 +198,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
   require_honoured(scene);
   const BandSet bands = common_bands(scene);
-  const std::optional<Scene> with_layer_maps = with_skin_maps_as_layer_maps(scene);
+  const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
   RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;

@@ -48,9 +48,9 @@ inline constexpr auto material_settings = [] {
         [](const Surface& s) { return s.thickness.value > 0.0f; }},
        {"maps", "its layers are the same all over",
         [](const Surface& s) { return !s.maps.empty(); }},
-       {"subsurface.skin",  // of which a parameter is a map
-        "maps in the recipe of skin are not for it",
-        [](const Surface& s) { return !s.skin_maps.empty(); }},
+       {"subsurface.maps",  // numbers of the material
+        "maps of what a material is made of are not for it",
+        [](const Surface& s) { return !s.material_maps.empty(); }},
        {"subsurface.skin.dermis_thickness", "it takes the thickness of a fold from the mesh",
         [](const Surface& s) {
           return s.material.skin && std::isfinite(s.material.skin->skin.dermis_thickness);

@@ -22,7 +22,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/scene/scene_method.h"
-#include "lamina/skin_maps/skin_maps.h"
+#include "lamina/skin_maps/material_maps.h"
 
 namespace lamina {
 
@@ -95,7 +95,8 @@ struct SubsurfaceSurface {
   ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
                                              ///< taken from geometry
   std::vector<LayerMap> maps;                ///< for method layered_bsdf
-  std::vector<SkinMap> skin_maps;            ///< of the recipe, for texture_space and layered_bsdf
+  std::vector<MaterialMap> material_maps;    ///< of the material's numbers, for texture_space and
+                                             ///< layered_bsdf
 };
 
 template <>  // "none" is where there is no color

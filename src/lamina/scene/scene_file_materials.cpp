@@ -80,21 +80,22 @@ class MaterialDecoder {
     }
   }
 
-  void warn_of_sizes(std::span<const SkinMap> maps) {
-    const auto size = [](const SkinMap& map) {
+  void warn_of_sizes(std::span<const MaterialMap> maps) {
+    const auto size = [](const MaterialMap& map) {
       return std::to_string(map.values.width) + " x " + std::to_string(map.values.height);
     };
-    for (const SkinMap& map : maps)
+    for (const MaterialMap& map : maps)
       if (size(map) != size(maps.front()))
-        result_.warnings.push_back("skin." + std::string(map.name) + ": " + size(map) +
-                                   " texels, where " + std::string(maps.front().name) + " has " +
-                                   size(maps.front()) +
+        result_.warnings.push_back(map.number.name + ": " + size(map) + " texels, where " +
+                                   maps.front().number.name + " has " + size(maps.front()) +
                                    ": each is resampled to the texels of the surface");
   }
 
   /// Oil on skin, as the recipe says, unless a coat says more.
-  void decode_oiliness(const Material& layers) {
-    if (layers.oiliness > 0.0)
+  void decode_oiliness(const Material& layers, const std::optional<ScalarParameter>& map = {}) {
+    if (map)
+      result_.material.coat = Coat{.weight = *map};
+    else if (layers.oiliness > 0.0)
       result_.material.coat = Coat{.weight = {.value = static_cast<float>(layers.oiliness)}};
   }
 
@@ -102,18 +103,24 @@ class MaterialDecoder {
     const JsonObject object = value.object(
         {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface;
-    surface.material = decode_layers_of(
-        object.required("subsurface"), [&](const SkinParameterRange& range, const JsonInput& map) {
-          surface.skin_maps.push_back(decode_skin_map(range, map, result_.warnings));
-          const auto& pixels = surface.skin_maps.back().values.pixels;
-          return std::accumulate(pixels.begin(), pixels.end(), 0.0) /
-                 static_cast<double>(pixels.size());
-        });
-    if (!surface.skin_maps.empty()) {
-      result_.mapped = "subsurface.skin." + std::string(surface.skin_maps.front().name);
-      warn_of_sizes(surface.skin_maps);
+    std::optional<ScalarParameter> oiliness;
+    const MaterialMaps take = [&](const MappableNumber& number,
+                                  const JsonInput& map) -> std::vector<double> {
+      if (number.of == MappableNumber::Of::roughness)
+        map.fail("must be a number: in scenes a surface is as rough everywhere");
+      if (number.of == MappableNumber::Of::oiliness) {
+        oiliness = decode_scalar_parameter(map, closed_interval(0.0, 1.0));
+        return {1.0};
+      }
+      surface.material_maps.push_back(decode_material_map(number, map, result_.warnings));
+      return means_of(surface.material_maps.back());
+    };
+    surface.material = decode_layers_of(object.required("subsurface"), take);
+    if (!surface.material_maps.empty()) {
+      result_.mapped = "subsurface." + surface.material_maps.front().number.name;
+      warn_of_sizes(surface.material_maps);
     }
-    decode_oiliness(surface.material);
+    decode_oiliness(surface.material, oiliness);
     using ColorUse = SubsurfaceSurface::ColorUse;
     if (const auto color = object.optional("color")) {
       surface.color = decode_color_parameter(*color);
@@ -134,8 +141,9 @@ class MaterialDecoder {
     if (const auto maps = object.optional("maps"))
       for (const auto& [key, given] : maps->entries()) {
         LayerMap map = find_quantity(given, key, surface.material);
-        if (std::ranges::find(surface.skin_maps, key, &SkinMap::name) != surface.skin_maps.end())
-          given.fail("is a map in the recipe \"skin\" already; say it there only");
+        for (const MaterialMap& said : surface.material_maps)
+          if (said.number.name == "skin." + key)
+            given.fail("is a map in the recipe \"skin\" already; say it there only");
         if (given.is_array())
           for (const JsonInput& term : given.array(1, 16))
             map.terms.push_back(
@@ -223,7 +231,7 @@ class MaterialDecoder {
   }
 
   /// A built-in material by name, a material file by path, or a material file as an object.
-  static Material decode_layers_of(const JsonInput& value, const RecipeMaps& maps = {}) {
+  static Material decode_layers_of(const JsonInput& value, const MaterialMaps& maps = {}) {
     if (value.is_object() && value.peek("diffuse_color")) return decode_color_material(value);
     if (value.is_object()) return decode_material(value, maps);
     if (!value.is_string())

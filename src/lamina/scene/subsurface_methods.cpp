@@ -74,7 +74,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .page = "layered_bsdf.md",
       .solves_transfer = true,
       .is_bsdf = true,
-      .honours = {"color", "maps", "subsurface.skin", "subsurface.skin.dermis_thickness",
+      .honours = {"color", "maps", "subsurface.maps", "subsurface.skin.dermis_thickness",
                   "subsurface.ground", "subsurface.layers", "orders", "factors"}},
      {.name = "hierarchy",
       .how = "sums the profile over samples of the light on the surface",
@@ -104,7 +104,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .needs = "the recipe `skin`, texture coordinates",
       .page = "heterogeneous_skin.md",
       .keeps_light = true,
-      .honours = {"subsurface.skin", "subsurface.layers", "exit_angle"},
+      .honours = {"subsurface.maps", "subsurface.layers", "exit_angle"},
       .numbers = texture_space_numbers},
      {.name = "random_walk",
       .how = "follows light inside closed meshes, homogeneous or in layers by depth, under smooth "

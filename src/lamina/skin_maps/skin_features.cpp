@@ -163,7 +163,7 @@ void apply_feature(const Tattoo& tattoo, std::uint64_t, SkinCanvas& canvas) {
   const double height = tattoo.width * tattoo.image.height / tattoo.image.width;
   canvas.grid.within({tattoo.at[0], tattoo.at[1]}, 0.5 * std::max(tattoo.width, height),
                      [&](std::size_t texel, CanvasPoint p) {
-                       canvas.skin[texel].junction_absorption +=
+                       absorbance_of(tattoo, canvas.skin[texel]) +=
                            tattoo.absorbance * ink_at(tattoo.image,
                                                       (p.x - tattoo.at[0]) / tattoo.width + 0.5,
                                                       (p.y - tattoo.at[1]) / height + 0.5);
@@ -193,24 +193,47 @@ void apply_feature(const Unevenness& uneven, std::uint64_t seed, SkinCanvas& can
 }
 
 /// Maps of what is not the same everywhere, brought into its range.
-std::vector<SkinMap> varying_maps(const SkinCanvas& canvas) {
-  std::vector<SkinMap> maps;
-  for (const SkinParameterRange& range : skin_parameter_ranges()) {
-    if (!may_be_map(range.name)) continue;
-    const auto differs = [&](const SkinParameters& skin) {
-      return skin.*range.value != canvas.skin.front().*range.value;
-    };
-    if (std::ranges::none_of(canvas.skin, differs)) continue;
-    SkinMap map{range.name, range.value, make_image(canvas.grid.width, canvas.grid.height, {"Y"})};
+std::vector<SkinMap> varying_maps(SkinCanvas& canvas) {
+  std::vector<SkinMap> maps = varying_numbers(canvas.skin);
+  for (SkinMap& map : maps) {
+    map.values = make_image(canvas.grid.width, canvas.grid.height, {"Y"});
     for (std::size_t i = 0; i < canvas.skin.size(); ++i)
-      map.values.pixels[i] =
-          static_cast<float>(std::clamp(canvas.skin[i].*range.value, range.low, range.high));
-    maps.push_back(std::move(map));
+      map.values.pixels[i] = clamped_number(canvas.skin[i], map);
   }
   return maps;
 }
 
 }  // namespace
+
+double& absorbance_of(const Tattoo& tattoo, SkinParameters& skin) {
+  if (tattoo.ink.empty()) return skin.junction_absorption;
+  const auto ink = std::ranges::find(skin.inks, tattoo.ink, &SkinInk::name);
+  if (ink == skin.inks.end()) throw InvalidInput("the skin has no ink \"" + tattoo.ink + "\"");
+  return ink->absorbance;
+}
+
+float clamped_number(SkinParameters& skin, const SkinMap& map) {
+  const auto ranges = skin_parameter_ranges();
+  const auto range = std::ranges::find(ranges, map.parameter, &SkinParameterRange::value);
+  const bool is_ink = range == ranges.end();
+  return static_cast<float>(std::clamp(mapped_number(skin, map), is_ink ? 0.0 : range->low,
+                                       is_ink ? largest_absorbance : range->high));
+}
+
+std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin) {
+  std::vector<SkinMap> numbers, varying;
+  for (const SkinParameterRange& range : skin_parameter_ranges())
+    if (varies_in_made_maps(range.name))
+      numbers.push_back({std::string(range.name), range.value, {}});
+  for (std::size_t i = 0; i < skin.front().inks.size(); ++i)
+    numbers.push_back({"ink_" + ink_name(skin.front(), i), nullptr, {}, i});
+  for (SkinMap& map : numbers)
+    if (std::ranges::any_of(skin, [&](SkinParameters& one) {
+          return mapped_number(one, map) != mapped_number(skin.front(), map);
+        }))
+      varying.push_back(std::move(map));
+  return varying;
+}
 
 void mix_in(double& amount, double& composition, double added, double composition_of_it) {
   if (added <= 0.0) return;
@@ -225,13 +248,9 @@ double ink_at(const Image& image, double u, double v) {
 }
 
 double share_left(const PressedDisc& disc, double distance, double raggedness) {
-  const double rim = (0.15 + 0.3 * disc.refill) * disc.diameter;
-  const double inside =
-      0.5 * disc.diameter * (1.0 + (0.05 + 0.15 * disc.refill) * raggedness) - distance;
-  const double left = 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
-  if (disc.hyperemia == 0.0) return left;
-  const double from_ring = inside / disc.diameter + 0.2;
-  return left * (1.0 + disc.hyperemia * std::exp(-from_ring * from_ring / (0.15 * 0.15)));
+  const double rim = 0.15 * disc.diameter;
+  const double inside = 0.5 * disc.diameter * (1.0 + 0.05 * raggedness) - distance;
+  return 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
 }
 
 std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe, const Progress& progress) {

@@ -61,15 +61,17 @@ struct Tattoo {
   Span2 at = {0.0, 0.0};    ///< its middle
   double width = 10.0;      ///< its height follows
   double absorbance = 1.5;  ///< of the darkest ink, per crossing
+  std::string ink = {};  ///< one of the skin's, by name; empty: that of the junction's own spectrum
 };
+
+/// Where a tattoo's ink goes. @throws InvalidInput if the skin has no ink of that name.
+[[nodiscard]] double& absorbance_of(const Tattoo& tattoo, SkinParameters& skin);
 
 /// A finger has just been there: blood is pressed out of a disc.
 struct PressedDisc {
   Span2 at = {0.0, 0.0};
   double diameter = 8.0;
-  double share = 0.8;      ///< of the blood that is gone in the middle
-  double refill = 0.0;     ///< from the rim inward, in patches; 0: the finger has just left
-  double hyperemia = 0.0;  ///< share of more blood in a ring around it, where vessels have opened
+  double share = 0.8;  ///< of the blood that is gone
 };
 
 /// Natural unevenness: melanin and blood times exp(amount * noise).
@@ -117,8 +119,16 @@ void mix_in(double& amount, double& composition, double added, double compositio
 
 // What these features have in common on a patch and on a mesh; places are left out.
 [[nodiscard]] Tattoo decode_ink(const JsonObject& object);
+/// @throws InvalidInput if the skin has no such ink.
+void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& feature);
 [[nodiscard]] PressedDisc decode_disc(const JsonObject& object);
 [[nodiscard]] Veins decode_vein_look(const JsonObject& object);
+
+/// What is not the same everywhere, as maps without images.
+[[nodiscard]] std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin);
+
+/// What a map gives at a place, brought into its range.
+[[nodiscard]] float clamped_number(SkinParameters& skin, const SkinMap& map);
 
 /// Reads a recipe, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has the
 /// format. @throws FileError, InvalidInput

@@ -80,14 +80,14 @@ Image ink_of(const Image& image) {
 }
 
 SkinFeature decode_tattoo(const JsonInput& value) {
-  const JsonObject object = value.object({"image", "at", "width", "absorbance"});
+  const JsonObject object = value.object({"image", "at", "width", "absorbance", "ink"});
   Tattoo tattoo = decode_ink(object);
   set_place(object, tattoo.at);
   return tattoo;
 }
 
 SkinFeature decode_pressed(const JsonInput& value) {
-  const JsonObject object = value.object({"at", "diameter", "share", "refill", "hyperemia"});
+  const JsonObject object = value.object({"at", "diameter", "share"});
   PressedDisc disc = decode_disc(object);
   set_place(object, disc.at);
   return disc;
@@ -123,14 +123,17 @@ SkinFeature decode_synthesis(const JsonInput& value) {
     maps = std::move(decoded.maps);
     warnings = std::move(decoded.warnings);
     if (maps.empty()) skin.fail("must have a map to spread, but has numbers only");
-    const auto [width, height] = patch_size(patch, maps);
+    for (const SkinMap& map : maps)
+      if (!map.parameter || map.values.channel_count() > 1)
+        skin.fail("maps of inks cannot be spread, but \"" + map.name + "\" is one");
+    const auto [width, height] = patch_size(patch, &maps.front().values);
     if (std::min(width, height) < MapExample::least_side)
       patch.value().fail("must have at least " + std::to_string(MapExample::least_side) +
                          " texels each way to be spread");
     for (SkinMap& map : maps) {
       const auto [low, high] = std::ranges::minmax(map.values.pixels);
       if (low == high)
-        warnings.push_back("map of " + std::string(map.name) +
+        warnings.push_back("map of " + map.name +
                            ": the same everywhere, so spreading it does nothing but set it");
       map.values = resampled(map.values, width, height);
     }
@@ -159,6 +162,14 @@ SkinFeature decode_feature(const JsonInput& value) {
 
 }  // namespace
 
+void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& feature) {
+  try {
+    (void)absorbance_of(tattoo, skin);
+  } catch (const InvalidInput& error) {
+    feature.fail(error.what());
+  }
+}
+
 Tattoo decode_ink(const JsonObject& object) {
   Tattoo tattoo;
   const JsonInput file = object.required("image");
@@ -171,6 +182,7 @@ Tattoo decode_ink(const JsonObject& object) {
   }
   set(object, "width", closed_interval(0.1, longest, "mm"), tattoo.width);
   set(object, "absorbance", closed_interval(0.0, 10.0), tattoo.absorbance);
+  if (const auto ink = object.optional("ink")) tattoo.ink = ink->string();
   return tattoo;
 }
 
@@ -178,8 +190,6 @@ PressedDisc decode_disc(const JsonObject& object) {
   PressedDisc disc;
   set(object, "diameter", closed_interval(0.1, longest, "mm"), disc.diameter);
   set(object, "share", closed_interval(0.0, 1.0), disc.share);
-  set(object, "refill", closed_interval(0.0, 1.0), disc.refill);
-  set(object, "hyperemia", closed_interval(0.0, 5.0), disc.hyperemia);
   return disc;
 }
 
@@ -222,10 +232,12 @@ SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file, MemoryBudg
     recipe.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
   const JsonInput skin = object.required("skin");
   recipe.base = decode_skin_maps(skin);
-  if (!recipe.base.maps.empty())
-    skin.fail("must have numbers only: the features make maps of them");
-  for (const JsonInput& feature : object.required("features").array())
+  if (first_map(recipe.base)) skin.fail("must have numbers only: the features make maps of them");
+  for (const JsonInput& feature : object.required("features").array()) {
     recipe.features.push_back(decode_feature(feature));
+    if (const auto* tattoo = std::get_if<Tattoo>(&recipe.features.back()))
+      require_ink(*tattoo, recipe.base.skin, feature);
+  }
   return recipe;
 }
 

@@ -5,89 +5,31 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/map_description.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina {
-namespace {
 
-constexpr double largest_factor = 1e6;  // beyond, taken for a mistake
-
-/// One channel of an image file, scaled.
-Image decode_values(const JsonInput& value) {
-  const MapDescription map = decode_map_description(value);
-  if (map.noise)
-    map.noise->fail(
-        "maps of what skin is made of are images: give \"map\", which `lamina maps` makes");
-  if (map.repeat) map.repeat->fail("maps of what skin is made of cover the surface once");
-  Image image;
-  try {
-    image = load_image(map.file->file_path(), encoding_of(map, false), map.file->memory());
-    require_finite(image, map.file->file_path());
-  } catch (const FileError& error) {
-    map.file->fail(error.what());
-  }
-  const std::size_t channel = map.channel ? named_channel(image, *map.channel) : 0;
-  const double factor =
-      map.value ? map.value->number(closed_interval(-largest_factor, largest_factor)) : 1.0;
-  Image values = make_image(image.width, image.height, {"Y"});
-  for (std::size_t i = 0; i < values.pixels.size(); ++i) {
-    const auto x = static_cast<double>(image.pixels[i * image.channel_count() + channel]);
-    values.pixels[i] =
-        static_cast<float>(factor * std::clamp(map.offset + map.scale * x, map.low, map.high));
-  }
-  return values;
+double& mapped_number(SkinParameters& skin, const SkinMap& map) {
+  return map.parameter ? skin.*map.parameter : skin.inks[map.ink].absorbance;
 }
 
-/// Brings what lies outside the range to its ends; says how much that was.
-void clamp(const SkinParameterRange& range, Image& values, std::vector<std::string>& warnings) {
-  const auto low = static_cast<float>(range.low), high = static_cast<float>(range.high);
-  std::size_t count = 0;
-  for (float& value : values.pixels) {
-    if (low <= value && value <= high) continue;
-    value = std::clamp(value, low, high);
-    ++count;
-  }
-  if (count == 0) return;
-  PlainTextStream text;
-  text << "skin." << range.name << ": " << count << " of " << values.pixels.size()
-       << " texels lie outside [" << range.low << ", " << range.high << "] and were clamped";
-  warnings.push_back(text.str());
+std::string ink_name(const SkinParameters& skin, std::size_t ink) {
+  const std::string& name = skin.inks[ink].name;
+  return name.empty() ? std::to_string(ink) : name;
 }
 
-}  // namespace
-
-bool may_be_map(std::string_view parameter) {
-  constexpr std::array<std::string_view, 5> same_everywhere = {
-      "scattering_scale", "scattering_power", "epidermis_thickness", "dermis_thickness",
-      "oiliness"};
-  return std::ranges::find(same_everywhere, parameter) == same_everywhere.end();
-}
-
-SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
-                        std::vector<std::string>& warnings) {
-  if (!may_be_map(range.name))
-    value.fail("must be a number: it is the same everywhere, as scattering, thickness and oil are");
-  SkinMap map{range.name, range.value, decode_values(value)};
-  clamp(range, map.values, warnings);
-  return map;
-}
-
-std::pair<int, int> patch_size(const JsonObject& patch, std::span<const SkinMap> maps) {
+std::pair<int, int> patch_size(const JsonObject& patch, const Image* first) {
   constexpr int largest_side = 16384;
   const auto width = patch.optional("width"), height = patch.optional("height");
   const auto side = [](const std::optional<JsonInput>& given) {
     return given ? static_cast<int>(given->integer(1, largest_side)) : 0;
   };
-  if (maps.empty() || (width && height))
+  if (!first || (width && height))
     return {side(patch.required("width")), side(patch.required("height"))};
-  const Image& first = maps.front().values;
-  if (!width && !height) return {first.width, first.height};
-  const double aspect = static_cast<double>(first.width) / first.height;
+  if (!width && !height) return {first->width, first->height};
+  const double aspect = static_cast<double>(first->width) / first->height;
   const auto other = [](double length) {
     return std::max(1, static_cast<int>(std::lround(length)));
   };
@@ -95,24 +37,41 @@ std::pair<int, int> patch_size(const JsonObject& patch, std::span<const SkinMap>
   return {other(side(height) * aspect), side(height)};
 }
 
-SkinMaps decode_skin_maps(const JsonInput& recipe) {
-  const JsonObject object = material_file::skin_object(recipe);
+SkinMaps decode_skin_maps(const JsonInput& recipe, std::span<const std::string> channels) {
   SkinMaps result;
-  result.constants = material_file::decode_constants(object);
-  result.skin = with_constants({}, result.constants);
-  result.skin.junction_spectrum = material_file::decode_junction_spectrum(object);
-  for (const SkinParameterRange& range : skin_parameter_ranges()) {
-    const auto value = object.optional(range.name);
-    if (!value) continue;
-    if (!value->is_object()) {
-      result.skin.*range.value = value->number(closed_interval(range.low, range.high));
+  material_file::Context context{.length_unit = "mm"};
+  context.channels.assign(channels.begin(), channels.end());
+  context.maps = [&](const MappableNumber& number, const JsonInput& value) {
+    MaterialMap map = decode_material_map(number, value, result.warnings);
+    std::vector<double> means = means_of(map);
+    if (number.of == MappableNumber::Of::skin) {
+      const SkinParameterRange& range = skin_parameter_ranges()[number.part];
+      result.maps.push_back({std::string(range.name), range.value, std::move(map.values)});
+    } else if (number.of == MappableNumber::Of::ink) {
+      result.maps.push_back({"", nullptr, std::move(map.values), number.part});
     } else {
-      result.maps.push_back(decode_skin_map(range, *value, result.warnings));
+      result.others.push_back(std::move(map));
     }
-  }
-  if (const auto oiliness = object.optional("oiliness"))
-    result.oiliness = oiliness->number(closed_interval(0.0, 1.0));
+    return means;
+  };
+  material_file::DecodedSkin decoded = material_file::decode_skin_recipe(recipe, context);
+  result.skin = std::move(decoded.recipe.skin);
+  result.constants = decoded.recipe.constants;
+  result.oiliness = decoded.oiliness;
+  for (SkinMap& map : result.maps)
+    if (!map.parameter) map.name = "ink_" + ink_name(result.skin, map.ink);
   return result;
+}
+
+const Image* first_map(const SkinMaps& skin) {
+  if (!skin.maps.empty()) return &skin.maps.front().values;
+  return skin.others.empty() ? nullptr : &skin.others.front().values;
+}
+
+bool varies_in_made_maps(std::string_view parameter) {
+  constexpr std::array<std::string_view, 4> same_everywhere = {
+      "scattering_scale", "scattering_power", "epidermis_thickness", "dermis_thickness"};
+  return std::ranges::find(same_everywhere, parameter) == same_everywhere.end();
 }
 
 }  // namespace lamina

@@ -9,48 +9,60 @@
 
 #include "lamina/image/image.h"
 #include "lamina/materials/skin.h"
+#include "lamina/skin_maps/material_maps.h"
 
 namespace lamina {
 
 class JsonInput;
 class JsonObject;
 
-/// A parameter of skin that is an image: one channel, of any size, every value in the parameter's
-/// range.
+/// A parameter of skin, or the absorbance of one of its inks, that is an image of any size, every
+/// value in the parameter's range. It has one channel; what the junction absorbs may have one for
+/// each band.
 struct SkinMap {
-  std::string_view name;  ///< as in skin_parameter_ranges
-  double SkinParameters::* parameter;
+  std::string name;  ///< as in skin_parameter_ranges; of an ink "ink_" and its name
+  double SkinParameters::*parameter;  ///< null: of an ink
   Image values;
+  std::size_t ink = 0;  ///< which one, where there is no parameter
 };
 
-/// Skin that differs from place to place: a recipe "skin" whose parameters are numbers or maps.
+/// What a map gives, in skin that has its ink.
+[[nodiscard]] double& mapped_number(SkinParameters& skin, const SkinMap& map);
+
+/// What maps and files call an ink: its name, or its place.
+[[nodiscard]] std::string ink_name(const SkinParameters& skin, std::size_t ink);
+
+/// Skin that differs from place to place: a recipe "skin" whose numbers may be maps.
 struct SkinMaps {
   SkinParameters skin;  ///< what no map gives
   SkinConstants constants = SkinConstants::calibrated;
   double oiliness = 0.0;
   std::vector<SkinMap> maps;
+  std::vector<MaterialMap> others;    ///< of oil
   std::vector<std::string> warnings;  ///< what was clamped, in the user's words
 };
 
 /// Decodes the recipe; lengths are in mm. A map is an image that
-/// image/map_description.h has the syntax of, of its first channel unless one is named. Only what colours the layers may be a map:
-/// scattering, thickness and oiliness are numbers.
+/// image/map_description.h has the syntax of, of its first channel unless one is named.
 ///
 /// Values outside the parameter's range are clamped, with a warning that counts them.
+/// @param channels  one for each band: an image that has them gives the absorption of the junction
+/// by
+///                  band
 /// @throws InvalidInput naming the field; FileError naming the first texel that is not finite.
-[[nodiscard]] SkinMaps decode_skin_maps(const JsonInput& recipe);
-
-/// Decodes one parameter that is a map, and adds a warning if values were clamped.
-/// @throws as decode_skin_maps.
-[[nodiscard]] SkinMap decode_skin_map(const SkinParameterRange& range, const JsonInput& value,
-                                      std::vector<std::string>& warnings);
+[[nodiscard]] SkinMaps decode_skin_maps(const JsonInput& recipe,
+                                        std::span<const std::string> channels = {});
 
 /// "width" and "height" of a patch in texels: as given, else those of the first map, whose
 /// proportions one given side keeps. @throws InvalidInput
-[[nodiscard]] std::pair<int, int> patch_size(const JsonObject& patch,
-                                             std::span<const SkinMap> maps);
+///
+/// @param first  null: there is no map
+[[nodiscard]] std::pair<int, int> patch_size(const JsonObject& patch, const Image* first);
 
-/// Whether a parameter of that name may be a map.
-[[nodiscard]] bool may_be_map(std::string_view parameter);
+/// The first map, null if there is none.
+[[nodiscard]] const Image* first_map(const SkinMaps& skin);
+
+/// Whether features of made maps change a parameter of that name: those that color the layers.
+[[nodiscard]] bool varies_in_made_maps(std::string_view parameter);
 
 }  // namespace lamina

@@ -70,7 +70,7 @@ void change_by_synthesis(SkinParameters& skin, const Synthesis& synthesis,
                          std::span<const double> values, double share) {
   const MapExample& example = synthesis.example;
   for (std::size_t m = 0; m < values.size(); ++m) {
-    double& parameter = skin.*example.maps()[m].parameter;
+    double& parameter = mapped_number(skin, example.maps()[m]);
     const double mean = example.mean(m);
     const double value =
         synthesis.are_factors ? parameter * (mean > 0.0 ? values[m] / mean : 1.0) : values[m];

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "lamina/core/parallel.h"
@@ -13,27 +12,53 @@
 #include "lamina/optics/layer_stack.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {
 
-Plane plane_of(const Image& image) { return {image.width, image.height, image.pixels}; }
-
-/// Fraction of the light arriving at an angle that enters.
-double entering_fraction(const SkinParameters& skin, double wavelength, double theta) {
-  return entry_transmittance(skin_layer_stack(skin, wavelength), {.theta = theta});
+/// One number as a plane, or that of each texel.
+Plane plane_of(const std::vector<float>& values, int width, int height) {
+  if (values.size() == 1) return make_plane(width, height, values[0]);
+  return {width, height, values};
 }
 
-double largest_fit_error(const StackTables& tables, const std::vector<Plane>& sigma_a) {
+/// Fraction of the light arriving at an angle that enters, at each texel, or one. Where roughness
+/// varies it is interpolated.
+std::vector<float> entering_fractions(const Material& material, std::size_t band, double theta,
+                                      const std::vector<float>& roughness) {
+  const auto entering = [&](double alpha) {
+    Material with = material;
+    with.layers.front().top.roughness = alpha;
+    return entry_transmittance(layer_stack(with, band), {.theta = theta});
+  };
+  if (roughness.size() == 1) return {static_cast<float>(entering(roughness[0]))};
+  constexpr std::size_t steps = 16;
+  const auto [low, high] = std::ranges::minmax(roughness);
+  std::vector<double> table;
+  for (std::size_t i = 0; i <= steps; ++i)
+    table.push_back(entering(std::lerp(static_cast<double>(low), static_cast<double>(high),
+                                       static_cast<double>(i) / steps)));
+  std::vector<float> fractions;
+  for (const float alpha : roughness) {
+    const double place = static_cast<double>((alpha - low) / (high - low)) * steps;
+    const auto i = std::min(static_cast<std::size_t>(place), steps - 1);
+    fractions.push_back(
+        static_cast<float>(std::lerp(table[i], table[i + 1], place - static_cast<double>(i))));
+  }
+  return fractions;
+}
+
+/// Largest error of the tables at the states that a patch has.
+double largest_fit_error(const StackTables& tables, const std::vector<LayerTexels>& texels) {
   double largest = 0.0;
-  for (std::size_t i = 0; i < sigma_a.size(); ++i) {
-    const AbsorptionRange range = absorption_range(sigma_a[i], tables.grid);
-    const LayerTables& layer = tables.layers[i];
-    for (const GaussianTable* table : operator_tables(layer))
-      for (std::size_t row = 0; row < table->error.size(); ++row) {
-        const double at = row_absorption(tables.grid, static_cast<double>(row));
-        if (range.lowest / 1.05 <= at && at <= range.highest * 1.05)
-          largest = std::max(largest, table->error[row]);
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const auto [low, high] = std::ranges::minmax(texels[i].sigma_a);
+    for (const GaussianTable* table : operator_tables(tables.layers[i]))
+      for (std::size_t node = 0; node < table->error.size(); ++node) {
+        const double at = node_state(tables.lattices[i], node).sigma_a;
+        if (static_cast<double>(low) / 1.05 <= at && at <= static_cast<double>(high) * 1.05)
+          largest = std::max(largest, table->error[node]);
       }
   }
   return largest;
@@ -44,16 +69,18 @@ void put_channel(Image& image, std::size_t channel, const Plane& plane) {
     image.pixels[i * image.channel_count() + channel] = plane.values[i];
 }
 
-/// Fills "R", "G", "B", the three channels from `first` on, from the bands in front.
-void add_colors(Image& image, std::size_t first, const BandSet& bands, const SkinParameters& skin) {
-  const BandWeights weights = make_skin_band_weights(bands, skin);
+/// Fills red, green and blue, the three channels from `first` on, from the bands in front of them.
+void add_colors(Image& image, std::size_t first, const Material& material) {
+  const BandSet& bands = material.bands;
+  const BandWeights weights =
+      material.skin ? make_skin_band_weights(bands, material.skin->skin) : make_band_weights(bands);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       float* pixel = image.at(x, y);
       for (std::size_t c = 0; c < 3; ++c) {
         double sum = 0.0;
         for (std::size_t b = 0; b < bands.size(); ++b)
-          sum += weights[b][c] * static_cast<double>(pixel[b]);
+          sum += weights[b][c] * static_cast<double>(pixel[first - bands.size() + b]);
         pixel[first + c] = static_cast<float>(sum);
       }
     }
@@ -61,9 +88,9 @@ void add_colors(Image& image, std::size_t first, const BandSet& bands, const Ski
 
 /// Multiplies what leaves by a texture's reflectance in a band over that in even light.
 void texture(const SkinPatch& patch, std::size_t band, const HeterogeneousLayers& layers,
-             float entering, Plane& leaving) {
+             const std::vector<float>& entering, Plane& leaving) {
   const Plane even =
-      transport(layers, make_plane(patch.width, patch.height, entering), patch.transport).reflected;
+      transport(layers, plane_of(entering, patch.width, patch.height), patch.transport).reflected;
   for (std::size_t i = 0; i < even.values.size(); ++i)
     if (even.values[i] > 0.0f)
       leaving.values[i] *=
@@ -86,101 +113,100 @@ class Stopwatch {
 
 }  // namespace
 
-double typical_absorption(std::span<const float> sigma_a) {
-  double sum = 0.0;
-  for (const float value : sigma_a) sum += std::log(static_cast<double>(value));
-  const double mean = sum / static_cast<double>(sigma_a.size());
-  const auto [low, high] = std::ranges::minmax(sigma_a);
-  return std::exp(low == high ? mean : std::round(4.0 * mean) / 4.0);
-}
-
-MappedStack mapped_skin_stack(const SkinParameters& skin, double wavelength) {
-  SkinParameters without_sheet = skin;  // the sheet between the layers is none of them
-  without_sheet.junction_absorption = 0.0;
-  const LayerStack solid = skin_layer_stack(without_sheet, wavelength);
-  MappedStack stack{.ior_above = solid.ior_above(), .layers = {}, .ior_below = solid.ior_below()};
-  for (const Layer& layer : solid.layers())
-    stack.layers.push_back(
-        {layer.medium.sigma_s, layer.medium.g, layer.medium.ior, layer.thickness});
-  return stack;
-}
-
-SkinPlanes skin_planes(const SkinMaps& maps, int width, int height, double wavelength) {
-  const SkinSpectrum spectrum = skin_spectrum(wavelength);
-  std::vector<Image> fitting;  // maps of another size, resampled
-  fitting.reserve(maps.maps.size());
-  std::vector<const float*> values;
-  for (const SkinMap& map : maps.maps) {
-    const bool fits = map.values.width == width && map.values.height == height;
-    values.push_back(
-        (fits ? map.values : fitting.emplace_back(resampled(map.values, width, height)))
-            .pixels.data());
+PatchMaterial material_of(const SkinPatch& patch) {
+  PatchMaterial result;
+  const auto add = [&](const MappableNumber& number, const Image& values) {
+    const bool fits = values.width == patch.width && values.height == patch.height;
+    result.maps.push_back(
+        {number, values.channel_count(),
+         fits ? values.pixels : resampled(values, patch.width, patch.height).pixels});
+  };
+  if (patch.material) {
+    result.material = patch.material->material;
+    for (const MaterialMap& map : patch.material->maps) add(map.number, map.values);
+    return result;
   }
-  Plane epidermis = make_plane(width, height), dermis = epidermis, sheet = epidermis;
-  SkinParameters skin = maps.skin;
-  const double junction = junction_factor(skin, wavelength);
-  for (std::size_t i = 0; i < epidermis.values.size(); ++i) {
-    for (std::size_t m = 0; m < values.size(); ++m)
-      skin.*maps.maps[m].parameter = static_cast<double>(values[m][i]);
-    constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
-    epidermis.values[i] = static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum)));
-    dermis.values[i] = static_cast<float>(std::max(least, dermis_absorption(skin, spectrum)));
-    sheet.values[i] = static_cast<float>(junction * skin.junction_absorption);
+  const SkinMaps& skin = patch.skin;
+  result.material.bands = patch.bands;
+  result.material.skin = SkinRecipe{skin.skin, skin.constants};
+  result.material.layers = skin_layers(skin.skin, patch.bands.wavelengths());
+  result.material.ior_above.assign(patch.bands.size(), 1.0);
+  result.material.ior_below.assign(patch.bands.size(), 1.0);
+  if (std::isinf(skin.skin.dermis_thickness))
+    result.material.ior_below = result.material.layers.back().ior;
+  for (const SkinMap& map : skin.maps) {
+    const auto ranges = skin_parameter_ranges();
+    const auto range = std::ranges::find(ranges, map.parameter, &SkinParameterRange::value);
+    if (map.parameter)
+      add({.of = MappableNumber::Of::skin,
+           .part = static_cast<std::size_t>(range - ranges.begin())},
+          map.values);
+    else
+      add({.of = MappableNumber::Of::ink, .part = map.ink}, map.values);
   }
-  if (std::isinf(maps.skin.dermis_thickness))
-    return {{std::move(epidermis), std::move(dermis)}, {std::move(sheet)}};
-  return {{epidermis, std::move(dermis), epidermis}, {sheet, sheet}};
+  for (const MaterialMap& map : skin.others) add(map.number, map.values);
+  return result;
 }
 
 SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<DiskCache>& cache,
                                   const Progress& progress) {
-  const std::size_t bands = patch.bands.size();
-  const bool is_fold = std::isfinite(patch.skin.skin.dermis_thickness);
+  const PatchMaterial made_of = material_of(patch);
+  const Material& material = made_of.material;
+  const std::size_t bands = material.bands.size();
+  const bool is_rgb = material.bands.is_rgb();
+  const bool lets_through =
+      std::isfinite(material.layers.back().thickness) && material.ground.reflectance == 0.0;
   SkinPatchResult result;
   result.bands.resize(bands);
   result.tables.resize(bands);
   std::vector<std::string> channels;
-  for (std::size_t b = 0; b < bands; ++b) channels.push_back(band_name(patch.bands, b) + "nm");
-  for (const char* name : {"R", "G", "B"}) channels.emplace_back(name);
-  for (std::size_t b = 0; is_fold && b < bands; ++b)
-    channels.push_back("transmitted." + channels[b]);
+  for (std::size_t b = 0; b < bands; ++b)
+    channels.push_back(band_name(material.bands, b) + (is_rgb ? "" : "nm"));
+  for (const char* name : {"R", "G", "B"})
+    if (!is_rgb) channels.emplace_back(name);
+  const std::size_t first_transmitted = channels.size();
+  for (std::size_t c = 0; lets_through && c < first_transmitted; ++c)
+    channels.push_back("transmitted." + channels[c]);
   result.image = make_image(patch.width, patch.height, channels);
 
-  const Plane arriving = plane_of(patch.light);
+  const Plane arriving = plane_of(patch.light.pixels, patch.width, patch.height);
   const double all_light = std::accumulate(arriving.values.begin(), arriving.values.end(), 0.0);
   std::atomic<double> table_seconds = 0.0, transport_seconds = 0.0;
   const auto light_band = [&](std::size_t b) {
-    const double wavelength = patch.bands.wavelengths()[b];
-    const SkinPlanes planes = skin_planes(patch.skin, patch.width, patch.height, wavelength);
-    std::vector<double> reference;
-    for (const Plane& sigma_a : planes.sigma_a)
-      reference.push_back(typical_absorption(sigma_a.values));
+    const BandTexels texels = band_texels(material, made_of.maps, arriving.values.size(), b);
     result.tables[b] = [&] {
       const Stopwatch watch(table_seconds);
-      return cached_stack_tables(cache, mapped_skin_stack(patch.skin.skin, wavelength),
-                                 patch.totals, reference);
+      return cached_stack_tables(cache, mapped_stack(material, b, texels), patch.totals,
+                                 reference_absorptions(texels));
     }();
     const StackTables& tables = result.tables[b];
     const Stopwatch watch(transport_seconds);
-    const HeterogeneousLayers layers =
-        make_heterogeneous_layers(tables, planes.sigma_a, planes.absorbance, patch.mm_per_texel);
+    std::vector<Plane> absorbance;
+    for (const std::vector<float>& sheet : texels.absorbance)
+      absorbance.push_back(plane_of(sheet, patch.width, patch.height));
+    const bool is_reciprocal = patch.transport.profile == ProfileAt::both;
+    const HeterogeneousLayers layers = make_heterogeneous_layers(
+        tables, patch.width, patch.height, texels.layers, absorbance, patch.mm_per_texel, 5e-5,
+        is_reciprocal ? BasisKind::powers : BasisKind::any);
     Plane light = arriving;
-    const auto entering =
-        static_cast<float>(entering_fraction(patch.skin.skin, wavelength, patch.theta));
-    for (float& value : light.values) value *= entering;
+    const std::vector<float> entering =
+        entering_fractions(material, b, patch.theta, texels.layers[0].roughness);
+    for (std::size_t i = 0; i < light.values.size(); ++i)
+      light.values[i] *= entering[entering.size() > 1 ? i : 0];
     TransportResult out = transport(layers, light, patch.transport);
     if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected);
     put_channel(result.image, b, out.reflected);
-    if (is_fold) put_channel(result.image, bands + 3 + b, out.transmitted);
+    if (lets_through) put_channel(result.image, first_transmitted + b, out.transmitted);
     const double leaving =
         std::accumulate(out.reflected.values.begin(), out.reflected.values.end(), 0.0);
     result.bands[b] = {.mean_reflectance = all_light > 0.0 ? leaving / all_light : 0.0,
-                       .fit_error = largest_fit_error(tables, planes.sigma_a),
+                       .fit_error = largest_fit_error(tables, texels.layers),
                        .interlayer_bounces = out.interlayer_bounces,
                        .last_bounce = out.last_bounce};
   };
   parallel_for(bands, light_band, progress);
-  add_colors(result.image, bands, patch.bands, patch.skin.skin);
+  if (!is_rgb) add_colors(result.image, bands, material);
+  if (!is_rgb && lets_through) add_colors(result.image, first_transmitted + bands, material);
   result.table_seconds = table_seconds;
   result.transport_seconds = transport_seconds;
   return result;

@@ -13,18 +13,20 @@
 #include "lamina/io/disk_cache.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/skin_maps/skin_maps.h"
+#include "lamina/skin_patch/material_texels.h"
 #include "lamina/spectrum/band_set.h"
 
 namespace lamina {
 
-/// A flat piece of skin under a pattern of light. Beyond its edges both go on as their mirror
-/// image.
+/// A flat piece of skin, or of another material, under a pattern of light. Beyond its edges both go
+/// on as their mirror image.
 struct SkinPatch {
   std::string name;
   int width = 0, height = 0;  ///< texels
   double mm_per_texel = 0.1;
-  BandSet bands = default_spectral_bands();
-  SkinMaps skin;       ///< maps of any size
+  BandSet bands = default_spectral_bands();  ///< those of `material`, if there is one
+  SkinMaps skin;                             ///< maps of any size
+  std::optional<MappedMaterial> material;    ///< in place of skin
   Image light;         ///< [y][x] irradiance that arrives, one channel, of the patch's size
   double theta = 0.0;  ///< angle of incidence [rad], in [0, pi/2)
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
@@ -38,8 +40,7 @@ struct SkinPatch {
 /// Reads a patch file, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has
 /// the format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file,
-                                        MemoryBudget memory = {},
+[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory = {},
                                         std::span<const std::string> settings = {});
 
 /// How one band was solved.
@@ -52,7 +53,8 @@ struct SkinPatchBand {
 
 struct SkinPatchResult {
   /// Exitance [y][x] by band, "400nm" .., in the unit of the irradiance; then "R", "G", "B" in
-  /// linear sRGB under D65. Of a fold of skin also "transmitted.400nm" ...
+  /// linear sRGB under D65. Of a material in RGB "R", "G", "B". Where light comes through also
+  /// "transmitted.400nm" .. and "transmitted.R" ..
   Image image;
   std::vector<SkinPatchBand> bands;
   std::vector<StackTables> tables;                      ///< [band]
@@ -62,24 +64,17 @@ struct SkinPatchResult {
 /// The light that leaves the patch; mirror reflection is left out.
 ///
 /// @param cache  keeps the tables; absent: none.
-/// @throws Interrupted if progress asks to stop.
+/// @throws Interrupted if progress asks to stop; InvalidInput as mapped_stack,
+///         make_heterogeneous_layers.
 [[nodiscard]] SkinPatchResult render_skin_patch(const SkinPatch& patch,
                                                 const std::optional<DiskCache>& cache = {},
                                                 const Progress& progress = {});
 
-/// The geometric mean of absorptions. Where they differ it is rounded to a fourth of a natural
-/// logarithm, so that similar maps share their tables.
-[[nodiscard]] double typical_absorption(std::span<const float> sigma_a);
-
-/// The layers of a patch in one band, without their absorption.
-[[nodiscard]] MappedStack mapped_skin_stack(const SkinParameters& skin, double wavelength);
-
-/// What the maps make of a band: absorption of each layer [1/mm] and absorbance of each junction.
-struct SkinPlanes {
-  std::vector<Plane> sigma_a;     ///< [layer]
-  std::vector<Plane> absorbance;  ///< [layer - 1]
+/// The material of a patch, with the numbers that vary at each of its texels.
+struct PatchMaterial {
+  Material material;
+  std::vector<NumberTexels> maps;
 };
-[[nodiscard]] SkinPlanes skin_planes(const SkinMaps& maps, int width, int height,
-                                     double wavelength);
+[[nodiscard]] PatchMaterial material_of(const SkinPatch& patch);
 
 }  // namespace lamina

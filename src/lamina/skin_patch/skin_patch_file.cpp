@@ -129,23 +129,14 @@ TransportOptions decode_transport(const JsonInput& value) {
   return options;
 }
 
-}  // namespace
+/// What both kinds of constants of skin are for.
+OperatorTotals totals_for(SkinConstants constants) {
+  return are_for_exact_totals(constants) ? OperatorTotals::radiative_transfer_profile
+                                         : OperatorTotals::diffusion;
+}
 
-SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory,
-                          std::span<const std::string> settings) {
-  const JsonDocument document = load_json(file, memory, settings);
-  const JsonObject object =
-      document.root().file_object("patch", 1,
-                                  {"name", "mm_per_pixel", "width", "height", "bands", "skin",
-                                   "light", "totals", "transport", "albedo"});
-  SkinPatch patch;
-  patch.name = object.has("name") ? object.required("name").string() : file.stem().string();
-  patch.mm_per_texel = object.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
-  patch.skin = decode_skin_maps(object.required("skin"));
-  patch.warnings = patch.skin.warnings;
-  std::tie(patch.width, patch.height) = patch_size(object, patch.skin.maps);
-  for (const SkinMap& map : patch.skin.maps)
-    note_size("skin." + std::string(map.name), map.values, patch);
+/// "skin" and "bands".
+void decode_patch_skin(const JsonObject& object, SkinPatch& patch) {
   if (const auto bands = object.optional("bands")) {
     std::vector<double> wavelengths;
     for (const JsonInput& band : bands->array(1, 1000))
@@ -156,9 +147,54 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
       bands->fail(error.what());
     }
   }
-  patch.totals = are_for_exact_totals(patch.skin.constants)
-                     ? OperatorTotals::radiative_transfer_profile
-                     : OperatorTotals::diffusion;
+  std::vector<std::string> channels;
+  for (std::size_t b = 0; b < patch.bands.size(); ++b)
+    channels.push_back(band_name(patch.bands, b) + "nm");
+  patch.skin = decode_skin_maps(object.required("skin"), channels);
+  patch.warnings = patch.skin.warnings;
+  std::tie(patch.width, patch.height) = patch_size(object, first_map(patch.skin));
+  for (const SkinMap& map : patch.skin.maps) note_size("skin." + map.name, map.values, patch);
+  for (const MaterialMap& map : patch.skin.others) note_size(map.number.name, map.values, patch);
+  patch.totals = totals_for(patch.skin.constants);
+}
+
+/// "material" in place of "skin".
+void decode_patch_material(const JsonObject& object, SkinPatch& patch) {
+  for (const char* key : {"skin", "bands"})
+    if (const auto given = object.optional(key))
+      given->fail("must be missing, because \"material\" says it");
+  const JsonInput given = object.required("material");
+  patch.material = decode_mapped_material(given);
+  const MappedMaterial& material = *patch.material;
+  patch.bands = material.material.bands;
+  patch.warnings = material.warnings;
+  std::tie(patch.width, patch.height) =
+      patch_size(object, material.maps.empty() ? nullptr : &material.maps.front().values);
+  for (const MaterialMap& map : material.maps) note_size(map.number.name, map.values, patch);
+  patch.totals = material.material.skin ? totals_for(material.material.skin->constants)
+                                        : OperatorTotals::radiative_transfer;
+  constexpr std::size_t most_layers = 7;  // and a ground
+  if (!material.material.skin && material.material.layers.size() > most_layers)
+    given.fail("must have at most " + std::to_string(most_layers) + " layers, but has " +
+               std::to_string(material.material.layers.size()));
+}
+
+}  // namespace
+
+SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory,
+                          std::span<const std::string> settings) {
+  const JsonDocument document = load_json(file, memory, settings);
+  const JsonObject object =
+      document.root().file_object("patch", 1,
+                                  {"name", "mm_per_pixel", "width", "height", "bands", "skin",
+                                   "material", "light", "totals", "transport", "albedo"});
+  SkinPatch patch;
+  patch.name = object.has("name") ? object.required("name").string() : file.stem().string();
+  patch.mm_per_texel = object.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
+  if (object.has("material"))
+    decode_patch_material(object, patch);
+  else
+    decode_patch_skin(object, patch);
   if (const auto totals = object.optional("totals"))
     patch.totals = totals->choice<OperatorTotals>();
   patch.light = make_image(patch.width, patch.height, {"Y"});

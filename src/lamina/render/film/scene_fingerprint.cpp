@@ -105,10 +105,10 @@ std::string text_of_layers(Material material) {
 }
 
 void add(SceneHash& hash, const SubsurfaceSurface& surface) {
-  const auto& [material, color, color_use, thickness, maps, skin_maps] = surface;
+  const auto& [material, color, color_use, thickness, maps, material_maps] = surface;
   hash.add_text(text_of_layers(material));
-  for (const SkinMap& map : skin_maps) {
-    hash.add_text(map.name);
+  for (const MaterialMap& map : material_maps) {
+    hash.add_text(map.number.name);
     hash.add(map.values.width);
     hash.add_all(map.values.pixels);
   }

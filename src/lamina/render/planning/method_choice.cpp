@@ -39,8 +39,8 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
     const std::string of = "\"" + scene.materials[m].name + "\"";
     if (!surface.maps.empty())
       return MethodChoice{Method::layered_bsdf, of + " has maps of layers"};
-    if (!surface.skin_maps.empty())
-      return MethodChoice{Method::texture_space, of + " has maps of what skin is made of"};
+    if (!surface.material_maps.empty())
+      return MethodChoice{Method::texture_space, of + " has maps of what it is made of"};
   }
   const std::string of_settings = "the scene has settings of it";
   if (settings.orders != LayeredOrders::all || settings.factors.any())

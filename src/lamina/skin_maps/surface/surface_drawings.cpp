@@ -154,7 +154,7 @@ void apply_feature(const SurfaceTattoo& tattoo, const SurfacePlaces& where, std:
       return;
     const Vec2f place = unrolled(frame, offset);
     const auto x = static_cast<double>(place.x), y = static_cast<double>(place.y);
-    canvas.skin[i].junction_absorption +=
+    absorbance_of(tattoo.ink, canvas.skin[i]) +=
         static_cast<double>(where.weight(texel.position)) * tattoo.ink.absorbance *
         ink_at(tattoo.ink.image, (c * x + s * y) / width + 0.5, 0.5 - (c * y - s * x) / height);
   });

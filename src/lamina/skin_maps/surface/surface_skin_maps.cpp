@@ -30,14 +30,6 @@ Vec3f color_at(const Image& image, Vec2f uv) {
          fy * ((1.0f - fx) * pixel(x0, y0 + 1.0f) + fx * pixel(x0 + 1.0f, y0 + 1.0f));
 }
 
-/// Of the ellipse that a unit circle of the texture becomes on the surface: of a texel that is
-/// stretched, the way along which least detail fits.
-float longest_side(const Vec3f& du, const Vec3f& dv) {
-  const float mean = 0.5f * (dot(du, du) + dot(dv, dv));
-  const float difference = 0.5f * (dot(du, du) - dot(dv, dv));
-  return std::sqrt(mean + std::hypot(difference, dot(du, dv)));
-}
-
 /// The texels whose middles lie on faces.
 std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
   const Mesh& mesh = recipe.meshes.front();
@@ -72,7 +64,7 @@ std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
         const SurfacePoint point = make_surface_point(
             recipe.meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = 0, .triangle = t}, 0.0f);
         texels.push_back({pixel, point.position, point.smooth_normal, uv,
-                          longest_side(point.du / w, point.dv / h)});
+                          std::sqrt(length(cross(point.du, point.dv)) / (w * h))});
       }
   }
   return texels;
@@ -152,7 +144,6 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
     const float weight = where.weight(texel.position);
     if (!(weight > 0.0f)) return;
     const auto index = [&](float x) { return static_cast<std::int64_t>(std::floor(x / cube)); };
-    const auto texel_width = static_cast<double>(texel.width);
     double darkest = 0.0;
     const float unevenness = evaluate_noise(ragged, texel.position, texel.width);
     for (std::int64_t z = -1; z <= 1; ++z)
@@ -170,11 +161,7 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
           const double melanin =
               spots.melanin[0] + random.uniform() * (spots.melanin[1] - spots.melanin[0]);
           if (random.uniform_float() > where.weight(middle)) continue;
-          // No sharper than a texel, so that where texels are stretched spots stay round; and no
-          // wider than the cubes that are looked at.
-          const double rim =
-              std::min(std::hypot(std::min(spots.rim, 2.0 / 3.0 * radius), 0.5 * texel_width),
-                       static_cast<double>(cube) - radius);
+          const double rim = std::min(spots.rim, 2.0 / 3.0 * radius);
           const double inside = radius * (1.0 + 0.15 * static_cast<double>(unevenness)) -
                                 static_cast<double>(length(texel.position - middle));
           darkest = std::max(darkest, melanin * static_cast<double>(smooth_step(
@@ -267,20 +254,16 @@ std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe, const Pro
   std::vector<char> is_known(static_cast<std::size_t>(recipe.width) *
                              static_cast<std::size_t>(recipe.height));
   for (const SurfaceTexel& texel : canvas.texels) is_known[texel.pixel] = 1;
-  std::vector<SkinMap> maps;
-  for (const SkinParameterRange& range : skin_parameter_ranges()) {
-    if (!may_be_map(range.name)) continue;
-    const double base = recipe.base.skin.*range.value;
-    if (std::ranges::all_of(canvas.skin,
-                            [&](const SkinParameters& skin) { return skin.*range.value == base; }))
-      continue;
-    SkinMap map{range.name, range.value, make_image(recipe.width, recipe.height, {"Y"})};
-    std::ranges::fill(map.values.pixels, static_cast<float>(base));
+  SkinParameters base = recipe.base.skin;
+  canvas.skin.push_back(base);  // what differs from it is a map, too
+  std::vector<SkinMap> maps = varying_numbers(canvas.skin);
+  canvas.skin.pop_back();
+  for (SkinMap& map : maps) {
+    map.values = make_image(recipe.width, recipe.height, {"Y"});
+    std::ranges::fill(map.values.pixels, static_cast<float>(mapped_number(base, map)));
     for (std::size_t i = 0; i < canvas.skin.size(); ++i)
-      map.values.pixels[canvas.texels[i].pixel] =
-          static_cast<float>(std::clamp(canvas.skin[i].*range.value, range.low, range.high));
+      map.values.pixels[canvas.texels[i].pixel] = clamped_number(canvas.skin[i], map);
     grow(map.values, is_known);
-    maps.push_back(std::move(map));
   }
   return maps;
 }

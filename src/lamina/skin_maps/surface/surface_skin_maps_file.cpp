@@ -114,7 +114,7 @@ ColorOfSkin decode_color(const JsonInput& value) {
 }
 
 SurfaceTattoo decode_surface_tattoo(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"image", "at", "width", "absorbance", "angle"});
+  const JsonObject object = value.object({"image", "at", "width", "absorbance", "ink", "angle"});
   SurfaceTattoo tattoo{.ink = decode_ink(object),
                        .at = decode_place(object.required("at"), mm_per_unit)};
   if (const auto angle = object.optional("angle"))
@@ -123,7 +123,7 @@ SurfaceTattoo decode_surface_tattoo(const JsonInput& value, double mm_per_unit) 
 }
 
 SurfacePress decode_press(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"at", "diameter", "share", "refill", "hyperemia"});
+  const JsonObject object = value.object({"at", "diameter", "share"});
   return {.disc = decode_disc(object), .at = decode_place(object.required("at"), mm_per_unit)};
 }
 
@@ -181,14 +181,16 @@ std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::p
     recipe.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
   const JsonInput skin = object.required("skin");
   recipe.base = decode_skin_maps(skin);
-  if (!recipe.base.maps.empty())
-    skin.fail("must have numbers only: the features make maps of them");
+  if (first_map(recipe.base)) skin.fail("must have numbers only: the features make maps of them");
   const JsonInput surface = object.required("surface");
   const double mm_per_unit = surface.object({"file", "part", "mm_per_unit", "subdivision"})
                                  .required("mm_per_unit")
                                  .number(closed_interval(1e-6, 1e6, "mm"));
-  for (const JsonInput& feature : object.required("features").array())
+  for (const JsonInput& feature : object.required("features").array()) {
     recipe.features.push_back(decode_feature(feature, mm_per_unit));
+    if (const auto* tattoo = std::get_if<SurfaceTattoo>(&recipe.features.back().kind))
+      require_ink(tattoo->ink, recipe.base.skin, feature);
+  }
   recipe.meshes.push_back(decode_surface(surface));
   return recipe;
 }

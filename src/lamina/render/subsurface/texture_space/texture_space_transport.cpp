@@ -11,9 +11,9 @@
 #include "lamina/render/subsurface/irradiance_fireflies.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
-#include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
+#include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
 #include "lamina/scene/skin_totals.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "lamina/skin_patch/material_texels.h"
 
 namespace lamina {
 namespace {
@@ -76,25 +76,31 @@ void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache
   const TextureAtlas::Cells cells = atlas_->cells();
   graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
   layers_ = make_surface_layers<N>(graph_);
-  const SkinParameters& skin = surface_.material.skin->skin;
-  const TexelSkin at_texels = sample_skin(surface_.skin_maps, scene_.scene->meshes, *atlas_);
+  const std::vector<NumberTexels> maps =
+      sample_maps(surface_.material_maps, scene_.scene->meshes, *atlas_);
   const auto wavelengths = surface_.material.bands.wavelengths();
   const OperatorTotals totals = takes_material_totals(surface_.material, scene_.scene->render)
                                     ? OperatorTotals::radiative_transfer_diffuse
                                     : OperatorTotals::diffusion;
   std::vector<StackTables> tables(wavelengths.size());
   std::vector<CellAbsorption> absorption(wavelengths.size());
+  std::vector<MappedStack> stacks(wavelengths.size());
   parallel_for(wavelengths.size(), [&](std::size_t b) {
-    absorption[b] = absorption_of(skin, surface_.skin_maps, at_texels, wavelengths[b]);
-    const std::vector<double> reference = {typical_absorption(absorption[b].upper),
-                                           typical_absorption(absorption[b].lower)};
-    tables[b] =
-        cached_stack_tables(cache, mapped_skin_stack(skin, wavelengths[b]), totals, reference);
+    const BandTexels texels = band_texels(surface_.material, maps, atlas_->texels().size(), b);
+    const auto all = [&](const std::vector<float>& values) {
+      return values.size() > 1 ? values : std::vector(atlas_->texels().size(), values[0]);
+    };
+    if (!std::ranges::all_of(texels.layers, varies_in_absorption_only))
+      throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
+                         "\": method texture_space takes maps of what skin absorbs; those of "
+                         "scattering and thickness are for patches");
+    absorption[b] = {all(texels.layers[0].sigma_a), all(texels.layers[1].sigma_a),
+                     all(texels.absorbance[0])};
+    stacks[b] = mapped_stack(surface_.material, b, texels, {.lowest = 0.0, .highest = 1e9});
+    tables[b] = cached_stack_tables(cache, stacks[b], totals, reference_absorptions(texels));
   });
   for (std::size_t b = 0; b < wavelengths.size(); ++b)
     layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
-  std::vector<MappedStack> stacks;
-  for (const double wavelength : wavelengths) stacks.push_back(mapped_skin_stack(skin, wavelength));
   std::vector<ThinBand> bands;
   for (std::size_t b = 0; b < wavelengths.size(); ++b)
     bands.push_back({.stack = &stacks[b],

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/texture_space/internal/texel_skin.h"
+#include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,22 +12,24 @@ namespace {
 
 constexpr std::size_t texels_at_once = 4096;
 
-float bilinear(const Image& image, Vec2f uv) {
+float bilinear(const Image& image, std::size_t channel, Vec2f uv) {
   const float x = uv.x * static_cast<float>(image.width);
   const float y = (1.0f - uv.y) * static_cast<float>(image.height);
   return bilinear_repeated(x, y, image.width, image.height).interpolate([&](int i, int j) {
-    return *image.at(i, j);
+    return image.at(i, j)[channel];
   });
 }
 
 }  // namespace
 
-TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& meshes,
-                      const TextureAtlas& atlas) {
+std::vector<NumberTexels> sample_maps(std::span<const MaterialMap> maps,
+                                      const std::vector<Mesh>& meshes, const TextureAtlas& atlas) {
   const auto texels = atlas.texels();
-  TexelSkin result{.texels = texels.size(), .values = {}};
-  for (const SkinMap& map : maps) {
-    std::vector<float>& values = result.values.emplace_back(texels.size());
+  std::vector<NumberTexels> result;
+  for (const MaterialMap& map : maps) {
+    const std::size_t channels = map.values.channel_count();
+    NumberTexels& to = result.emplace_back(
+        NumberTexels{map.number, channels, std::vector<float>(texels.size() * channels)});
     parallel_chunks(texels.size(), texels_at_once, [&](std::size_t i) {
       const AtlasTexel& texel = texels[i];
       const Mesh& mesh = meshes[texel.mesh];
@@ -39,33 +41,18 @@ TexelSkin sample_skin(std::span<const SkinMap> maps, const std::vector<Mesh>& me
       const float covered =
           width * static_cast<float>(std::max(map.values.width, map.values.height));
       const int taps = std::clamp(static_cast<int>(std::ceil(covered)), 1, 16);
-      float sum = 0.0f;
-      for (int y = 0; y < taps; ++y)
-        for (int x = 0; x < taps; ++x) {
-          const auto place = [&](int k) {
-            return width * ((static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f);
-          };
-          sum += bilinear(map.values, uv + Vec2f{place(x), place(y)});
-        }
-      values[i] = sum / static_cast<float>(taps * taps);
+      for (std::size_t channel = 0; channel < channels; ++channel) {
+        float sum = 0.0f;
+        for (int y = 0; y < taps; ++y)
+          for (int x = 0; x < taps; ++x) {
+            const auto place = [&](int k) {
+              return width * ((static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f);
+            };
+            sum += bilinear(map.values, channel, uv + Vec2f{place(x), place(y)});
+          }
+        to.values[i * channels + channel] = sum / static_cast<float>(taps * taps);
+      }
     });
-  }
-  return result;
-}
-
-CellAbsorption absorption_of(SkinParameters skin, std::span<const SkinMap> maps,
-                             const TexelSkin& at_texels, double wavelength) {
-  const SkinSpectrum spectrum = skin_spectrum(wavelength);
-  CellAbsorption result;
-  const double junction = junction_factor(skin, wavelength);
-  for (std::size_t i = 0; i < at_texels.texels; ++i) {
-    for (std::size_t m = 0; m < maps.size(); ++m)
-      skin.*maps[m].parameter = static_cast<double>(at_texels.values[m][i]);
-    constexpr double least = 1e-6;  // [1/mm] so that a logarithm exists
-    result.upper.push_back(
-        static_cast<float>(std::max(least, epidermis_absorption(skin, spectrum))));
-    result.lower.push_back(static_cast<float>(std::max(least, dermis_absorption(skin, spectrum))));
-    result.absorbance.push_back(static_cast<float>(junction * skin.junction_absorption));
   }
   return result;
 }
