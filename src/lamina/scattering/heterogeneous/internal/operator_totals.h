@@ -26,8 +26,10 @@ using LayerTotals = std::array<std::vector<double>, 4>;
     std::span<const LayerState> reference, bool is_lit_evenly);
 
 /// What the top and the bottom boundary of a layer turn back from inside.
+/// @param roughness  of the lit surface, if the layer is the first
 [[nodiscard]] std::pair<double, double> boundary_reflectances(const MappedStack& stack,
-                                                              std::size_t layer, double roughness);
+                                                              std::size_t layer,
+                                                              double roughness = 0.0);
 
 /// A layer in one of its states.
 [[nodiscard]] Layer solid_layer(const MappedStack& stack, std::size_t layer,
