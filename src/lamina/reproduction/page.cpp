@@ -32,7 +32,7 @@ p { margin: .4rem 0; } .soft { color: var(--soft); } a { color: inherit; }
 table { border-collapse: collapse; width: 100%; font-size: .9rem; margin: .6rem 0; }
 th, td { text-align: left; padding: .25rem .6rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 td.n, th.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; } .overview th { padding-top: 1rem; }
 .verdict { font-weight: 600; white-space: nowrap; } .agrees { color: var(--good); }
 .agrees_in_shape { color: var(--shape); } .differs { color: var(--bad); } .not_made { color: var(--none); }
 .pictures { display: grid; gap: .6rem; } figure { margin: 0; } figure img { width: 100%; }
@@ -40,7 +40,10 @@ figure img, .plot img { max-width: 100%; height: auto; display: block; backgroun
 .plot { margin: .6rem 0; } code, pre { font: .82rem/1.45 ui-monospace, monospace; }
 pre { overflow-x: auto; background: var(--tint); padding: .6rem; margin: .3rem 0; }
 details { margin: .4rem 0; } summary { cursor: pointer; color: var(--soft); }
-article { break-inside: avoid; } @media (max-width: 40rem) { .pictures { grid-template-columns: 1fr 1fr !important; } }
+article { break-inside: avoid; } @media (max-width: 40rem) { .pictures { grid-template-columns: 1fr 1fr !important; }
+  .plot { overflow-x: auto; } .plot img { max-width: none; width: max(100%, 36rem); }
+  .overview tr { display: grid; grid-template-columns: 1fr auto; border-bottom: 1px solid var(--line); }
+  .overview th, .overview td { border: 0; } .overview td:nth-child(3) { grid-column: 1 / -1; } }
 @media print { details > * { display: block; } body { max-width: none; } }
 )css";
 
@@ -225,12 +228,18 @@ std::string format_page(std::span<const ReproductionResult> results, Reproductio
       counts_text(results) + ". Made by <code>lamina reproduce --quality " +
       std::string(name_of(quality)) +
       "</code>. A verdict follows from numbers and features that are checked, never from a "
-      "setting.</p><div class=\"scroll\"><table><tr><th>item</th><th>verdict</th><th></th></tr>";
-  for (const ReproductionResult& result : results)
-    html += "<tr><td><a href=\"#" + escaped(result.item.id) + "\">" + escaped(result.item.title) +
-            "</a></td><td>" + verdict_html(result.verdict) + "</td><td class=\"soft\">" +
-            escaped(short_reason(result)) + "</td></tr>";
-  html += "</table></div>";
+      "setting.</p><table class=\"overview\">";
+  for (const Paper& paper : papers) {
+    std::string rows;
+    for (const ReproductionResult& result : results)
+      if (result.item.paper == paper.name)
+        rows += "<tr><td><a href=\"#" + escaped(result.item.id) + "\">" +
+                escaped(result.item.title) + "</a></td><td>" + verdict_html(result.verdict) +
+                "</td><td class=\"soft\">" + escaped(short_reason(result)) + "</td></tr>";
+    if (!rows.empty())
+      html += "<tr><th colspan=\"3\">" + escaped(paper.title) + "</th></tr>" + rows;
+  }
+  html += "</table>";
   for (const Paper& paper : papers) {
     if (std::ranges::none_of(results, [&](const auto& r) { return r.item.paper == paper.name; }))
       continue;
