@@ -58,6 +58,8 @@ fetch_head() {
 }
 # Of a demo before brows and lashes, with its pictures.
 [ -e "$assets/lash.png" ] || rm -f "$assets/head.obj" "$out"/{head,dipole,lambert,ear,comparison}.png
+# Of a demo whose comparison showed whole heads.
+[ -e "$out/near.png" ] || rm -f "$out"/{head,dipole,lambert,comparison,maps}.png
 make_once "$assets/head.obj" fetch_head
 
 # The light: one CC0 map out of Blender's data, whose package apt checks; without it the scene's procedural studio stands in.
@@ -74,8 +76,8 @@ fetch_studio() {
 }
 make_once "$assets/studio.exr" fetch_studio
 
-# The scenes: the head with layered skin; the same with one layer, without any scattering below the
-# surface, and its ear lit from behind. The procedural studio stands in where the map is missing.
+# The scenes: the head with layered skin; its cheek from near, the same with one layer and without any
+# scattering below the surface; and its ear lit from behind. The procedural studio stands in where the map is missing.
 studio=()
 [ -e "$assets/studio.exr" ] || studio=(--set 'lights[0].image={ "procedural": "studio" }')
 
@@ -84,8 +86,9 @@ render() {
   say "rendering $2"
   "$lamina" render "demo/$1.json" -o "$out/$2" "${@:3}"
 }
-for picture in head dipole lambert; do
-  make_once "$out/$picture.png" render $picture $picture "${studio[@]}"
+make_once "$out/head.png" render head head "${studio[@]}"
+for picture in near dipole lambert; do
+  make_once "$out/$picture.png" render $picture $picture --denoise
 done
 make_once "$out/ear.png" render ear ear
 
@@ -98,9 +101,9 @@ make_once "$out/profile.png" make_profile
 
 # The pictures side by side over a strip of captions.
 make_strip() {
-  local names=(head dipole lambert ear) i=0 x size=512 bar=44
+  local names=(near dipole lambert ear) i=0 x size=512 bar=44
   local captions=("Three layers (Donner &amp; Jensen 2005)" "One layer, dipole (Jensen 2001, skin1)"
-    "Lambert, same colors" "Ear of the first, lit from behind")
+    "Lambert, same colors" "Ear of the same head, lit from behind")
   {
     echo "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink'" \
       "width='$((4 * size))' height='$((size + bar))'><rect width='100%' height='100%' fill='#14171c'/>"
