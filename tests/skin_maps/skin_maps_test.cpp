@@ -184,6 +184,20 @@ TEST(SkinFeatures, PressingTakesBloodFromTheDiscOnly) {
   EXPECT_EQ(maps.size(), 2u);  // of epidermis and dermis
 }
 
+// Blood comes back from the rim: less at the middle of the rim's way, the same at the disc's
+// middle. What has opened around it holds more than before, and nothing changes far away.
+TEST(SkinFeatures, PressedSkinRefillsFromItsRim) {
+  const PressedDisc pressed{.diameter = 8.0, .share = 0.75};
+  PressedDisc refilled = pressed;
+  refilled.refill = 1.0;
+  refilled.hyperemia = 0.5;
+  EXPECT_DOUBLE_EQ(share_left(pressed, 0.0, 0.0), 0.25);
+  EXPECT_NEAR(share_left(refilled, 0.0, 0.0), 0.25, 0.01);
+  EXPECT_GT(share_left(refilled, 2.8, 0.0), share_left(pressed, 2.8, 0.0) + 0.1);
+  EXPECT_GT(share_left(refilled, 6.5, 0.0), 1.2);
+  EXPECT_NEAR(share_left(refilled, 14.0, 0.0), 1.0, 1e-3);
+}
+
 TEST(SkinFeatures, InkLiesAtTheJunctionWhereTheImageIsDark) {
   Tattoo tattoo{.at = {10.0, 10.0}, .width = 8.0, .absorbance = 2.0};
   tattoo.image = make_image(4, 4, {"Y"});

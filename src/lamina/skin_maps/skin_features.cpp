@@ -248,9 +248,13 @@ double ink_at(const Image& image, double u, double v) {
 }
 
 double share_left(const PressedDisc& disc, double distance, double raggedness) {
-  const double rim = 0.15 * disc.diameter;
-  const double inside = 0.5 * disc.diameter * (1.0 + 0.05 * raggedness) - distance;
-  return 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
+  const double rim = (0.15 + 0.3 * disc.refill) * disc.diameter;
+  const double inside =
+      0.5 * disc.diameter * (1.0 + (0.05 + 0.15 * disc.refill) * raggedness) - distance;
+  const double left = 1.0 - disc.share * smooth_step(0.5 + 0.5 * inside / rim);
+  if (disc.hyperemia == 0.0) return left;
+  const double from_ring = inside / disc.diameter + 0.2;
+  return left * (1.0 + disc.hyperemia * std::exp(-from_ring * from_ring / (0.15 * 0.15)));
 }
 
 std::vector<SkinMap> make_skin_maps(const SkinMapRecipe& recipe, const Progress& progress) {

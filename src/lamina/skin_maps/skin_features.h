@@ -71,7 +71,9 @@ struct Tattoo {
 struct PressedDisc {
   Span2 at = {0.0, 0.0};
   double diameter = 8.0;
-  double share = 0.8;  ///< of the blood that is gone
+  double share = 0.8;      ///< of the blood that is gone in the middle
+  double refill = 0.0;     ///< from the rim inward, in patches; 0: the finger has just left
+  double hyperemia = 0.0;  ///< share of more blood in a ring around it, where vessels have opened
 };
 
 /// Natural unevenness: melanin and blood times exp(amount * noise).

@@ -87,7 +87,7 @@ SkinFeature decode_tattoo(const JsonInput& value) {
 }
 
 SkinFeature decode_pressed(const JsonInput& value) {
-  const JsonObject object = value.object({"at", "diameter", "share"});
+  const JsonObject object = value.object({"at", "diameter", "share", "refill", "hyperemia"});
   PressedDisc disc = decode_disc(object);
   set_place(object, disc.at);
   return disc;
@@ -190,6 +190,8 @@ PressedDisc decode_disc(const JsonObject& object) {
   PressedDisc disc;
   set(object, "diameter", closed_interval(0.1, longest, "mm"), disc.diameter);
   set(object, "share", closed_interval(0.0, 1.0), disc.share);
+  set(object, "refill", closed_interval(0.0, 1.0), disc.refill);
+  set(object, "hyperemia", closed_interval(0.0, 5.0), disc.hyperemia);
   return disc;
 }
 

@@ -45,6 +45,26 @@ TEST(SurfaceSkinMaps, FlushesLieAroundTheirPlaceInSpace) {
   EXPECT_FLOAT_EQ(*blood.at(192, 64), base);
 }
 
+// Texels four times as wide as high, 2 mm: between texels the melanin is nearly as steep
+// across as along, so that spots are round. Sampled sharp, 1.86 times as steep
+// along.
+TEST(SurfaceSkinMaps, SpotsAreRoundWhereTheTextureIsStretched) {
+  SurfaceMapRecipe recipe{.width = 50, .height = 200, .seed = 3};
+  recipe.meshes = {make_square(100.0f)};
+  recipe.base.skin.melanin = 0.01;
+  recipe.features = {
+      {MelaninSpots{.density = 4.0, .diameter = {3.0, 3.0}, .melanin = {0.03, 0.03}}, {}}};
+  const Image melanin = find_map(make_surface_maps(recipe), "melanin")->values;
+  double along = 0.0, across = 0.0;  // squares of slopes, over 2 mm
+  for (int y = 0; y + 4 < melanin.height; ++y)
+    for (int x = 0; x + 1 < melanin.width; ++x) {
+      across += std::pow((*melanin.at(x + 1, y) - *melanin.at(x, y)) / 2.0, 2);
+      along += std::pow((*melanin.at(x, y + 1) - *melanin.at(x, y)) / 0.5, 2);
+    }
+  EXPECT_GT(across, 0.0);
+  EXPECT_LT(std::sqrt(along / across), 1.5);
+}
+
 // As many as the density says, on a surface that is nowhere flat.
 TEST(SurfaceSkinMaps, FrecklesCoverAboutTheShareThatTheirDensityAsksFor) {
   SurfaceMapRecipe recipe = recipe_on_a_sphere();

@@ -30,6 +30,14 @@ Vec3f color_at(const Image& image, Vec2f uv) {
          fy * ((1.0f - fx) * pixel(x0, y0 + 1.0f) + fx * pixel(x0 + 1.0f, y0 + 1.0f));
 }
 
+/// Of the ellipse that a unit circle of the texture becomes on the surface: of a texel that is
+/// stretched, the way along which least detail fits.
+float longest_side(const Vec3f& du, const Vec3f& dv) {
+  const float mean = 0.5f * (dot(du, du) + dot(dv, dv));
+  const float difference = 0.5f * (dot(du, du) - dot(dv, dv));
+  return std::sqrt(mean + std::hypot(difference, dot(du, dv)));
+}
+
 /// The texels whose middles lie on faces.
 std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
   const Mesh& mesh = recipe.meshes.front();
@@ -64,7 +72,7 @@ std::vector<SurfaceTexel> texels_of(const SurfaceMapRecipe& recipe) {
         const SurfacePoint point = make_surface_point(
             recipe.meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = 0, .triangle = t}, 0.0f);
         texels.push_back({pixel, point.position, point.smooth_normal, uv,
-                          std::sqrt(length(cross(point.du, point.dv)) / (w * h))});
+                          longest_side(point.du / w, point.dv / h)});
       }
   }
   return texels;
@@ -144,6 +152,7 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
     const float weight = where.weight(texel.position);
     if (!(weight > 0.0f)) return;
     const auto index = [&](float x) { return static_cast<std::int64_t>(std::floor(x / cube)); };
+    const auto texel_width = static_cast<double>(texel.width);
     double darkest = 0.0;
     const float unevenness = evaluate_noise(ragged, texel.position, texel.width);
     for (std::int64_t z = -1; z <= 1; ++z)
@@ -161,7 +170,11 @@ void apply_feature(const MelaninSpots& spots, const SurfacePlaces& where, std::u
           const double melanin =
               spots.melanin[0] + random.uniform() * (spots.melanin[1] - spots.melanin[0]);
           if (random.uniform_float() > where.weight(middle)) continue;
-          const double rim = std::min(spots.rim, 2.0 / 3.0 * radius);
+          // No sharper than a texel, so that where texels are stretched spots stay round; and no
+          // wider than the cubes that are looked at.
+          const double rim =
+              std::min(std::hypot(std::min(spots.rim, 2.0 / 3.0 * radius), 0.5 * texel_width),
+                       static_cast<double>(cube) - radius);
           const double inside = radius * (1.0 + 0.15 * static_cast<double>(unevenness)) -
                                 static_cast<double>(length(texel.position - middle));
           darkest = std::max(darkest, melanin * static_cast<double>(smooth_step(

@@ -123,7 +123,7 @@ SurfaceTattoo decode_surface_tattoo(const JsonInput& value, double mm_per_unit) 
 }
 
 SurfacePress decode_press(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"at", "diameter", "share"});
+  const JsonObject object = value.object({"at", "diameter", "share", "refill", "hyperemia"});
   return {.disc = decode_disc(object), .at = decode_place(object.required("at"), mm_per_unit)};
 }
 

@@ -17,7 +17,7 @@ struct SurfaceTexel {
   std::size_t pixel;
   Vec3f position, normal;
   Vec2f uv;
-  float width;  ///< [mm]
+  float width;  ///< on the surface, where it is widest [mm]
 };
 
 /// The skin of each texel while features change it.
