@@ -183,6 +183,24 @@ TEST(ThinParts, TransmitWhatRadiativeTransferSays) {
   }
 }
 
+// Thin enough for one band to pass, and black for another that its map makes less black: a ratio of
+// two numbers that are next to nothing.
+TEST(ThinParts, BandsThatAreBlackStayBlackWhateverTheirMaps) {
+  const Plate plate = make_plate(24, 0.7f, [](int) { return 8.0f; });
+  const std::vector<double> clear = {0.3, 0.02}, black = {0.3, 10.0};
+  const StackTables tables = make_stack_tables(skin, OperatorTotals::diffusion, {}, small_grid());
+  const std::vector<float> clear_map(plate.cells.size(), 0.02f), map(plate.cells.size(), 2.0f);
+  const std::array<ThinBand, 2> bands = {
+      {{.stack = &skin, .tables = &tables, .reference = clear, .sigma_a = clear_map},
+       {.stack = &skin, .tables = &tables, .reference = black, .sigma_a = map}}};
+  const auto thin = make_thin_parts<4>(plate.graph, plate.positions, plate.normals, bands);
+  const CellField<4> up = pass_through(
+      plate.graph, thin, CellField<4>(plate.cells.size(), BandValues<4>::filled(1.0f)));
+  const std::size_t middle = plate.at(12, 12);
+  EXPECT_GT(up[middle][0], 1e-3f);
+  EXPECT_LT(up[middle][1], 1e-6f);  // false for NaN, too
+}
+
 // Where the far side jumps from 2 to 5 mm, light and thickness follow over some millimetres: no
 // faster than through a Gaussian of .9 mm, narrower than T of the thin half.
 TEST(ThinParts, HaveNoEdgeWhereTheFarSideHasOne) {

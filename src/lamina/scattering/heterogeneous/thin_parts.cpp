@@ -34,6 +34,9 @@ constexpr float blur_in_spacings = 0.5f;
 /// Less light than this through a part is none.
 constexpr float least_transmittance = 1e-4f;
 
+/// So little light through a part in a band does not show, whatever its absorption is.
+constexpr double negligible = 1e-6;
+
 /// Depths from which light spreads on its way up, in a slab of a few millimetres [mm].
 constexpr std::array<double, 5> depths = {0.15, 0.45, 0.75, 1.05, 1.35};
 
@@ -168,7 +171,7 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
       const double usual =
           detail::multipole_slab(layer, bands[b].reference.back(), thickness).transmittance;
       thin.passing[i][lane] =
-          usual > 0.0 ? static_cast<float>(std::sqrt(slab.transmittance / usual)) : 1.0f;
+          usual > negligible ? static_cast<float>(std::sqrt(slab.transmittance / usual)) : 1.0f;
       thin.reflectance[i][lane] =
           std::min(static_cast<float>(slab.reflectance * factor.reflectance), 1.0f);
     });
