@@ -34,9 +34,6 @@ constexpr float blur_in_spacings = 0.5f;
 /// Less light than this through a part is none.
 constexpr float least_transmittance = 1e-4f;
 
-/// So little light through a part in a band does not show, whatever its absorption is.
-constexpr double negligible = 1e-6;
-
 /// Depths from which light spreads on its way up, in a slab of a few millimetres [mm].
 constexpr std::array<double, 5> depths = {0.15, 0.45, 0.75, 1.05, 1.35};
 
@@ -162,6 +159,8 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
   for (std::size_t b = 0; b < bands.size(); ++b) {
     const int lane = static_cast<int>(b);
     const detail::SlabLayer layer = detail::last_layer(*bands[b].stack);
+    constexpr auto least = static_cast<double>(least_transmittance);
+    constexpr double most_clearer = 1.5;
     for_cells(cells, [&](std::size_t i) {
       const auto thickness = static_cast<double>(thin.thickness[i]);
       if (!(thickness > 0.0)) return;
@@ -170,8 +169,10 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
       const SlabResponse factor = detail::between_slabs(factors[b].slabs, thickness);
       const double usual =
           detail::multipole_slab(layer, bands[b].reference.back(), thickness).transmittance;
-      thin.passing[i][lane] =
-          usual > negligible ? static_cast<float>(std::sqrt(slab.transmittance / usual)) : 1.0f;
+      // Of what hardly passes the ratio says little, and ways shorter than this thickness are
+      // changed by less: it must not amplify their light.
+      thin.passing[i][lane] = static_cast<float>(
+          std::min(std::sqrt((slab.transmittance + least) / (usual + least)), most_clearer));
       thin.reflectance[i][lane] =
           std::min(static_cast<float>(slab.reflectance * factor.reflectance), 1.0f);
     });
