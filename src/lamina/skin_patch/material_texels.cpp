@@ -19,6 +19,11 @@ struct PlaceState {
   std::vector<double> absorbance;  ///< [layer - 1]
 };
 
+/// Beside absorption, what of the layers may differ from texel to texel.
+struct Varying {
+  bool sigma_s = true, g = true, thickness = true;
+};
+
 /// Skin at one place after the other: its numbers are set, then its layers are asked for.
 class SkinAtPlace {
  public:
@@ -31,13 +36,18 @@ class SkinAtPlace {
         junction_factor_(spectrum_factor(skin.junction_spectrum, wavelength)) {
     for (const SkinInk& ink : skin.inks)
       ink_factors_.push_back(spectrum_factor(ink.spectrum, wavelength));
-    scatters_differently_ = std::ranges::any_of(maps, [](const NumberTexels& map) {
-      if (map.number.of != Of::skin) return false;
+    varying_ = {.sigma_s = false, .g = false, .thickness = false};
+    for (const NumberTexels& map : maps) {
+      if (map.number.of != Of::skin) continue;
       const auto value = skin_parameter_ranges()[map.number.part].value;
-      return value == &SkinParameters::scattering_scale ||
-             value == &SkinParameters::scattering_power;
-    });
+      varying_.sigma_s |=
+          value == &SkinParameters::scattering_scale || value == &SkinParameters::scattering_power;
+      varying_.thickness |= value == &SkinParameters::epidermis_thickness ||
+                            value == &SkinParameters::dermis_thickness;
+    }
   }
+
+  [[nodiscard]] Varying varying() const { return varying_; }
 
   void set(const MappableNumber& number, double value) {
     if (number.of == Of::skin) skin_.*skin_parameter_ranges()[number.part].value = value;
@@ -45,7 +55,7 @@ class SkinAtPlace {
   }
 
   void put(PlaceState& place) {
-    if (scatters_differently_) scattering_ = epidermis_scattering(skin_, wavelength_);
+    if (varying_.sigma_s) scattering_ = epidermis_scattering(skin_, wavelength_);
     const double sigma_s = scattering_ / (1.0 - g_);
     const LayerState epidermis{.sigma_a = epidermis_absorption(skin_, spectrum_),
                                .sigma_s = sigma_s,
@@ -73,7 +83,7 @@ class SkinAtPlace {
   SkinSpectrum spectrum_;
   double g_, scattering_, junction_factor_;
   std::vector<double> ink_factors_;
-  bool scatters_differently_ = false;
+  Varying varying_;
 };
 
 /// A leaf, likewise.
@@ -81,6 +91,8 @@ class LeafAtPlace {
  public:
   LeafAtPlace(const LeafParameters& leaf, double wavelength)
       : leaf_(leaf), spectrum_(leaf_spectrum(wavelength)) {}
+
+  [[nodiscard]] static Varying varying() { return {.g = false}; }
 
   void set(const MappableNumber& number, double value) {
     if (number.of == Of::leaf) leaf_.*leaf_parameter_ranges()[number.part].value = value;
@@ -114,6 +126,8 @@ class LayersAtPlace {
       if (to.has_rest) to.rest = {from.sigma_a[band], from.sigma_s[band], from.g[band], 0.0};
     }
   }
+
+  [[nodiscard]] static Varying varying() { return {}; }
 
   void set(const MappableNumber& number, double value) {
     if (number.layer >= layers_.size()) return;
@@ -173,10 +187,19 @@ void add_value(double value, std::size_t i, std::size_t texels, std::vector<floa
   values.push_back(rounded);
 }
 
+/// A layer of many states, whose own numbers are those of the middle one.
+MappedLayer mapped_layer(StateLattice states, double ior) {
+  const LayerState middle = state_of(states.origin);
+  return {middle.sigma_s, middle.g, ior, middle.thickness, std::move(states)};
+}
+
 template <class AtPlace>
 BandTexels texels_of(AtPlace at, double surface_roughness, std::span<const NumberTexels> maps,
                      std::size_t texels, std::size_t band) {
   if (maps.empty()) texels = 1;
+  const Varying varying = at.varying();
+  const bool has_roughness_map = std::ranges::any_of(
+      maps, [](const NumberTexels& map) { return map.number.of == Of::roughness; });
   BandTexels result;
   PlaceState place;
   for (std::size_t i = 0; i < texels; ++i) {
@@ -195,11 +218,14 @@ BandTexels texels_of(AtPlace at, double surface_roughness, std::span<const Numbe
     for (std::size_t l = 0; l < place.layers.size(); ++l) {
       const LayerState& state = place.layers[l];
       LayerTexels& to = result.layers[l];
-      add_value(std::max(least_coefficient, state.sigma_a), i, texels, to.sigma_a);
-      add_value(std::max(least_coefficient, state.sigma_s), i, texels, to.sigma_s);
-      add_value(state.g, i, texels, to.g);
-      add_value(state.thickness, i, texels, to.thickness);
-      add_value(l == 0 ? roughness : 0.0, i, texels, to.roughness);
+      const auto add = [&](bool varies, double value, std::vector<float>& values) {
+        if (varies || i == 0) add_value(value, i, texels, values);
+      };
+      add(true, std::max(least_coefficient, state.sigma_a), to.sigma_a);
+      add(varying.sigma_s, std::max(least_coefficient, state.sigma_s), to.sigma_s);
+      add(varying.g, state.g, to.g);
+      add(varying.thickness, state.thickness, to.thickness);
+      add(has_roughness_map, l == 0 ? roughness : 0.0, to.roughness);
     }
     for (std::size_t j = 0; j < place.absorbance.size(); ++j)
       add_value(place.absorbance[j], i, texels, result.absorbance[j]);
@@ -248,7 +274,7 @@ MappedStack mapped_stack(const Material& material, std::size_t band, const BandT
     const bool is_on_grid =
         grid.lowest <= static_cast<double>(low) && static_cast<double>(high) <= grid.highest;
     if (!varies_in_absorption_only(layer) || first.roughness > 0.0 || !is_on_grid)
-      to.states = fit_lattice(layer);
+      to = mapped_layer(fit_lattice(layer), indices[i]);
   }
   return stack;
 }

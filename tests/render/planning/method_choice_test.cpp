@@ -49,8 +49,8 @@ TEST(MethodChoice, FollowsWhatTheMaterialsNeed) {
   surface_of(scene).material = skin_by_bands();
   Image map = make_image(2, 2, {"R"});
   for (float& value : map.pixels) value = 0.02f;
-  surface_of(scene).skin_maps = {
-      {.name = "melanin", .parameter = &SkinParameters::melanin, .values = map}};
+  surface_of(scene).material_maps = {
+      {{.of = MappableNumber::Of::skin, .part = 0, .name = "skin.melanin"}, map}};
   scene.render.texture_space.texel = 0.5f;
   const RenderStatistics of_maps = chosen_for(scene);
   EXPECT_EQ(of_maps.method, Method::texture_space);

@@ -53,9 +53,9 @@ TEST(CellBlurs, KeepTheLightAndExchangeItBothWaysAlike) {
   const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
   ASSERT_GE(graph.levels.size(), 3u);
   const std::size_t scales = scale_count(graph), n = sheet.cells.size();
-  const CellField<4> coordinate(n);
+  const CellBasis<4> coordinate{CellField<4>(n)};
   for (std::size_t scale = 0; scale < scales; ++scale) {
-    CellOperator<4> blur{.powers = 1, .weights = std::vector<BandValues<4>>(scales), .totals = {}};
+    CellOperator<4> blur{.terms = 1, .weights = std::vector<BandValues<4>>(scales), .totals = {}};
     blur.weights[scale] = BandValues<4>::filled(1.0f);
     const std::array<const CellOperator<4>*, 1> blurs = {&blur};
     const auto spread = [&](std::size_t from) {
@@ -93,11 +93,16 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
       make_heterogeneous_layers(tables, {upper, lower}, {absorbance}, static_cast<double>(h)),
       light, {.interlayer_bounces = 2});
   SurfaceLayers<4> layers = make_surface_layers<4>(graph);
-  layers.add_band(0, tables, {upper.values, lower.values, absorbance.values});
-  layers.add_band(1, tables,
-                  {std::vector<float>(upper.values.size(), 0.6f),
-                   std::vector<float>(upper.values.size(), 0.25f),
-                   std::vector<float>(upper.values.size(), 0.0f)});
+  const auto absorbing = [](std::size_t layer, std::vector<float> sigma_a) {
+    const MappedLayer& from = green_stack.layers[layer];
+    LayerTexels texels = uniform_texels({0.0, from.sigma_s, from.g, from.thickness});
+    texels.sigma_a = std::move(sigma_a);
+    return texels;
+  };
+  layers.add_band(0, tables, std::vector{absorbing(0, upper.values), absorbing(1, lower.values)},
+                  std::vector<std::vector<float>>{absorbance.values});
+  layers.add_band(1, tables, std::vector{absorbing(0, {0.6f}), absorbing(1, {0.25f})},
+                  std::vector<std::vector<float>>{{0.0f}});
   CellField<4> entering(light.values.size());
   for (std::size_t i = 0; i < entering.size(); ++i) {
     entering[i][0] = light.values[i];
@@ -120,6 +125,65 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
                                           {make_plane(8, 8)}, static_cast<double>(h)),
                 make_plane(8, 8, 1.0f), {.interlayer_bounces = 2});
   for (const auto& value : left) ASSERT_NEAR(value[1], uniform.reflected.values[0], 2e-4);
+}
+
+// Three layers of which thickness and scattering vary, one band by powers and one by modes, on a
+// grid of texels and on cells.
+TEST(SurfaceTransport, LayersOfVaryingStatesDoAsOnAPlane) {
+  constexpr int size = 48;
+  constexpr float h = 0.1f;
+  const std::size_t n = size * size;
+  const Sheet sheet = cut_sheet(size, h);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 40.0);
+  SurfaceLayers<4> layers = make_surface_layers<4>(graph);
+  Plane light = make_plane(size, size);
+  for (std::size_t i = 0; i < n; ++i)
+    light.values[i] = 1.0f + std::cos(0.2f * static_cast<float>(i % size));
+  CellField<4> entering(n);
+  std::vector<Plane> wanted;
+  for (const int band : {0, 1}) {
+    std::vector<LayerTexels> texels = {
+        uniform_texels({.sigma_a = 0.2, .sigma_s = 20.0, .g = 0.5, .thickness = 0.1}),
+        uniform_texels({.sigma_a = 0.1, .sigma_s = 6.0, .g = 0.2, .thickness = 0.5}),
+        uniform_texels({.sigma_a = 0.05, .sigma_s = 2.0})};
+    texels[0].thickness.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      texels[0].thickness.push_back(0.1f *
+                                    std::exp(0.8f * std::sin(0.2f * static_cast<float>(i % size))));
+    if (band == 1) texels[1].sigma_s.clear(), texels[1].sigma_a.clear();
+    for (std::size_t i = 0; band == 1 && i < n; ++i) {
+      const auto y = static_cast<float>(i / size), x = static_cast<float>(i % size);
+      texels[1].sigma_s.push_back(6.0f * std::exp(0.6f * std::cos(0.15f * y)));
+      texels[1].sigma_a.push_back(0.1f * std::exp(0.9f * std::sin(0.1f * (x + y))));
+    }
+    MappedStack stack{1.0, {}, 1.5};
+    for (const LayerTexels& layer : texels) {
+      const LayerState first = state_of(layer, 0);
+      stack.layers.push_back({first.sigma_s, first.g, 1.5, first.thickness, fit_lattice(layer)});
+    }
+    const StackTables tables =
+        make_stack_tables(stack, OperatorTotals::diffusion, {}, small_grid());
+    const std::vector<float> sheets(n, 0.02f);
+    layers.add_band(band, tables, texels, std::vector{sheets, sheets});
+    const Plane absorbance = make_plane(size, size, 0.02f);
+    wanted.push_back(transport(make_heterogeneous_layers(tables, size, size, texels,
+                                                         {absorbance, absorbance}, h),
+                               light, {.interlayer_bounces = 3})
+                         .reflected);
+    for (std::size_t i = 0; i < n; ++i) entering[i][band] = light.values[i];
+  }
+  EXPECT_FALSE(layers.layers[1].basis.modes.empty());
+  const CellField<4> left = transport(layers, entering, 3);
+  for (const int band : {0, 1}) {
+    double mean = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double value = wanted[static_cast<std::size_t>(band)].values[i];
+      square += std::pow(static_cast<double>(left[i][band]) - value, 2) / static_cast<double>(n);
+      mean += value / static_cast<double>(n);
+    }
+    EXPECT_GT(mean, 0.1);
+    EXPECT_LT(std::sqrt(square) / mean, 0.005) << band;
+  }
 }
 
 }  // namespace

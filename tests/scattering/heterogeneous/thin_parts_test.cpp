@@ -72,10 +72,15 @@ SurfaceLayers<4> make_layers(const Plate& plate, const StackTables& tables,
                              const std::vector<double>& reference = usual,
                              bool has_transfer_totals = false) {
   SurfaceLayers<4> layers = make_surface_layers<4>(plate.graph);
-  const std::size_t n = plate.cells.size();
-  layers.add_band(
-      0, tables,
-      {std::vector<float>(n, static_cast<float>(usual[0])), sigma_a, std::vector<float>(n, 0.0f)});
+  const auto absorbing = [](std::size_t layer, std::vector<float> values) {
+    const MappedLayer& from = skin.layers[layer];
+    LayerTexels texels = uniform_texels({0.0, from.sigma_s, from.g, from.thickness});
+    texels.sigma_a = std::move(values);
+    return texels;
+  };
+  layers.add_band(0, tables,
+                  std::vector{absorbing(0, {static_cast<float>(usual[0])}), absorbing(1, sigma_a)},
+                  std::vector<std::vector<float>>{{0.0f}});
   const std::array<ThinBand, 1> bands = {{{.stack = &skin,
                                            .tables = &tables,
                                            .reference = reference,

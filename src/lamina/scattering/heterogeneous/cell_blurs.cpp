@@ -85,14 +85,12 @@ CellField<N> handed_down(const CellLevel& level, const CellField<N>& coarse) {
   return result;
 }
 
-/// sum over p of weights[p] coordinate^p, for one scale of an operator.
+/// The weight of one scale of an operator at a cell.
 template <int N>
 BandValues<N> weight_at(const CellOperator<N>& op, std::size_t scales, std::size_t scale,
-                        const BandValues<N>& coordinate) {
-  BandValues<N> weight = op.weights[(op.powers - 1) * scales + scale];
-  for (std::size_t p = op.powers - 1; p-- > 0;)
-    weight = weight * coordinate + op.weights[p * scales + scale];
-  return weight;
+                        const CellBasis<N>& basis, std::size_t cell) {
+  return basis_sum(basis, cell, op.terms,
+                   [&](std::size_t p) { return op.weights[p * scales + scale]; });
 }
 
 /// What one power's weights make of the scales of the coarse levels, on level 1.
@@ -159,15 +157,15 @@ std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
 
 template <int N>
 std::vector<CellField<N>> apply_cell_operators(const CellGraph& graph, const CellField<N>& input,
-                                               const CellField<N>& coordinate,
+                                               const CellBasis<N>& basis,
                                                std::span<const CellOperator<N>* const> operators) {
   const CellLevel& fine = graph.levels.front();
-  assert(input.size() == fine.area.size() && coordinate.size() == input.size());
+  assert(input.size() == fine.area.size());
   const std::size_t scales = scale_count(graph);
   std::vector<CellField<N>> results(operators.size(), CellField<N>(input.size()));
   const auto add = [&](std::size_t scale, std::size_t i, const BandValues<N>& value) {
     for (std::size_t o = 0; o < operators.size(); ++o)
-      results[o][i] += value * weight_at(*operators[o], scales, scale, coordinate[i]);
+      results[o][i] += value * weight_at(*operators[o], scales, scale, basis, i);
   };
   for_cells(input.size(), [&](std::size_t i) { add(0, i, input[i]); });
   CellField<N> last = input;
@@ -185,14 +183,17 @@ std::vector<CellField<N>> apply_cell_operators(const CellGraph& graph, const Cel
   }
   for (std::size_t o = 0; o < operators.size(); ++o) {
     CellField<N> sum;
-    for (std::size_t p = operators[o]->powers; p-- > 0;) {
+    for (std::size_t p = operators[o]->terms; p-- > 0;) {
       const CellField<N> of_power =
           sum_of_scales(graph, coarse, &operators[o]->weights[p * scales + 1 + finest.size()]);
       CellField<N> up = blurred(fine, handed_down(fine, of_power), smoothing);
-      if (sum.empty())
+      if (!basis.modes.empty())
+        for_cells(up.size(), [&](std::size_t i) { results[o][i] += basis.modes[p][i] * up[i]; });
+      else if (sum.empty())
         sum = std::move(up);
       else
-        for_cells(sum.size(), [&](std::size_t i) { sum[i] = sum[i] * coordinate[i] + up[i]; });
+        for_cells(sum.size(),
+                  [&](std::size_t i) { sum[i] = sum[i] * basis.coordinate[i] + up[i]; });
     }
     for_cells(sum.size(), [&](std::size_t i) { results[o][i] += sum[i]; });
   }
@@ -215,7 +216,7 @@ CellField<N> smooth_on_finest(const CellGraph& graph, CellField<N> field, std::s
 
 #define LAMINA_INSTANTIATE(N)                                                                    \
   template std::vector<CellField<N>> apply_cell_operators<N>(                                    \
-      const CellGraph&, const CellField<N>&, const CellField<N>&,                                \
+      const CellGraph&, const CellField<N>&, const CellBasis<N>&,                                \
       std::span<const CellOperator<N>* const>);                                                  \
   template CellField<N> mean_on_level(const CellGraph&, CellField<N>, std::size_t, std::size_t); \
   template CellField<N> smooth_on_finest(const CellGraph&, CellField<N>, std::size_t)

@@ -27,20 +27,41 @@ using CellField = std::vector<BandValues<N>>;
 [[nodiscard]] std::vector<double> cell_scales_of_gaussians(const CellGraph& graph,
                                                            std::span<const double> variances);
 
+/// TexelBasis of all bands at once: powers of a coordinate, or, where there are any, modes.
+template <int N>
+struct CellBasis {
+  CellField<N> coordinate;
+  std::vector<CellField<N>> modes = {};
+};
+
 /// MappedOperator of all bands at once.
 template <int N>
 struct CellOperator {
-  std::size_t powers = 0;
-  std::vector<BandValues<N>> weights;  ///< [power][scale]
-  std::vector<BandValues<N>> totals;   ///< [power]
+  std::size_t terms = 0;
+  std::vector<BandValues<N>> weights;  ///< [term][scale]
+  std::vector<BandValues<N>> totals;   ///< [term]
 };
+
+/// Sum over the functions of a basis at a cell, by coefficients that `coefficient(term)` gives.
+template <int N, class Coefficient>
+[[nodiscard]] BandValues<N> basis_sum(const CellBasis<N>& basis, std::size_t cell,
+                                      std::size_t terms, const Coefficient& coefficient) {
+  if (!basis.modes.empty()) {
+    BandValues<N> sum = basis.modes[0][cell] * coefficient(0);
+    for (std::size_t p = 1; p < terms; ++p) sum += basis.modes[p][cell] * coefficient(p);
+    return sum;
+  }
+  BandValues<N> sum = coefficient(terms - 1);
+  for (std::size_t p = terms - 1; p-- > 0;) sum = sum * basis.coordinate[cell] + coefficient(p);
+  return sum;
+}
 
 /// What several operators make of light: as `apply_operators` does on a grid.
 ///
-/// @param coordinate  [cell], in [-1, 1] for each band.
+/// @param basis  a value for each cell.
 template <int N>
 [[nodiscard]] std::vector<CellField<N>> apply_cell_operators(
-    const CellGraph& graph, const CellField<N>& input, const CellField<N>& coordinate,
+    const CellGraph& graph, const CellField<N>& input, const CellBasis<N>& basis,
     std::span<const CellOperator<N>* const> operators);
 
 /// Means of a field over the cells of a level that is at least as coarse.

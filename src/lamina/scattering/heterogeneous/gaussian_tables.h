@@ -115,9 +115,11 @@ inline constexpr double highest_fitted_frequency = 200.0;
 ///
 /// Totals by radiative transfer are those of each layer alone between its neighbours' indices, lit
 /// normally (or evenly, as OperatorTotals says) from above the first and evenly elsewhere. Light
-/// between layers is not even, by which the sum over layers errs by up to 5 %. So the last of
-/// several layers gets the reflectance, and if it is finite the transmittance, with which the whole
-/// stack is right, for every state of its own and one of the layers above it.
+/// between layers is not even, by which the sum over layers errs by up to 5 %. So every layer but
+/// the first gets the reflectance, and if it is finite the transmittance, with which it and those
+/// above it are right, for every state of its own and one of the layers above it. A first layer
+/// that has states gets those with which the whole stack is right, for every state of its own and
+/// one of the layers below.
 ///
 /// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm], of layers without
 ///                           states; not used for the totals of diffusion.

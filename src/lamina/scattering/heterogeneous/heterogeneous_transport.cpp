@@ -9,10 +9,10 @@
 #include <string>
 
 #include "lamina/core/error.h"
-#include "lamina/optics/medium.h"
 #include "lamina/scattering/heterogeneous/internal/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
+#include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 
 namespace lamina {
 namespace {
@@ -40,54 +40,6 @@ RowTotals row_totals(const HeterogeneousLayers& model, int y) {
   return totals;
 }
 
-/// What one sweep up and down makes, at a texel as if all were like it, of light that goes down at
-/// the junctions; [to][from].
-constexpr std::size_t most_junctions = 7;
-using Local = std::array<std::array<double, most_junctions>, most_junctions>;
-
-Local local_sweep(const RowTotals& totals, const std::vector<const float*>& junctions,
-                  std::size_t x) {
-  const std::size_t n = junctions.size();
-  const auto at = [&](std::size_t layer, LayerOperator which) {
-    return static_cast<double>(totals[layer][which][x]);
-  };
-  Local sweep{};
-  for (std::size_t from = 0; from < n; ++from) {
-    std::array<double, most_junctions> up{}, down{};
-    for (std::size_t j = n; j-- > 0;) {
-      up[j] = j == from ? at(j + 1, reflection_above) : 0.0;
-      if (j + 1 < n) up[j] += at(j + 1, transmission_up) * up[j + 1];
-      up[j] *= static_cast<double>(junctions[j][x]);
-    }
-    for (std::size_t j = 0; j < n; ++j) {
-      down[j] = at(j, reflection_below) * up[j];
-      if (j > 0) down[j] += at(j, transmission_down) * down[j - 1];
-      down[j] *= static_cast<double>(junctions[j][x]);
-      sweep[j][from] = down[j];
-    }
-  }
-  return sweep;
-}
-
-/// Solves (1 - sweep) x = light by Gauss's elimination; no pivots are needed, since no sweep gains
-/// energy.
-std::array<double, most_junctions> sum_of_sweeps(Local sweep, std::size_t n,
-                                                 std::array<double, most_junctions> light) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) sweep[i][j] = (i == j ? 1.0 : 0.0) - sweep[i][j];
-  for (std::size_t p = 0; p < n; ++p)
-    for (std::size_t i = p + 1; i < n; ++i) {
-      const double share = sweep[i][p] / sweep[p][p];
-      for (std::size_t j = p; j < n; ++j) sweep[i][j] -= share * sweep[p][j];
-      light[i] -= share * light[p];
-    }
-  for (std::size_t p = n; p-- > 0;) {
-    for (std::size_t j = p + 1; j < n; ++j) light[p] -= sweep[p][j] * light[j];
-    light[p] /= sweep[p][p];
-  }
-  return light;
-}
-
 /// Adds to the light that goes down in the last sweep what all further sweeps would bring there.
 /// What is below spreads it then: so little of the error that texels are not like one another
 /// stays.
@@ -97,12 +49,16 @@ void close(const HeterogeneousLayers& model, std::vector<Plane>& down) {
   for (int y = 0; y < model.pyramid.height; ++y) {
     const RowTotals totals = row_totals(model, y);
     const std::size_t row = static_cast<std::size_t>(y) * width;
-    std::vector<const float*> junctions;
-    for (const Plane& junction : model.junctions) junctions.push_back(&junction.values[row]);
     for (std::size_t x = 0; x < width; ++x) {
-      std::array<double, most_junctions> light{};
+      const auto sweep = detail::local_sweep<double>(
+          n,
+          [&](std::size_t layer, LayerOperator which) {
+            return static_cast<double>(totals[layer][which][x]);
+          },
+          [&](std::size_t j) { return static_cast<double>(model.junctions[j].values[row + x]); });
+      std::array<double, detail::most_junctions> light{};
       for (std::size_t j = 0; j < n; ++j) light[j] = static_cast<double>(down[j].values[row + x]);
-      light = sum_of_sweeps(local_sweep(totals, junctions, x), n, light);
+      light = detail::sum_of_sweeps(sweep, n, 1.0, light);
       for (std::size_t j = 0; j < n; ++j) down[j].values[row + x] = static_cast<float>(light[j]);
     }
   }
@@ -184,13 +140,12 @@ class PlaneField {
     // The sum of a geometric series. Where most light turns round again and again, it is returned
     // by what is around the texel: 1 / (1 - r) of the texel alone would make light of nothing, for
     // its mean is not that of the mean r.
-    constexpr float most_local = 0.5f;
     ReturnTotals totals = return_totals(model_);
     float most = 0.0f;
     std::vector<float>& returned = totals.below.values;
     for (std::size_t i = 0; i < returned.size(); ++i)
       most = std::max(most, returned[i] *= totals.above.values[i]);
-    if (most > most_local) totals.below = blur(1, reflection_above, totals.above);
+    if (most > detail::most_local_return) totals.below = blur(1, reflection_above, totals.above);
     for (std::size_t i = 0; i < returned.size(); ++i) down[0].values[i] /= 1.0f - returned[i];
   }
   void turn_round(const std::vector<Plane>& up, Plane& arriving) const {
@@ -212,24 +167,6 @@ class PlaneField {
   std::vector<Plane> (*apply_)(const BlurPyramid&, const Plane&, const TexelBasis&,
                                std::span<const MappedOperator* const>);
 };
-
-/// Variance beyond which little light of any layer goes [mm²]: 4 / sigma_tr² of the state that
-/// absorbs least, of skin no less than what holds the tail of a dermis without blood.
-double widest_spread(const StackTables& tables) {
-  constexpr double of_skin = 13.2, most = 400.0;
-  double widest = of_skin;
-  for (const StateLattice& lattice : tables.lattices) {
-    const bool is_any_absorption = lattice.axes.size() == 1 && lattice.origin[0] == 0.0;
-    if (is_any_absorption) continue;
-    for (std::size_t node = 0; node < node_count(lattice); ++node) {
-      const LayerState state = node_state(lattice, node);
-      const double root =
-          sigma_tr({.sigma_a = state.sigma_a, .sigma_s = state.sigma_s, .g = state.g});
-      widest = std::max(widest, 4.0 / (root * root));
-    }
-  }
-  return std::min(widest, most);
-}
 
 }  // namespace
 
@@ -255,7 +192,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
   assert(texels.size() == tables.layers.size() && absorbance.size() + 1 == texels.size());
   const double texel = mm_per_texel * mm_per_texel;
   HeterogeneousLayers model{
-      .pyramid = make_blur_pyramid(width, height, widest_spread(tables) / texel),
+      .pyramid = make_blur_pyramid(width, height, widest_spread(tables.lattices) / texel),
       .layers = {},
       .junctions = {}};
   std::vector<double> variances = tables.variances;
@@ -270,18 +207,12 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
     model.junctions.push_back(std::move(left));
   }
   if (tables.ground_reflectance > 0.0) {
-    const auto ground = static_cast<float>(tables.ground_reflectance);
-    TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
-    MappedOperator& reflection = layer.operators[reflection_above];
-    reflection = {.terms = 1,
-                  .weights = std::vector<float>(model.pyramid.variances.size(), 0.0f),
-                  .totals = {ground}};
-    reflection.weights[0] = ground;  // where the light is
-    model.layers.push_back(std::move(layer));
+    model.layers.push_back(
+        ground_layer(tables.ground_reflectance, width, height, model.pyramid.variances.size()));
     model.junctions.push_back(make_plane(width, height, 1.0f));
   }
-  if (model.junctions.size() > most_junctions)
-    throw InvalidInput("at most " + std::to_string(most_junctions + 1) +
+  if (model.junctions.size() > detail::most_junctions)
+    throw InvalidInput("at most " + std::to_string(detail::most_junctions + 1) +
                        " layers can be maps, ground included, but there are " +
                        std::to_string(model.layers.size()));
   return model;

@@ -146,34 +146,85 @@ AbsorptionRange absorption_range(const LayerToMap& from) {
   return {std::clamp<double>(low, least, most), std::clamp<double>(high, least, most)};
 }
 
-TransportLayer layer_of_powers(const LayerToMap& from, int width, int height) {
+/// @param most_powers_wanted  if more are needed the layer has no basis
+TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
+                               std::size_t most_powers_wanted) {
   const StateLattice& lattice = from.lattice();
-  TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
-  const auto make = [&](const auto& place_at) {
-    from.make_operators(layer, [&](const GaussianTable& table) {
-      return in_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
-                       from.tables.variances, from.scales, from.tolerance);
-    });
+  const double last = static_cast<double>(lattice.axes[0].nodes - 1);
+  const bool varies_in_absorption = from.varies_in_absorption();
+  const AbsorptionRange range = varies_in_absorption ? absorption_range(from) : AbsorptionRange{};
+  const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
+  LayerState state = state_of(lattice.origin);
+  const auto place_at = [&](double x) {
+    if (!varies_in_absorption) return LatticePlace{0.5 * (x + 1.0) * last};
+    const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
+    state.sigma_a = root * root;
+    return place_in(lattice, state);
   };
-  if (from.varies_in_absorption()) {
-    const AbsorptionRange range = absorption_range(from);
-    const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
-    LayerState state = state_of(lattice.origin);
-    make([&](double x) {
-      const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
-      state.sigma_a = root * root;
-      return place_in(lattice, state);
-    });
+  TransportLayer layer{.basis = {.coordinate = {}}, .operators = {}};
+  from.make_operators(layer, [&](const GaussianTable& table) {
+    return in_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
+                     from.tables.variances, from.scales, from.tolerance);
+  });
+  const auto terms = [](const MappedOperator& op) { return op.terms; };
+  if (std::ranges::max(layer.operators, {}, terms).terms > most_powers_wanted) return layer;
+  if (varies_in_absorption) {
     layer.basis.coordinate = absorption_coordinate({width, height, from.texels.sigma_a}, range);
-  } else {
-    const double last = static_cast<double>(lattice.axes[0].nodes - 1);
-    make([&](double x) { return LatticePlace{0.5 * (x + 1.0) * last}; });
-    const TexelPlaces places(lattice, from.texels);
-    std::vector<float>& coordinate = layer.basis.coordinate.values;
-    for (std::size_t t = 0; t < coordinate.size(); ++t)
-      coordinate[t] = static_cast<float>(2.0 * places.at(t)[0] / last - 1.0);
+    return layer;
   }
+  layer.basis.coordinate = make_plane(width, height);
+  const TexelPlaces places(lattice, from.texels);
+  std::vector<float>& coordinate = layer.basis.coordinate.values;
+  for (std::size_t t = 0; t < coordinate.size(); ++t)
+    coordinate[t] = static_cast<float>(2.0 * places.at(t)[0] / last - 1.0);
   return layer;
+}
+
+/// Values at nodes, [mode][node], at each texel: interpolated in all axes, or, where there is one
+/// axis, from a table so fine that it may be linear.
+void put_modes(const ValuesOfRows& at_nodes, const StateLattice& lattice, const LayerTexels& texels,
+               std::vector<Plane>& modes) {
+  const std::size_t count = modes.size();
+  const TexelPlaces places(lattice, texels);
+  std::vector<float> here(count);
+  const auto put = [&](std::size_t texel) {
+    for (std::size_t m = 0; m < count; ++m) modes[m].values[texel] = here[m];
+  };
+  if (lattice.axes.size() == 1) {
+    constexpr std::size_t fine =
+        16;  // steps between nodes: an error of 5e-4 of that of nodes alone
+    const std::size_t rows = fine * (lattice.axes[0].nodes - 1) + 1;
+    std::vector<float> table(rows * count);  // [row][mode]
+    for (std::size_t row = 0; row < rows; ++row)
+      for_nodes_around(lattice, {static_cast<double>(row) / fine},
+                       [&](std::size_t node, double share) {
+                         for (std::size_t m = 0; m < count; ++m)
+                           table[row * count + m] += static_cast<float>(share * at_nodes[m][node]);
+                       });
+    for (std::size_t t = 0; t < modes[0].values.size(); ++t) {
+      const double place = fine * places.at(t)[0];
+      const std::size_t row = std::min(static_cast<std::size_t>(place), rows - 2);
+      const auto f = static_cast<float>(place - static_cast<double>(row));
+      const float* values = &table[row * count];
+      for (std::size_t m = 0; m < count; ++m)
+        here[m] = values[m] + f * (values[count + m] - values[m]);
+      put(t);
+    }
+    return;
+  }
+  std::vector<float> by_node(node_count(lattice) * count);  // [node][mode]
+  for (std::size_t n = 0; n < node_count(lattice); ++n)
+    for (std::size_t m = 0; m < count; ++m)
+      by_node[n * count + m] = static_cast<float>(at_nodes[m][n]);
+  for (std::size_t t = 0; t < modes[0].values.size(); ++t) {
+    std::ranges::fill(here, 0.0f);
+    for_nodes_around(lattice, places.at(t), [&](std::size_t node, double share) {
+      const auto weight = static_cast<float>(share);
+      const float* values = &by_node[node * count];
+      for (std::size_t m = 0; m < count; ++m) here[m] += weight * values[m];
+    });
+    put(t);
+  }
 }
 
 TransportLayer layer_of_modes(const LayerToMap& from, int width, int height) {
@@ -184,11 +235,20 @@ TransportLayer layer_of_modes(const LayerToMap& from, int width, int height) {
     lattice = absorption_lattice(state_of(lattice.origin), range.lowest, range.highest, nodes);
   }
   const auto each = operator_tables(from.tables.layers[from.index]);
+  const std::size_t gaussians = from.tables.variances.size();
   std::array<ValuesOfRows, 4> at_nodes;
-  for (std::size_t which = 0; which < each.size(); ++which)
-    for (std::size_t n = 0; !each[which]->weights.empty() && n < node_count(lattice); ++n)
-      at_nodes[which].push_back(weights_at(from.lattice(), *each[which],
-                                           place_in(from.lattice(), node_state(lattice, n))));
+  for (std::size_t which = 0; which < each.size(); ++which) {
+    const std::vector<double>& table = each[which]->weights;
+    if (table.empty()) continue;
+    for (std::size_t n = 0; n < node_count(lattice); ++n) {
+      const auto row = table.begin() + static_cast<std::ptrdiff_t>(n * gaussians);
+      at_nodes[which].push_back(
+          from.varies_in_absorption()
+              ? weights_at(from.lattice(), *each[which],
+                           place_in(from.lattice(), node_state(lattice, n)))
+              : std::vector<double>(row, row + static_cast<std::ptrdiff_t>(gaussians)));
+    }
+  }
   const detail::OperatorModes modes =
       detail::find_modes(at_nodes, from.tables.variances, from.tolerance);
 
@@ -199,23 +259,7 @@ TransportLayer layer_of_modes(const LayerToMap& from, int width, int height) {
   for (std::size_t which = 0; which < each.size(); ++which)
     if (!modes.weights[which].empty())
       layer.operators[which] = on_scales(modes.weights[which], from.scales);
-  const std::size_t count = modes.at_nodes.size();
-  std::vector<float> by_node(node_count(lattice) * count);  // [node][mode]
-  for (std::size_t n = 0; n < node_count(lattice); ++n)
-    for (std::size_t m = 0; m < count; ++m)
-      by_node[n * count + m] = static_cast<float>(modes.at_nodes[m][n]);
-  const TexelPlaces places(lattice, from.texels);
-  std::vector<float> here(count);
-  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  for (std::size_t t = 0; t < texels; ++t) {
-    std::ranges::fill(here, 0.0f);
-    for_nodes_around(lattice, places.at(t), [&](std::size_t node, double share) {
-      const auto weight = static_cast<float>(share);
-      const float* values = &by_node[node * count];
-      for (std::size_t m = 0; m < count; ++m) here[m] += weight * values[m];
-    });
-    for (std::size_t m = 0; m < count; ++m) layer.basis.modes[m].values[t] = here[m];
-  }
+  put_modes(modes.at_nodes, lattice, from.texels, layer.basis.modes);
   return layer;
 }
 
@@ -257,16 +301,22 @@ TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
   if (is_uniform(texels)) return uniform_layer(layer, width, height);
   if (tables.lattices[i].axes.size() == 1) {
     constexpr std::size_t most_short_powers = 12;
-    TransportLayer powers = layer_of_powers(layer, width, height);
-    const auto terms = [](const MappedOperator& op) { return op.terms; };
-    if (kind == BasisKind::powers ||
-        std::ranges::max(powers.operators, {}, terms).terms <= most_short_powers)
-      return powers;
+    TransportLayer powers = layer_of_powers(
+        layer, width, height, kind == BasisKind::powers ? most_powers : most_short_powers);
+    if (!powers.basis.coordinate.values.empty()) return powers;
   }
   if (kind == BasisKind::powers)
     throw InvalidInput(
         "profiles of both ends need layers of which one quantity varies: take those of the exit");
   return layer_of_modes(layer, width, height);
+}
+
+TransportLayer ground_layer(double reflectance, int width, int height, std::size_t scales) {
+  TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
+  const auto value = static_cast<float>(reflectance);
+  layer.operators[0] = {.terms = 1, .weights = std::vector<float>(scales, 0.0f), .totals = {value}};
+  layer.operators[0].weights[0] = value;  // where the light is
+  return layer;
 }
 
 }  // namespace lamina

@@ -61,4 +61,9 @@ enum class BasisKind {
                                                   std::span<const double> scales, double tolerance,
                                                   BasisKind kind = BasisKind::any);
 
+/// A ground that returns a part of the light where it arrives.
+/// @param scales  how many there are
+[[nodiscard]] TransportLayer ground_layer(double reflectance, int width, int height,
+                                          std::size_t scales);
+
 }  // namespace lamina

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/optics/medium.h"
+
 namespace lamina {
 namespace {
 
@@ -157,15 +159,14 @@ TexelPlaces::TexelPlaces(const StateLattice& lattice, const LayerTexels& texels)
 }
 
 LatticePlace TexelPlaces::at(std::size_t texel) const {
-  const auto value = [&](const std::vector<float>& values) {
-    return static_cast<double>(values[texel]);
-  };
+  // In floats, as the texels are: a logarithm's error is that of the number.
+  constexpr auto least = static_cast<float>(least_coefficient);
   StateVector v{};
-  if (varies_[0]) v[0] = std::log(std::max(value(texels_.sigma_a), least_coefficient));
-  if (varies_[1]) v[1] = std::log(std::max(value(texels_.sigma_s), least_coefficient));
-  if (varies_[2]) v[2] = std::log1p(-value(texels_.g));
-  if (varies_[3]) v[3] = std::log(value(texels_.thickness));
-  if (varies_[4]) v[4] = value(texels_.roughness);
+  if (varies_[0]) v[0] = std::log(std::max(texels_.sigma_a[texel], least));
+  if (varies_[1]) v[1] = std::log(std::max(texels_.sigma_s[texel], least));
+  if (varies_[2]) v[2] = std::log1p(-texels_.g[texel]);
+  if (varies_[3]) v[3] = std::log(texels_.thickness[texel]);
+  if (varies_[4]) v[4] = texels_.roughness[texel];
   LatticePlace place{};
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     double sum = axes_[a].start;
@@ -217,6 +218,22 @@ StateLattice fit_lattice(const LayerTexels& texels, double step, std::size_t mos
   }
   lay_nodes(lattice.axes, step, most_nodes);
   return lattice;
+}
+
+double widest_spread(std::span<const StateLattice> lattices) {
+  constexpr double of_skin = 13.2, most = 400.0;
+  double widest = of_skin;
+  for (const StateLattice& lattice : lattices) {
+    const bool is_any_absorption = lattice.axes.size() == 1 && lattice.origin[0] == 0.0;
+    if (is_any_absorption) continue;
+    for (std::size_t node = 0; node < node_count(lattice); ++node) {
+      const LayerState state = node_state(lattice, node);
+      const double root =
+          sigma_tr({.sigma_a = state.sigma_a, .sigma_s = state.sigma_s, .g = state.g});
+      widest = std::max(widest, 4.0 / (root * root));
+    }
+  }
+  return std::min(widest, most);
 }
 
 FourRows four_rows(double place, std::size_t rows) {

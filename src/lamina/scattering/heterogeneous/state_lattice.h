@@ -105,6 +105,12 @@ class TexelPlaces {
 template <class Take>
 void for_nodes_around(const StateLattice& lattice, const LatticePlace& place, const Take& take);
 
+/// Variance beyond which little light of any layer goes [mm²]: 4 / sigma_tr² of the state that
+/// absorbs least; no less than what holds the tail of a dermis without blood.
+///
+/// @param lattices  [layer]
+[[nodiscard]] double widest_spread(std::span<const StateLattice> lattices);
+
 /// The four equidistant rows around a place, and their shares in Lagrange's polynomial.
 struct FourRows {
   std::size_t first;

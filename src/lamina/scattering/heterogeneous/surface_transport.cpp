@@ -8,6 +8,7 @@
 
 #include "lamina/scattering/heterogeneous/internal/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
+#include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 
 namespace lamina {
@@ -20,9 +21,9 @@ using enum detail::LayerOperator;
 /// One band of an operator, in the lane of that band.
 template <int N>
 void add_operator(int band, const MappedOperator& from, std::size_t scales, CellOperator<N>& to) {
-  to.powers = std::max(to.powers, from.terms);
-  to.weights.resize(to.powers * scales);
-  to.totals.resize(to.powers);
+  to.terms = std::max(to.terms, from.terms);
+  to.weights.resize(to.terms * scales);
+  to.totals.resize(to.terms);
   for (std::size_t p = 0; p < from.terms; ++p) {
     for (std::size_t j = 0; j < scales; ++j)
       to.weights[p * scales + j][band] = from.weights[p * scales + j];
@@ -30,27 +31,54 @@ void add_operator(int band, const MappedOperator& from, std::size_t scales, Cell
   }
 }
 
+/// The powers of the coordinate as modes, so that a band that needs modes can stand beside.
 template <int N>
-void add_layer(int band, const StackTables& tables, const LayerTables& from,
-               const std::vector<float>& sigma_a, std::span<const double> scales, double tolerance,
-               typename SurfaceLayers<N>::Layer& layer) {
-  const Plane values{static_cast<int>(sigma_a.size()), 1, sigma_a};
-  const AbsorptionRange range = absorption_range(values, tables.grid);
-  const Plane coordinate = absorption_coordinate(values, range);
-  for (std::size_t i = 0; i < sigma_a.size(); ++i) layer.coordinate[i][band] = coordinate.values[i];
-  const auto each = operator_tables(from);
-  for (std::size_t which = 0; which < 4; ++which)
-    if (!each[which]->weights.empty())
-      add_operator(band, make_mapped_operator(tables, *each[which], range, scales, tolerance),
-                   scales.size() / tables.variances.size(), layer.operators[which]);
+void turn_to_modes(typename SurfaceLayers<N>::Layer& layer) {
+  CellBasis<N>& basis = layer.basis;
+  std::size_t terms = 1;
+  for (const CellOperator<N>& op : layer.operators) terms = std::max(terms, op.terms);
+  basis.modes.assign(terms, CellField<N>(basis.coordinate.size(), BandValues<N>::filled(1.0f)));
+  for (std::size_t p = 1; p < terms; ++p)
+    for_cells(basis.coordinate.size(), [&](std::size_t i) {
+      basis.modes[p][i] = basis.modes[p - 1][i] * basis.coordinate[i];
+    });
+  basis.coordinate = {};
 }
 
-/// An operator's total where the coordinate is such.
+/// One band of a layer, in the lane of that band.
 template <int N>
-BandValues<N> total_at(const CellOperator<N>& op, const BandValues<N>& coordinate) {
-  BandValues<N> total = op.totals.back();
-  for (std::size_t p = op.powers - 1; p-- > 0;) total = total * coordinate + op.totals[p];
-  return total;
+void add_layer(int band, const TransportLayer& from, std::size_t cells, std::size_t scales,
+               typename SurfaceLayers<N>::Layer& layer) {
+  CellBasis<N>& basis = layer.basis;
+  if (basis.coordinate.empty() && basis.modes.empty()) basis.coordinate.resize(cells);
+  if (!from.basis.modes.empty() && basis.modes.empty()) turn_to_modes<N>(layer);
+  for (std::size_t which = 0; which < 4; ++which)
+    if (from.operators[which].terms > 0)
+      add_operator(band, from.operators[which], scales, layer.operators[which]);
+  if (basis.modes.empty()) {
+    for (std::size_t i = 0; i < cells; ++i)
+      basis.coordinate[i][band] = from.basis.coordinate.values[i];
+    return;
+  }
+  const auto terms = [](const MappedOperator& op) { return op.terms; };
+  const std::size_t count = std::ranges::max(from.operators, {}, terms).terms;
+  while (basis.modes.size() < count) basis.modes.emplace_back(cells);
+  for (std::size_t i = 0; i < cells; ++i) {
+    float power = 1.0f;
+    for (std::size_t p = 0; p < count; ++p) {
+      basis.modes[p][i][band] = from.basis.modes.empty() ? power : from.basis.modes[p].values[i];
+      if (from.basis.modes.empty()) power *= from.basis.coordinate.values[i];
+    }
+  }
+}
+
+/// An operator's total at a cell.
+template <int N>
+BandValues<N> total_at(const typename SurfaceLayers<N>::Layer& layer, LayerOperator which,
+                       std::size_t cell) {
+  const CellOperator<N>& op = layer.operators[which];
+  if (op.terms == 0) return {};
+  return basis_sum(layer.basis, cell, op.terms, [&](std::size_t p) { return op.totals[p]; });
 }
 
 /// Cells of a surface in all bands, as detail::sum_interlayer_bounces takes them.
@@ -61,17 +89,14 @@ class SurfaceField {
 
   explicit SurfaceField(const SurfaceLayers<N>& layers) : layers_(layers) {}
 
-  [[nodiscard]] std::size_t junctions() const { return 1; }
+  [[nodiscard]] std::size_t junctions() const { return layers_.junctions.size(); }
   [[nodiscard]] Light blur(std::size_t layer, LayerOperator which, const Light& light) const {
-    const auto& at = layer == 0 ? layers_.upper : layers_.lower;
-    const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
-    Light blurred =
-        std::move(apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators)[0]);
-    if (layer == 0 || !has_thin_parts()) return blurred;
+    Light blurred = blur_alone(layer, which, light);
+    if (layer + 1 < layers_.layers.size() || !has_thin_parts()) return blurred;
     Light through = pass_through(*layers_.graph, layers_.thin, light);
     // In the last bounce what has come through goes on between the layers, too.
-    if (is_closed_)
-      for_cells(through.size(), [&](std::size_t i) { through[i] = through[i] * closure(i); });
+    if (!closure_.empty())
+      for_cells(through.size(), [&](std::size_t i) { through[i] = through[i] * closure_[i]; });
     for_cells(light.size(), [&](std::size_t i) {
       blurred[i] = blurred[i] * layers_.thin.reflectance[i] + through[i];
     });
@@ -79,14 +104,14 @@ class SurfaceField {
   }
   [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
                                           LayerOperator second, const Light& light) const {
-    const auto& at = layer == 0 ? layers_.upper : layers_.lower;
+    const auto& at = layers_.layers[layer];
     const std::array<const CellOperator<N>*, 2> operators = {&at.operators[first],
                                                              &at.operators[second]};
-    auto both = apply_cell_operators<N>(*layers_.graph, light, at.coordinate, operators);
+    auto both = apply_cell_operators<N>(*layers_.graph, light, at.basis, operators);
     return {std::move(both[0]), std::move(both[1])};
   }
-  void multiply(Light& light, std::size_t) const {
-    for_cells(light.size(), [&](std::size_t i) { light[i] *= layers_.junction[i]; });
+  void multiply(Light& light, std::size_t junction) const {
+    for_cells(light.size(), [&](std::size_t i) { light[i] *= layers_.junctions[junction][i]; });
   }
   void add(Light& sum, Light more) const {
     if (sum.empty())
@@ -95,63 +120,108 @@ class SurfaceField {
       for_cells(sum.size(), [&](std::size_t i) { sum[i] += more[i]; });
   }
   void close(std::vector<Light>& down) const {
-    for_cells(down[0].size(), [&](std::size_t i) { down[0][i] = down[0][i] * closure(i); });
-    is_closed_ = true;
+    if (down.size() > 1) return close_locally(down);
+    // As on a plane: heterogeneous_transport.cpp says why.
+    Light above(down[0].size());
+    closure_.resize(down[0].size());
+    for_cells(above.size(), [&](std::size_t i) {
+      above[i] = layers_.junctions[0][i] * layers_.junctions[0][i] *
+                 total_at<N>(layers_.layers[0], reflection_below, i);
+      closure_[i] = above[i] * total_at<N>(layers_.layers[1], reflection_above, i);
+      if (has_thin_parts()) closure_[i] *= layers_.thin.reflectance[i];
+    });
+    if (largest(closure_) > detail::most_local_return && !has_thin_parts())
+      closure_ = blur_alone(1, reflection_above, above);
+    const auto one = BandValues<N>::filled(1.0f);
+    for_cells(above.size(), [&](std::size_t i) {
+      closure_[i] = one / (one - closure_[i]);
+      down[0][i] = down[0][i] * closure_[i];
+    });
   }
 
  private:
-  /// All further bounces between the layers, as if all skin were like this cell.
-  [[nodiscard]] BandValues<N> closure(std::size_t i) const {
-    BandValues<N> again =
-        layers_.junction[i] * layers_.junction[i] *
-        total_at(layers_.upper.operators[reflection_below], layers_.upper.coordinate[i]) *
-        total_at(layers_.lower.operators[reflection_above], layers_.lower.coordinate[i]);
-    if (has_thin_parts()) again *= layers_.thin.reflectance[i];
-    const auto one = BandValues<N>::filled(1.0f);
-    return one / (one - again);
+  [[nodiscard]] Light blur_alone(std::size_t layer, LayerOperator which, const Light& light) const {
+    const auto& at = layers_.layers[layer];
+    const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
+    return std::move(apply_cell_operators<N>(*layers_.graph, light, at.basis, operators)[0]);
+  }
+  static float largest(const Light& field) {
+    float most = 0.0f;
+    for (const BandValues<N>& value : field)
+      for (int b = 0; b < N; ++b) most = std::max(most, value[b]);
+    return most;
+  }
+  void close_locally(std::vector<Light>& down) const {
+    using Bands = BandValues<N>;
+    const std::size_t n = down.size();
+    for_cells(down[0].size(), [&](std::size_t i) {
+      const auto sweep = detail::local_sweep<Bands>(
+          n,
+          [&](std::size_t layer, LayerOperator which) {
+            return total_at<N>(layers_.layers[layer], which, i);
+          },
+          [&](std::size_t j) { return layers_.junctions[j][i]; });
+      std::array<Bands, detail::most_junctions> light{};
+      for (std::size_t j = 0; j < n; ++j) light[j] = down[j][i];
+      light = detail::sum_of_sweeps(sweep, n, Bands::filled(1.0f), light);
+      for (std::size_t j = 0; j < n; ++j) down[j][i] = light[j];
+    });
   }
   [[nodiscard]] bool has_thin_parts() const { return layers_.thin.geometry != nullptr; }
 
   const SurfaceLayers<N>& layers_;
-  mutable bool is_closed_ = false;  ///< by the bounce under way
+  mutable Light closure_;  ///< of the bounce under way, if it is the last: 1 / (1 - what returns)
 };
 
 }  // namespace
 
 template <int N>
 SurfaceLayers<N> make_surface_layers(const CellGraph& graph) {
-  const std::size_t cells = graph.levels.front().area.size();
-  SurfaceLayers<N> layers{.graph = &graph};
-  layers.upper.coordinate.resize(cells);
-  layers.lower.coordinate.resize(cells);
-  layers.junction.resize(cells);
-  return layers;
+  return {.graph = &graph};
 }
 
 template <int N>
 void SurfaceLayers<N>::add_band(int band, const StackTables& tables,
-                                const CellAbsorption& absorption, double tolerance) {
-  assert(tables.layers.size() == 2 && absorption.upper.size() == junction.size());
-  const std::vector<double> scales = cell_scales_of_gaussians(*graph, tables.variances);
-  add_layer<N>(band, tables, tables.layers[0], absorption.upper, scales, tolerance, upper);
-  add_layer<N>(band, tables, tables.layers[1], absorption.lower, scales, tolerance, lower);
-  for (std::size_t i = 0; i < junction.size(); ++i)
-    junction[i][band] = std::exp(-absorption.absorbance[i]);
+                                std::span<const LayerTexels> texels,
+                                std::span<const std::vector<float>> absorbance, double tolerance) {
+  assert(tables.layers.size() == texels.size() && absorbance.size() + 1 == texels.size());
+  const std::size_t cells = graph->levels.front().area.size(), scales = scale_count(*graph);
+  const bool has_ground = tables.ground_reflectance > 0.0;
+  if (layers.empty()) {
+    layers.resize(texels.size() + (has_ground ? 1 : 0));
+    junctions.assign(layers.size() - 1, CellField<N>(cells, BandValues<N>::filled(1.0f)));
+  }
+  const std::vector<double> blurs = cell_scales_of_gaussians(*graph, tables.variances);
+  for (std::size_t l = 0; l < texels.size(); ++l)
+    add_layer<N>(
+        band,
+        make_transport_layer(tables, l, texels[l], static_cast<int>(cells), 1, blurs, tolerance),
+        cells, scales, layers[l]);
+  for (std::size_t j = 0; j < absorbance.size(); ++j)
+    for (std::size_t i = 0; i < cells; ++i)
+      junctions[j][i][band] = std::exp(-absorbance[j][absorbance[j].size() > 1 ? i : 0]);
+  if (has_ground)
+    add_layer<N>(band, ground_layer(tables.ground_reflectance, static_cast<int>(cells), 1, scales),
+                 cells, scales, layers.back());
 }
 
 template <int N>
 CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers) {
-  CellField<N> result(layers.junction.size());
-  for_cells(result.size(), [&](std::size_t i) {
-    const auto upper = [&](LayerOperator which) {
-      return total_at(layers.upper.operators[which], layers.upper.coordinate[i]);
-    };
-    const BandValues<N> back =
-        layers.junction[i] * layers.junction[i] *
-        total_at(layers.lower.operators[reflection_above], layers.lower.coordinate[i]);
-    result[i] = upper(reflection_above) +
-                upper(transmission_down) * back * upper(transmission_up) /
-                    (BandValues<N>::filled(1.0f) - back * upper(reflection_below));
+  const std::size_t cells = layers.graph->levels.front().area.size();
+  CellField<N> result(cells);
+  const std::size_t last = layers.layers.size() - 1;
+  for_cells(cells, [&](std::size_t i) {
+    BandValues<N> below = total_at<N>(layers.layers[last], reflection_above, i);
+    for (std::size_t l = last; l-- > 0;) {
+      const auto total = [&](LayerOperator which) {
+        return total_at<N>(layers.layers[l], which, i);
+      };
+      const BandValues<N> back = layers.junctions[l][i] * layers.junctions[l][i] * below;
+      below = total(reflection_above) +
+              total(transmission_down) * back * total(transmission_up) /
+                  (BandValues<N>::filled(1.0f) - back * total(reflection_below));
+    }
+    result[i] = below;
   });
   return result;
 }
@@ -159,7 +229,7 @@ CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers) {
 template <int N>
 CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
                        int interlayer_bounces) {
-  assert(interlayer_bounces >= 1 && irradiance.size() == layers.junction.size());
+  assert(interlayer_bounces >= 1 && !layers.layers.empty());
   int bounce = 0;
   const auto is_last = [&](const CellField<N>&) { return ++bounce == interlayer_bounces; };
   return detail::sum_interlayer_bounces(SurfaceField<N>(layers), irradiance, true, is_last)

@@ -11,35 +11,32 @@
 
 namespace lamina {
 
-/// What skin is at each cell of a surface in one band.
-struct CellAbsorption {
-  std::vector<float> upper, lower;  ///< [cell] of the two layers [1/mm], > 0
-  std::vector<float> absorbance;    ///< [cell] of the sheet between them, natural, per crossing
-};
-
-/// A layer over a half-space on a curved surface, their absorption different at each cell: what
-/// HeterogeneousLayers is on a plane, for all bands at once.
+/// Layers on a curved surface that are different at each cell: what HeterogeneousLayers is on a
+/// plane, for all bands at once.
 template <int N>
 struct SurfaceLayers {
   const CellGraph* graph = nullptr;
   struct Layer {
-    CellField<N> coordinate;
-    std::array<CellOperator<N>, 4> operators;  ///< R+, T+, R-, T-; the half-space has R+ only
+    CellBasis<N> basis;
+    std::array<CellOperator<N>, 4> operators;  ///< R+, T+, R-, T-; a half-space has R+ only
   };
-  Layer upper, lower;
-  CellField<N> junction;  ///< what a crossing leaves
-  ThinParts<N> thin;      ///< where light comes through from another side
+  std::vector<Layer> layers;            ///< from the lit surface downward; a ground is the last
+  std::vector<CellField<N>> junctions;  ///< [layer - 1] what a crossing leaves
+  ThinParts<N> thin;                    ///< where light comes through from another side
 
-  /// Adds a band; the next lane is its.
-  void add_band(int band, const StackTables& tables, const CellAbsorption& absorption,
-                double tolerance = 2e-4);
+  /// Adds a band; the next lane is its. All have the same layers.
+  ///
+  /// @param texels      [layer] a number for each cell, or one
+  /// @param absorbance  [layer - 1] of the sheets between, natural, per crossing, likewise
+  void add_band(int band, const StackTables& tables, std::span<const LayerTexels> texels,
+                std::span<const std::vector<float>> absorbance, double tolerance = 2e-4);
 };
 
 /// No layers yet, over a graph that must outlive them.
 template <int N>
 [[nodiscard]] SurfaceLayers<N> make_surface_layers(const CellGraph& graph);
 
-/// Fraction of the light that has entered that leaves, at each cell as if all skin were like it.
+/// Fraction of the light that has entered that leaves, at each cell as if all were like it.
 template <int N>
 [[nodiscard]] CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers);
 

@@ -49,7 +49,7 @@ CellField<N> seen_absorption(const CellGraph& graph, std::span<const ThinBand> b
   std::ranges::transform(depths, variances.begin(), [](double depth) { return depth * depth; });
   const std::vector<double> scales = cell_scales_of_gaussians(graph, variances);
   const std::size_t count = scale_count(graph);
-  CellOperator<N> mean{.powers = 1,
+  CellOperator<N> mean{.terms = 1,
                        .weights = std::vector<BandValues<N>>(count),
                        .totals = {BandValues<N>::filled(1.0f)}};
   for (std::size_t k = 0; k < scales.size(); ++k)
@@ -57,7 +57,7 @@ CellField<N> seen_absorption(const CellGraph& graph, std::span<const ThinBand> b
         BandValues<N>::filled(static_cast<float>(scales[k]) / static_cast<float>(depths.size()));
   const std::array<const CellOperator<N>*, 1> operators = {&mean};
   return std::move(
-      apply_cell_operators<N>(graph, sigma_a, CellField<N>(sigma_a.size()), operators)[0]);
+      apply_cell_operators<N>(graph, sigma_a, {CellField<N>(sigma_a.size())}, operators)[0]);
 }
 
 /// Which ways through the body count.

@@ -192,15 +192,19 @@ RenderSettings decode_render_settings(const JsonInput& value,
   return settings;
 }
 
-/// The value at a path such as "subsurface.skin" below an object, if it is there.
+/// The value at a path such as "subsurface.ground" below an object, or the last one on the way that
+/// is there; none where nothing is.
 std::optional<JsonInput> value_at(const JsonInput& object, std::string_view path) {
-  std::optional<JsonInput> value = object;
-  while (value && !path.empty()) {
+  JsonInput at = object;
+  std::optional<JsonInput> found;
+  while (!path.empty()) {
     const std::size_t dot = std::min(path.find('.'), path.size());
-    value = value->is_object() ? value->peek(path.substr(0, dot)) : std::nullopt;
+    const auto next = at.is_object() ? at.peek(path.substr(0, dot)) : std::nullopt;
+    if (!next) break;
+    found = at = *next;
     path.remove_prefix(std::min(dot + 1, path.size()));
   }
-  return value;
+  return found;
 }
 
 /// Remembers where a file gives what some methods do not honour.

@@ -24,6 +24,9 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+const MappableNumber melanin_number{
+    .of = MappableNumber::Of::skin, .part = 0, .name = "skin.melanin"};
+
 Material uniform_skin() {
   return parse_material(
       R"({ "lamina": "material", "version": 1, "name": "skin", "length_unit": "mm",
@@ -162,8 +165,7 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
   Image map = make_image(4, 4, {"Y"});
   std::ranges::fill(map.pixels, static_cast<float>(melanin));
   Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
-  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
-      {"melanin", &SkinParameters::melanin, map}};
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).material_maps = {{melanin_number, map}};
   scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
   const Image image = render(scene).image;
 
@@ -211,8 +213,8 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) *melanin.at(x, y) = y < 32 ? 0.15f : 0.01f;  // dark above
   Scene scene = lit_scene(make_square(16.0f), std::move(skin), 16.0);
-  std::get<SubsurfaceSurface>(scene.materials[0].surface).skin_maps = {
-      {"melanin", &SkinParameters::melanin, melanin}};
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).material_maps = {
+      {melanin_number, melanin}};
   scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
   const Image image = render(scene).image;
   const std::size_t green = *channel_index(image, "subsurface.G");
@@ -221,6 +223,41 @@ TEST(TextureSpace, MapsDarkenTheSkinWhereTheyHaveMelanin) {
   EXPECT_GT(dark, 0.02f * light);
   EXPECT_LT(image.at(12, 12)[green], light);  // within reach of the border
   scene.render.method = RenderSettings::Method::probe;
+  EXPECT_THROW((void)render(scene), InvalidInput);
+}
+
+// A coat of two thicknesses on stone: each half as adding-doubling has it, lit and seen from above.
+TEST(TextureSpace, CoatsMayVaryInThicknessOverAnyMaterial) {
+  const Material coated = parse_material(
+      R"({ "lamina": "material", "version": 1, "length_unit": "mm", "bands": "rgb",
+           "layers": [ { "sigma_a": [0.02, 0.02, 0.03], "sigma_s": 60, "g": 0.8, "ior": 1.5,
+                         "thickness": 0.1 },
+                       { "sigma_a": [0.3, 0.06, 0.2], "sigma_s": 8, "g": 0.5, "ior": 1.5,
+                         "thickness": "infinite" } ] })",
+      "test");
+  Image thickness = make_image(64, 64, {"Y"});
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) *thickness.at(x, y) = y < 32 ? 0.25f : 0.02f;  // thick above
+  Scene scene = lit_scene(make_square(16.0f), coated, 16.0);
+  auto& surface = std::get<SubsurfaceSurface>(scene.materials[0].surface);
+  surface.material_maps = {
+      {{.of = MappableNumber::Of::thickness, .name = "layers[0].thickness"}, thickness}};
+  scene.lights = {DirectionalLight{.direction = {0, 0, 1}, .irradiance = {3, 3, 3}}};
+  const Image image = render(scene).image;
+  const double seen = std::pow(1.0 - fresnel(1.0, 1.5), 2) / (1.0 - fresnel_diffuse(1.5));
+  for (const auto& [y, mm] : {std::pair{2, 0.25}, {21, 0.02}})
+    for (const std::size_t c : {0, 1, 2}) {
+      Material uniform = coated;
+      uniform.layers[0].thickness = mm;
+      const SlabTotals totals =
+          adding_doubling(layer_stack(uniform, c), {.is_diffuse = true}).totals;
+      const double wanted = totals.diffuse_reflectance / (1.0 - totals.specular_reflectance);
+      EXPECT_NEAR(pi / 3.0 * static_cast<double>(image.at(12, y)[c]), seen * wanted, 0.03 * wanted)
+          << mm << " mm, channel " << c;
+    }
+  // A map by band for other bands than those of the scene.
+  Image by_band = make_image(4, 4, {"a", "b"});
+  surface.material_maps[0].values = by_band;
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 

@@ -18,8 +18,9 @@
 namespace lamina {
 namespace {
 
-/// Levels of cells go on up to this size: Gaussians of skin are no wider [mm²].
-constexpr double largest_cell = 25.0;
+/// Levels of cells go on up to at least this size: Gaussians of skin are no wider [mm²]. Where
+/// light goes further, up to so many times the variance of what it spreads.
+constexpr double smallest_largest_cell = 25.0, cell_per_spread = 1.9;
 
 /// Texels that do not show get so many times fewer samples: their light comes in from afar only.
 constexpr int fewer_where_hidden = 8;
@@ -46,9 +47,21 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
       surface_(std::get<SubsurfaceSurface>(scene.scene->materials[material].surface)),
       material_(material),
       is_printed_exit_(is_printed_exit) {
-  if (!surface_.material.skin)
+  const auto refuse = [&](const std::string& rule) {
     throw InvalidInput("material \"" + scene.scene->materials[material].name +
-                       "\": method texture_space needs a material of recipe \"skin\"");
+                       "\": method texture_space needs " + rule);
+  };
+  if (surface_.material.ground.top.roughness > 0.0) refuse("a smooth boundary to the ground");
+  const BandSet& bands = surface_.material.bands;
+  for (const MaterialMap& map : surface_.material_maps) {
+    const std::size_t channels = map.values.channel_count();
+    const bool is_of_layers = surface_.material.skin == std::nullopt && !surface_.material.leaf;
+    if (channels > 1 && channels != bands.size())
+      refuse("maps by band for the bands of the scene, but that of " + map.number.name + " has " +
+             std::to_string(channels) + " for " + std::to_string(bands.size()));
+    if (!is_of_layers && bands.is_rgb())
+      refuse("wavelengths for a map of " + map.number.name + ", but the scene is in RGB");
+  }
 }
 
 template <int N>
@@ -74,49 +87,55 @@ void TextureSpaceTransport<N>::make_texels(float spacing) {
 template <int N>
 void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) {
   const TextureAtlas::Cells cells = atlas_->cells();
-  graph_ = make_cell_graph(cells.cells, cells.links, largest_cell);
-  layers_ = make_surface_layers<N>(graph_);
   const std::vector<NumberTexels> maps =
       sample_maps(surface_.material_maps, scene_.scene->meshes, *atlas_);
-  const auto wavelengths = surface_.material.bands.wavelengths();
-  const OperatorTotals totals = takes_material_totals(surface_.material, scene_.scene->render)
-                                    ? OperatorTotals::radiative_transfer_diffuse
-                                    : OperatorTotals::diffusion;
-  std::vector<StackTables> tables(wavelengths.size());
-  std::vector<CellAbsorption> absorption(wavelengths.size());
-  std::vector<MappedStack> stacks(wavelengths.size());
-  parallel_for(wavelengths.size(), [&](std::size_t b) {
-    const BandTexels texels = band_texels(surface_.material, maps, atlas_->texels().size(), b);
-    const auto all = [&](const std::vector<float>& values) {
-      return values.size() > 1 ? values : std::vector(atlas_->texels().size(), values[0]);
-    };
-    if (!std::ranges::all_of(texels.layers, varies_in_absorption_only))
-      throw InvalidInput("material \"" + scene_.scene->materials[material_].name +
-                         "\": method texture_space takes maps of what skin absorbs; those of "
-                         "scattering and thickness are for patches");
-    absorption[b] = {all(texels.layers[0].sigma_a), all(texels.layers[1].sigma_a),
-                     all(texels.absorbance[0])};
-    stacks[b] = mapped_stack(surface_.material, b, texels, {.lowest = 0.0, .highest = 1e9});
-    tables[b] = cached_stack_tables(cache, stacks[b], totals, reference_absorptions(texels));
+  const std::size_t bands = surface_.material.bands.size();
+  const OperatorTotals totals = texture_space_totals();
+  std::vector<StackTables> tables(bands);
+  std::vector<BandTexels> texels(bands);
+  std::vector<MappedStack> stacks(bands);
+  Material material = surface_.material;
+  material.layers.front().top = {};  // the surface's roughness is the coat's business
+  parallel_for(bands, [&](std::size_t b) {
+    texels[b] = band_texels(material, maps, atlas_->texels().size(), b);
+    stacks[b] = mapped_stack(material, b, texels[b]);
+    tables[b] = cached_stack_tables(cache, stacks[b], totals, reference_absorptions(texels[b]));
   });
-  for (std::size_t b = 0; b < wavelengths.size(); ++b)
-    layers_->add_band(static_cast<int>(b), tables[b], absorption[b]);
-  std::vector<ThinBand> bands;
-  for (std::size_t b = 0; b < wavelengths.size(); ++b)
-    bands.push_back({.stack = &stacks[b],
-                     .tables = &tables[b],
-                     .reference = {typical_absorption(absorption[b].upper),
-                                   typical_absorption(absorption[b].lower)},
-                     .sigma_a = absorption[b].lower,
-                     .has_transfer_totals = totals != OperatorTotals::diffusion});
-  std::vector<Vec3f> positions, normals;
-  for (const AtlasTexel& texel : atlas_->texels()) {
-    positions.push_back(texel.position);
-    normals.push_back(texel.normal);
+  double widest = smallest_largest_cell;
+  for (const StackTables& table : tables)
+    widest = std::max(widest, cell_per_spread * widest_spread(table.lattices));
+  graph_ = make_cell_graph(cells.cells, cells.links, widest);
+  layers_ = make_surface_layers<N>(graph_);
+  for (std::size_t b = 0; b < bands; ++b)
+    layers_->add_band(static_cast<int>(b), tables[b], texels[b].layers, texels[b].absorbance);
+  if (std::isinf(material.layers.back().thickness)) {
+    std::vector<std::vector<float>> last(bands);  // absorption of the last layer
+    std::vector<ThinBand> thin;
+    for (std::size_t b = 0; b < bands; ++b) {
+      last[b] = texels[b].layers.back().sigma_a;
+      last[b].resize(atlas_->texels().size(), last[b].front());
+      thin.push_back({.stack = &stacks[b],
+                      .tables = &tables[b],
+                      .reference = reference_absorptions(texels[b]),
+                      .sigma_a = last[b],
+                      .has_transfer_totals = totals != OperatorTotals::diffusion});
+    }
+    std::vector<Vec3f> positions, normals;
+    for (const AtlasTexel& texel : atlas_->texels()) {
+      positions.push_back(texel.position);
+      normals.push_back(texel.normal);
+    }
+    layers_->thin = make_thin_parts<N>(graph_, positions, normals, thin);
   }
-  layers_->thin = make_thin_parts<N>(graph_, positions, normals, bands);
   reflectance_ = uniform_reflectance(*layers_);
   extend(reflectance_);
+}
+
+template <int N>
+OperatorTotals TextureSpaceTransport<N>::texture_space_totals() const {
+  const Material& material = surface_.material;
+  const bool is_transfer = !material.skin || takes_material_totals(material, scene_.scene->render);
+  return is_transfer ? OperatorTotals::radiative_transfer_diffuse : OperatorTotals::diffusion;
 }
 
 template <int N>

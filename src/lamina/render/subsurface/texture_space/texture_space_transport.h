@@ -16,10 +16,10 @@
 
 namespace lamina {
 
-/// Subsurface transport in texture space, through skin whose parameters are maps.
+/// Subsurface transport in texture space, through layers whose numbers are maps.
 ///
 /// The surface is cut into texels, the light that enters each is found, and light scatters from
-/// texel to texel through epidermis and dermis with the profiles that the maps give each of them,
+/// texel to texel through the layers with the profiles that the maps give each of them,
 /// over the borders of charts as within them. What leaves is looked up where the eye looks. So
 /// everything is done once, for any camera; detail is that of the texels.
 ///
@@ -30,11 +30,11 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   using Bands = BandValues<N>;
 
   /// @param material  index of a translucent material; the scene must outlive the transport.
-  /// @throws InvalidInput if the material is no recipe of skin.
+  /// @throws InvalidInput if its boundary to the ground is rough.
   TextureSpaceTransport(const RenderScene& scene, std::uint32_t material, bool is_printed_exit);
 
-  /// Cuts the surface into texels and takes the light that is kept, or works out what skin is at
-  /// each of them.
+  /// Cuts the surface into texels and takes the light that is kept, or works out what the
+  /// layers are at each of them.
   /// @throws InvalidInput if no texel lies on the material, as TextureAtlas, LightCache::find
   void prepare_reflectance(const Preparation<N>& with) override;
 
@@ -59,9 +59,13 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   /// @throws InvalidInput as TextureAtlas, or if no texel lies on the material.
   void make_texels(float spacing);
 
-  /// Works out what skin is at each texel. Comes before sample_light.
+  /// Works out what the layers are at each texel. Comes before sample_light.
   /// @param cache  of tables
   void make_layers(const std::optional<DiskCache>& cache);
+
+  /// What the operators of the layers are scaled to: radiative transfer, but for skin whose
+  /// constants are for diffusion.
+  [[nodiscard]] OperatorTotals texture_space_totals() const;
 
   /// Samples the light on the texels.
   ///

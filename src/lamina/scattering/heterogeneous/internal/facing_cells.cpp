@@ -57,7 +57,7 @@ void find_wide_normals(const CellGraph& graph, std::vector<FacingCell>& cells) {
   std::array<CellOperator<4>, variances.size()> blurs;
   std::array<const CellOperator<4>*, variances.size()> operators{};
   for (std::size_t w = 0; w < blurs.size(); ++w) {
-    blurs[w] = {.powers = 1, .weights = {}, .totals = {BandValues<4>::filled(1.0f)}};
+    blurs[w] = {.terms = 1, .weights = {}, .totals = {BandValues<4>::filled(1.0f)}};
     for (std::size_t k = 0; k < scales; ++k)
       blurs[w].weights.push_back(
           BandValues<4>::filled(static_cast<float>(weights[w * scales + k])));
@@ -67,7 +67,7 @@ void find_wide_normals(const CellGraph& graph, std::vector<FacingCell>& cells) {
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) normals[i][axis] = cells[i].normal[axis];
   const auto blurred =
-      apply_cell_operators<4>(graph, normals, CellField<4>(cells.size()), operators);
+      apply_cell_operators<4>(graph, normals, {CellField<4>(cells.size())}, operators);
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t w = 0; w < blurs.size(); ++w)
       cells[i].wide_normal[w] = {blurred[w][i][0], blurred[w][i][1], blurred[w][i][2]};

@@ -108,9 +108,12 @@ FramedRow::FramedRow(int size) : size_(size), values_(static_cast<std::size_t>(s
 float* FramedRow::data() { return values_.data() + 2 * frame; }
 
 void FramedRow::mirror() {
-  for (int i = 1; i <= static_cast<int>(frame); ++i) {
-    data()[-i] = data()[reflected(-i, size_)];
-    data()[size_ + i - 1] = data()[reflected(size_ + i - 1, size_)];
+  float* const row = data();
+  constexpr int reach = static_cast<int>(frame);
+  for (int i = 1; i <= reach; ++i) {
+    const bool is_wide = size_ >= reach;
+    row[-i] = row[is_wide ? i - 1 : reflected(-i, size_)];
+    row[size_ + i - 1] = row[is_wide ? size_ - i : reflected(size_ + i - 1, size_)];
   }
 }
 

@@ -81,6 +81,59 @@ Layer solid_layer(const MappedStack& stack, std::size_t layer, const LayerState&
       .top = {.roughness = layer == 0 ? state.roughness : 0.0, .distribution = stack.distribution}};
 }
 
+namespace {
+
+/// The layers above one, at their reference states, or with so much less absorption that enough
+/// light comes back through them to tell how that one reflects.
+struct Cover {
+  LayerResponse response;
+  std::vector<Layer> layers;
+};
+
+/// @param at_reference  [layer] responses of the layers above at their reference states
+Cover cover_of(const MappedStack& stack, std::span<const LayerResponse> at_reference,
+               std::span<const LayerState> reference, From outside) {
+  constexpr double enough = 1e-3;
+  Cover cover;
+  for (double share = 1.0; cover.layers.empty(); share *= 0.5) {
+    cover.response = LayerResponse{};
+    for (std::size_t i = 0; i < at_reference.size(); ++i) {
+      LayerState state = reference[i];
+      state.sigma_a *= share;
+      cover.response = stacked(
+          cover.response, share == 1.0 ? at_reference[i] : solve_layer(stack, i, state, outside));
+      cover.layers.push_back(solid_layer(stack, i, state));
+    }
+    if (cover.response.transmission_down * cover.response.transmission_up < enough && share > 1e-3)
+      cover.layers.clear();
+  }
+  return cover;
+}
+
+/// A layer alone if it is the first, else such that it and those above it reflect and transmit as
+/// they should.
+LayerResponse solve_on(const MappedStack& stack, std::size_t i, const LayerState& state,
+                       const Cover& cover, From outside) {
+  LayerResponse r{0.0, 0.0, 0.0, 0.0};
+  if (i == 0 || std::isfinite(state.thickness)) r = solve_layer(stack, i, state, outside);
+  if (i == 0) return r;
+  std::vector<Layer> layers = cover.layers;
+  layers.push_back(solid_layer(stack, i, state));
+  return last_of(cover.response,
+                 solve(LayerStack(layers, stack.ior_above, ior_under(stack, i)), outside), r);
+}
+
+/// The first layer such that the whole stack reflects and transmits as `whole`, with `below` under
+/// it.
+LayerResponse first_of(const Entered& whole, const LayerResponse& below, LayerResponse first) {
+  const double transmitted = stacked(first, below).transmission_down;
+  if (transmitted > 1e-6) first.transmission_down *= whole.transmission / transmitted;
+  first.reflection_above += whole.reflection - stacked(first, below).reflection_above;
+  return first;
+}
+
+}  // namespace
+
 std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
                                                   std::span<const StateLattice> lattices,
                                                   std::span<const LayerState> reference,
@@ -88,50 +141,45 @@ std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
   assert(reference.size() == stack.layers.size() && lattices.size() == stack.layers.size());
   const std::size_t size = stack.layers.size();
   const From outside = is_lit_evenly ? From::outside_evenly : From::outside;
-
-  // The layers above the last one, at their reference states, or with so much less absorption that
-  // enough light comes back through them to tell how the last one reflects.
-  constexpr double enough = 1e-3;
-  LayerResponse cover;
-  std::vector<Layer> all;
-  for (double share = 1.0; size > 1 && all.empty(); share *= 0.5) {
-    cover = LayerResponse{};
-    for (std::size_t i = 0; i + 1 < size; ++i) {
-      LayerState state = reference[i];
-      state.sigma_a *= share;
-      cover = stacked(cover, solve_layer(stack, i, state, outside));
-      all.push_back(solid_layer(stack, i, state));
+  std::vector<ChebyshevBox> boxes;
+  std::vector<std::vector<LayerResponse>> at_points(size);
+  std::vector<LayerResponse> at_reference;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Cover cover = i > 0 ? cover_of(stack, at_reference, reference, outside) : Cover{};
+    boxes.emplace_back(lattices[i], 4.0, 28);
+    for (std::size_t point = 0; point < boxes[i].size(); ++point)
+      at_points[i].push_back(solve_on(stack, i, boxes[i].state(point), cover, outside));
+    at_reference.push_back(solve_on(stack, i, reference[i], cover, outside));
+  }
+  if (size > 1 && stack.layers[0].states) {
+    LayerResponse below;
+    std::vector<Layer> layers = {{}};
+    for (std::size_t i = 1; i < size; ++i) {
+      below = stacked(below, at_reference[i]);
+      layers.push_back(solid_layer(stack, i, reference[i]));
     }
-    if (cover.transmission_down * cover.transmission_up < enough && share > 1e-3) all.clear();
+    for (std::size_t point = 0; point < boxes[0].size(); ++point) {
+      layers[0] = solid_layer(stack, 0, boxes[0].state(point));
+      at_points[0][point] =
+          first_of(solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside), below,
+                   at_points[0][point]);
+    }
   }
 
   std::vector<LayerTotals> totals(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    const ChebyshevBox box(lattices[i], 4.0, 28);
-    LayerTotals at_points;
-    for (std::size_t point = 0; point < box.size(); ++point) {
-      const LayerState state = box.state(point);
-      const bool is_on_others = size > 1 && i + 1 == size;
-      LayerResponse r{0.0, 0.0, 0.0, 0.0};
-      if (!is_on_others || std::isfinite(state.thickness))
-        r = solve_layer(stack, i, state, outside);
-      if (is_on_others) {
-        std::vector<Layer> layers = all;
-        layers.push_back(solid_layer(stack, i, state));
-        r = last_of(cover, solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside), r);
-      }
-      at_points[0].push_back(r.reflection_above), at_points[1].push_back(r.transmission_down);
-      at_points[2].push_back(r.reflection_below), at_points[3].push_back(r.transmission_up);
-    }
+  for (std::size_t i = 0; i < size; ++i)
     for (std::size_t node = 0; node < node_count(lattices[i]); ++node) {
-      const std::vector<double> shares = box.shares(node_state(lattices[i], node));
-      for (std::size_t which = 0; which < 4; ++which) {
-        double sum = 0.0;
-        for (std::size_t p = 0; p < shares.size(); ++p) sum += shares[p] * at_points[which][p];
-        totals[i][which].push_back(std::max(0.0, sum));
+      const std::vector<double> shares = boxes[i].shares(node_state(lattices[i], node));
+      std::array<double, 4> sums{};
+      for (std::size_t p = 0; p < shares.size(); ++p) {
+        const LayerResponse& r = at_points[i][p];
+        const std::array<double, 4> values = {r.reflection_above, r.transmission_down,
+                                              r.reflection_below, r.transmission_up};
+        for (std::size_t which = 0; which < 4; ++which) sums[which] += shares[p] * values[which];
       }
+      for (std::size_t which = 0; which < 4; ++which)
+        totals[i][which].push_back(std::max(0.0, sums[which]));
     }
-  }
   return totals;
 }
 

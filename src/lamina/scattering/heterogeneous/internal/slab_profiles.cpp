@@ -45,8 +45,10 @@ LayerResponse coat_of(const ThinBand& band) {
   for (std::size_t i = 0; i + 1 < band.stack->layers.size(); ++i) {
     std::array<double, 4> totals{};
     const auto tables = operator_tables(band.tables->layers[i]);
+    const LatticePlace place = place_in(band.tables->lattices[i],
+                                        reference_state(band.stack->layers[i], band.reference[i]));
     for (std::size_t which = 0; which < 4; ++which)
-      for (const double weight : weights_at(*band.tables, *tables[which], band.reference[i]))
+      for (const double weight : weights_at(band.tables->lattices[i], *tables[which], place))
         totals[which] += weight;
     coat = stacked(coat, {totals[0], totals[1], totals[2], totals[3]});
   }
