@@ -12,6 +12,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/vec_precision.h"
+#include "lamina/mesh/mesh_holes.h"
 #include "lamina/mesh/mesh_orientation.h"
 #include "lamina/mesh/mesh_subdivision.h"
 #include "lamina/mesh/mesh_triangulation.h"
@@ -253,6 +254,7 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
   const std::size_t without_uvs = complete_uvs(polygons);
   const std::size_t bad_normals = drop_bad_normals(polygons);
 
+  if (!options.closes.empty()) close_holes(polygons, options.closes);
   OrientedMesh oriented = orient_mesh(std::move(polygons));
   polygons = subdivide_catmull_clark(std::move(oriented.mesh), options.subdivision);
   TriangleBuilder builder(polygons,

@@ -55,6 +55,7 @@ struct MeshOptions {
   int subdivision =
       0;  ///< Catmull-Clark steps, in [0, most_subdivisions]; they imply smooth normals
   NormalSource normals = NormalSource::file;
+  std::vector<bool> closes;  ///< [part], whether its holes are closed; empty: none are
   MemoryBudget memory = {};  ///< that making the mesh may take
 };
 

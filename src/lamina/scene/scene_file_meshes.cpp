@@ -120,7 +120,8 @@ PolygonMesh decode_polygons(const JsonInput& value) {
   const auto file = value.peek("file"), shape = value.peek("shape");
   if (file && shape) value.fail("must have \"file\" or \"shape\", but has both");
   if (shape) return decode_shape(value);
-  (void)value.object({"file", "shape", "material", "parts", "subdivision", "normals", "transform"});
+  (void)value.object(
+      {"file", "shape", "material", "parts", "close_holes", "subdivision", "normals", "transform"});
   if (!file) value.fail("must have \"file\" or \"shape\", but has neither");
   return load_for(*file, [&] { return load_polygon_mesh(file->file_path(), file->memory()); });
 }
@@ -165,6 +166,24 @@ std::vector<std::uint32_t> decode_parts(const JsonInput& value, const PolygonMes
   return material_of_part;
 }
 
+/// Whether the holes of each part are closed: of all parts, of those that a list names, or none.
+std::vector<bool> decode_close_holes(const JsonInput& value, const PolygonMesh& polygons) {
+  const auto given = value.peek("close_holes");
+  if (!given) return {};
+  if (!given->is_array())
+    return std::vector<bool>(given->boolean() ? polygons.parts.size() : 0, true);
+  std::vector<bool> closes(polygons.parts.size(), false);
+  for (const JsonInput& name : given->array()) {
+    const std::string label = name.string();
+    bool is_found = false;
+    for (std::size_t p = 0; p < polygons.parts.size(); ++p)
+      if (std::ranges::find(polygons.parts[p].labels, label) != polygons.parts[p].labels.end())
+        closes[p] = is_found = true;
+    if (!is_found) name.fail(polygons.name + " has no part of that name");
+  }
+  return closes;
+}
+
 /// Takes out the faces of parts without a material.
 PolygonMesh keep_parts(PolygonMesh polygons, const std::vector<std::uint32_t>& material_of_part) {
   if (std::ranges::find(material_of_part, no_index) == material_of_part.end()) return polygons;
@@ -204,6 +223,7 @@ DecodedMesh decode_mesh(const JsonInput& value, const std::vector<DecodedMateria
                                                      {"flat", NormalSource::flat}});
   PolygonMesh polygons = decode_polygons(value);
   const std::vector<std::uint32_t> material_of_part = decode_parts(value, polygons, materials);
+  options.closes = decode_close_holes(value, polygons);
   options.memory = value.memory();
   PreparedMesh prepared = load_for(value, [&] {
     return make_mesh(keep_parts(std::move(polygons), material_of_part), options, material_of_part);
