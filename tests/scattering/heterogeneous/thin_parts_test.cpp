@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
@@ -172,7 +173,7 @@ TEST(ThinParts, TransmitWhatRadiativeTransferSays) {
         adding_doubling(LayerStack({layer(0, 0.25), layer(1, static_cast<double>(thickness) - 0.5),
                                     layer(0, 0.25)},
                                    1.0, 1.0),
-                        {.is_diffuse = true})
+                        {.theta = std::numbers::pi / 4.0})
             .totals;
     const double entered = 1.0 - wanted.specular_reflectance;
     const CellField<4> left = transport(layers, light_below(plate, [](auto) { return 1.0f; }));
@@ -258,6 +259,14 @@ double sent(const Vec3& offset, const Vec3& to, const Vec3& from) {
          (4.0 * std::numbers::pi);
 }
 
+/// The same through a slab, by image sources.
+double slab_sends(double lateral, double thickness) {
+  double sum = 0.0;
+  for (int k = -20; k <= 20; ++k)
+    sum += 2.0 * sent({lateral, 0.0, (2.0 * k + 1.0) * thickness}, {0, 0, 1}, {0, 0, -1});
+  return sum;
+}
+
 // Faces of wedges, whose exchange is known by image sources, through facing_pair's share of the
 // slab and what goes over the edge.
 TEST(ThinParts, FacesOfAWedgeExchangeWhatImageSourcesSay) {
@@ -279,23 +288,56 @@ TEST(ThinParts, FacesOfAWedgeExchangeWhatImageSourcesSay) {
       }
       const auto cell = [](const Vec3& p, const Vec3& n) {
         const Vec3f normal{static_cast<float>(n.x), static_cast<float>(n.y), 0.0f};
-        detail::FacingCell result{.position = {static_cast<float>(p.x), static_cast<float>(p.y), 0},
+        return detail::FacingCell{.position = {static_cast<float>(p.x), static_cast<float>(p.y), 0},
                                   .normal = normal,
                                   .area = 1.0f};
-        result.wide_normal.fill(normal);
-        return result;
       };
       const detail::FacingPair pair = detail::facing_pair(cell(x, nx), cell(y, ny));
       const double r = std::sqrt(static_cast<double>(pair.lateral2));
-      double of_slab = 0.0;
-      for (int k = -20; k <= 20; ++k)
-        of_slab += 2.0 * sent({r, 0.0, (2.0 * k + 1.0) * static_cast<double>(pair.thickness)},
-                              {0, 0, 1}, {0, 0, -1});
+      const double of_slab = slab_sends(r, static_cast<double>(pair.thickness));
       const double over_the_edge = 1.0 + along;
       const double found = static_cast<double>(pair.of_slab) * of_slab +
                            1.0 / (2.0 * std::numbers::pi * std::pow(over_the_edge, 3));
       EXPECT_NEAR(found, wanted, 0.06 * wanted) << images << ' ' << along;
       EXPECT_NEAR(pair.of_distance, 0.0f, 1e-6f);
+    }
+  }
+}
+
+// Concentric spheres, between which light falls as 1 / r: R / r times what a flat slab lets through
+// inward, r / R times outward.
+TEST(ThinParts, ShellsLetThroughMoreThanTheirPairsAsSlabs) {
+  for (const auto& [inner, outer] : {std::pair(20.0, 26.0), {12.0, 18.0}, {9.0, 14.0}}) {
+    const double thickness = outer - inner;
+    const auto cell = [&](double angle, double radius, double out) {
+      const Vec3 n{std::sin(angle), 0.0, std::cos(angle)};
+      const auto single = [](const Vec3& v) {
+        return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+      };
+      detail::FacingCell result{.position = single(radius * n), .normal = single(out * n)};
+      // The mean normal over a Gaussian on a sphere is exp(-variance / radius²) long.
+      for (std::size_t w = 0; w < result.bend.size(); ++w) {
+        const double width = detail::bend_width * std::exp2(w);
+        result.bend[w] = static_cast<float>(out * width * width / (radius * radius));
+      }
+      return result;
+    };
+    for (const bool is_inward : {true, false}) {
+      const double near = is_inward ? inner : outer, far = is_inward ? outer : inner;
+      const detail::FacingCell to = cell(0.0, near, is_inward ? -1.0 : 1.0);
+      double sum = 0.0;
+      constexpr int rings = 600;
+      for (int i = 0; i < rings; ++i) {
+        const double step = std::numbers::pi / rings, angle = (i + 0.5) * step;
+        const detail::FacingPair pair =
+            detail::facing_pair(to, cell(angle, far, is_inward ? 1.0 : -1.0));
+        if (!(pair.of_slab > 0.0f)) continue;
+        const double area = 2.0 * std::numbers::pi * far * far * std::sin(angle) * step;
+        sum += area * static_cast<double>(pair.of_slab) *
+               slab_sends(std::sqrt(static_cast<double>(pair.lateral2)),
+                          static_cast<double>(pair.thickness));
+      }
+      EXPECT_NEAR(sum * thickness, far / near, 0.1 * far / near) << inner << ' ' << is_inward;
     }
   }
 }

@@ -11,6 +11,10 @@
 namespace lamina::detail {
 namespace {
 
+/// A shell lets more through than the slab on which two of its places lie, on either way: 1 + .42
+/// d² / (R r), whose radii are in the bends.
+constexpr float shell_gain = static_cast<float>(0.42 / (bend_width * bend_width));
+
 /// A cell is taken as a whole from so many of its radii on.
 constexpr float radii_away = 4.0f;
 /// Normals within a cell that is taken as a whole differ by less than this length of their mean.
@@ -27,12 +31,12 @@ std::vector<FacingCell> coarser_cells(const CellLevel& level, std::span<const Fa
       cell.area += fine[child].area;
       cell.position += fine[child].area * fine[child].position;
       cell.normal += fine[child].area * fine[child].normal;
-      for (std::size_t w = 0; w < cell.wide_normal.size(); ++w)
-        cell.wide_normal[w] += fine[child].area * fine[child].wide_normal[w];
+      for (std::size_t w = 0; w < cell.bend.size(); ++w)
+        cell.bend[w] += fine[child].area * fine[child].bend[w];
     }
     cell.position = cell.position / cell.area;
     cell.normal = cell.normal / cell.area;
-    for (Vec3f& normal : cell.wide_normal) normal = normal / cell.area;
+    for (float& bend : cell.bend) bend /= cell.area;
     for (const std::uint32_t child : children)
       cell.radius =
           std::max(cell.radius, length(fine[child].position - cell.position) + fine[child].radius);
@@ -45,32 +49,39 @@ CellGraph from_level(const CellGraph& graph, std::size_t level) {
   return {{graph.levels.begin() + static_cast<std::ptrdiff_t>(level), graph.levels.end()}};
 }
 
-void find_wide_normals(const CellGraph& graph, std::vector<FacingCell>& cells) {
-  constexpr float width_in_thicknesses = 0.35f;
-  std::array<double, std::tuple_size_v<decltype(FacingCell::wide_normal)>> variances{};
-  for (std::size_t w = 0; w < variances.size(); ++w) {
-    const double width = static_cast<double>(width_in_thicknesses) * std::exp2(w);
+void find_bends(const CellGraph& graph, std::vector<FacingCell>& cells) {
+  constexpr std::size_t widths = std::tuple_size_v<decltype(FacingCell::bend)>;
+  std::array<double, widths> variances{};
+  for (std::size_t w = 0; w < widths; ++w) {
+    const double width = bend_width * std::exp2(w);
     variances[w] = width * width;
   }
   const std::size_t scales = scale_count(graph);
   const std::vector<double> weights = cell_scales_of_gaussians(graph, variances);
-  std::array<CellOperator<4>, variances.size()> blurs;
-  std::array<const CellOperator<4>*, variances.size()> operators{};
-  for (std::size_t w = 0; w < blurs.size(); ++w) {
-    blurs[w] = {.terms = 1, .weights = {}, .totals = {BandValues<4>::filled(1.0f)}};
+  std::array<CellOperator<8>, widths> blurs;
+  std::array<const CellOperator<8>*, widths> operators{};
+  for (std::size_t w = 0; w < widths; ++w) {
+    blurs[w] = {.terms = 1, .weights = {}, .totals = {BandValues<8>::filled(1.0f)}};
     for (std::size_t k = 0; k < scales; ++k)
       blurs[w].weights.push_back(
-          BandValues<4>::filled(static_cast<float>(weights[w * scales + k])));
+          BandValues<8>::filled(static_cast<float>(weights[w * scales + k])));
     operators[w] = &blurs[w];
   }
-  CellField<4> normals(cells.size());
+  CellField<8> field(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) normals[i][axis] = cells[i].normal[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+      field[i][axis] = cells[i].normal[axis];
+      field[i][4 + axis] = cells[i].position[axis];
+    }
   const auto blurred =
-      apply_cell_operators<4>(graph, normals, {CellField<4>(cells.size())}, operators);
+      apply_cell_operators<8>(graph, field, {CellField<8>(cells.size())}, operators);
   for (std::size_t i = 0; i < cells.size(); ++i)
-    for (std::size_t w = 0; w < blurs.size(); ++w)
-      cells[i].wide_normal[w] = {blurred[w][i][0], blurred[w][i][1], blurred[w][i][2]};
+    for (std::size_t w = 0; w < widths; ++w) {
+      const BandValues<8>& mean = blurred[w][i];
+      const Vec3f normal{mean[0], mean[1], mean[2]}, around{mean[4], mean[5], mean[6]};
+      const float bend = -std::log(std::clamp(length(normal), 0.01f, 1.0f));
+      cells[i].bend[w] = dot(cells[i].position - around, cells[i].normal) < 0.0f ? -bend : bend;
+    }
 }
 
 /// All cells that a cell takes light from, coarse ones where they are far.
@@ -130,15 +141,16 @@ FacingPair facing_pair(const FacingCell& to, const FacingCell& from) {
   if (of_wedge > 0.0f) {
     pair.thickness = dot(offset, across) / std::sqrt(length2);
     pair.lateral2 = std::max(distance2 - pair.thickness * pair.thickness, 0.0f);
-    const float width = std::clamp(std::log2(pair.thickness), 0.0f, 3.999f);
+    const float width = std::clamp(std::log2(std::max(pair.thickness, 1.0f)), 0.0f, 3.999f);
     const auto w = static_cast<std::size_t>(width);
-    const auto wide_normal = [&](const FacingCell& cell) {
-      return cell.wide_normal[w] +
-             (width - static_cast<float>(w)) * (cell.wide_normal[w + 1] - cell.wide_normal[w]);
+    const auto bend = [&](const FacingCell& cell) {
+      return std::lerp(cell.bend[w], cell.bend[w + 1], width - static_cast<float>(w));
     };
-    const Vec3f a = wide_normal(to), b = wide_normal(from);
-    flatness = std::min(std::sqrt(dot(a, a) * dot(b, b)), 1.0f);
-    pair.of_slab = near * flatness * of_wedge;
+    const float a = bend(to), b = bend(from);
+    flatness = std::exp(-std::max(a + b, 0.0f));
+    const float of_shell =
+        a * b < 0.0f ? std::min(1.0f + shell_gain * std::sqrt(-a * b), 2.0f) : 1.0f;
+    pair.of_slab = near * flatness * of_shell * of_wedge;
   }
   // On a ball light goes 2 R sin(x) through it or 2 R x over it, with x the angle of both normals
   // to the plane across the way; R falls as the third power of distance.
@@ -165,7 +177,7 @@ FacingCells find_facing_cells(const CellGraph& graph, std::span<const Vec3f> pos
   while (found.level + 1 < graph.levels.size() &&
          graph.levels[found.level + 1].typical_area < spacing * spacing)
     cells = coarser_cells(graph.levels[found.level++], cells);
-  find_wide_normals(from_level(graph, found.level), cells);
+  find_bends(from_level(graph, found.level), cells);
   const std::size_t takers = cells.size();
   found.begin = {0};
   for (std::size_t level = found.level;; ++level) {

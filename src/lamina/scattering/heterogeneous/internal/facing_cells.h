@@ -15,14 +15,19 @@ namespace lamina::detail {
 /// How far light is followed through a body [mm].
 inline constexpr float thin_reach = 20.0f;
 
+/// Bends of a surface are those over such a part of a slab's thickness, the standard deviation of a
+/// Gaussian on the surface.
+inline constexpr double bend_width = 0.6;
+
 /// A cell as others see it.
 struct FacingCell {
   Vec3f position;       ///< mean over the cell [mm]
   Vec3f normal;         ///< mean, so shorter than 1 where the surface bends
   float area = 0.0f;    ///< [mm²]
   float radius = 0.0f;  ///< of a ball around the position that holds the cell [mm]
-  /// Means of the normal over ever wider surroundings, for slabs of 1, 2, 4, 8 and 16 mm.
-  std::array<Vec3f, 5> wide_normal{};
+  /// How the surface bends around it, as slabs of 1, 2, 4, 8 and 16 mm see it: minus the logarithm
+  /// of the mean normal's length over a third of that, negative in hollows.
+  std::array<float, 5> bend{};
 };
 
 /// A way through the body between two cells.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "lamina/core/parallel.h"
@@ -80,9 +81,11 @@ SlabResponse transfer_slab(const ThinBand& band, const LayerResponse& coat, doub
   add(last, thickness);
   if (std::isfinite(thickness))
     for (std::size_t i = last; i-- > 0;) add(i, band.stack->layers[i].thickness);
+  // Even light would get through 3.5 % less, a lamp straight behind 3.5 % more.
+  constexpr double theta = std::numbers::pi / 4.0;
   const SlabTotals totals =
       adding_doubling(LayerStack(layers, band.stack->ior_above, band.stack->ior_above),
-                      {.is_diffuse = true})
+                      {.theta = theta})
           .totals;
   const double entered = 1.0 - totals.specular_reflectance;
   const double reflected = totals.diffuse_reflectance / entered;
