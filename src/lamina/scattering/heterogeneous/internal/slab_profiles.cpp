@@ -82,7 +82,7 @@ SlabResponse transfer_slab(const ThinBand& band, const LayerResponse& coat, doub
   if (std::isfinite(thickness))
     for (std::size_t i = last; i-- > 0;) add(i, band.stack->layers[i].thickness);
   // Even light would get through 3.5 % less, a lamp straight behind 3.5 % more.
-  constexpr double theta = std::numbers::pi / 4.0;
+  constexpr double theta = std::numbers::pi / 6.0;
   const SlabTotals totals =
       adding_doubling(LayerStack(layers, band.stack->ior_above, band.stack->ior_above),
                       {.theta = theta})
