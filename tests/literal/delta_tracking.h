@@ -13,7 +13,7 @@
 #include "lamina/core/vec.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/phase_function.h"
-#include "lamina/scattering/heterogeneous/state_lattice.h"
+#include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina::reference {
 

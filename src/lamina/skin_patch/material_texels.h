@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/materials/material.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 

@@ -6,8 +6,8 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 

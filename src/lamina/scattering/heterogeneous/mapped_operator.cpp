@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/heterogeneous/internal/operator_modes.h"
+#include "lamina/scattering/heterogeneous/tables/operator_modes.h"
 
 namespace lamina {
 namespace {

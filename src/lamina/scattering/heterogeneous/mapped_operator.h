@@ -5,7 +5,7 @@
 #include <span>
 
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 

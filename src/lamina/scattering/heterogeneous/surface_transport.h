@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/scattering/heterogeneous/cell_blurs.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 #include "lamina/scattering/heterogeneous/thin_parts.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/scattering/heterogeneous/cell_blurs.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 

@@ -11,7 +11,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/multipole.h"
-#include "lamina/scattering/heterogeneous/internal/operator_totals.h"
+#include "lamina/scattering/heterogeneous/tables/operator_totals.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/layer_response.h"
 

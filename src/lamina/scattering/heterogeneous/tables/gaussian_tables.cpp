@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include "lamina/core/dense_matrix.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/multipole.h"
-#include "lamina/scattering/heterogeneous/internal/operator_profile.h"
-#include "lamina/scattering/heterogeneous/internal/operator_totals.h"
+#include "lamina/scattering/heterogeneous/tables/internal/operator_profile.h"
+#include "lamina/scattering/heterogeneous/tables/operator_totals.h"
 #include "lamina/scattering/profile/gaussian_fit.h"
 #include "lamina/scattering/profile/layer_response.h"
 

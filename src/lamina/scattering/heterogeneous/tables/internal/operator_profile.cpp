@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/operator_profile.h"
+#include "lamina/scattering/heterogeneous/tables/internal/operator_profile.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/scattering/heterogeneous/internal/chebyshev_box.h"
-#include "lamina/scattering/heterogeneous/internal/operator_totals.h"
+#include "lamina/scattering/heterogeneous/tables/internal/chebyshev_box.h"
+#include "lamina/scattering/heterogeneous/tables/operator_totals.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::detail {

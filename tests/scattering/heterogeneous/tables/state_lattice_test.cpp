@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/state_lattice.h"
+#include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/chebyshev_box.h"
+#include "lamina/scattering/heterogeneous/tables/internal/chebyshev_box.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include "lamina/core/enum_names.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/scattering/heterogeneous/state_lattice.h"
+#include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/state_lattice.h"
+#include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina::detail {
 

@@ -5,7 +5,7 @@
 
 #include "gaussian_tables_fingerprint.h"
 #include "lamina/core/number_text.h"
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina::detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/operator_totals.h"
+#include "lamina/scattering/heterogeneous/tables/operator_totals.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/heterogeneous/internal/chebyshev_box.h"
+#include "lamina/scattering/heterogeneous/tables/internal/chebyshev_box.h"
 #include "lamina/scattering/profile/layer_response.h"
 
 namespace lamina::detail {
