@@ -120,6 +120,8 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(skin.color.map->offset, 0.1F);
   EXPECT_EQ(std::get<ImageMap>(skin.color.map->source).repeat, (Vec2f{2, 3}));
   EXPECT_EQ(std::get<NoiseMap>(skin.thickness.map->source).size, 3.0F);
+  EXPECT_EQ(std::get<NoiseMap>(skin.single_scattering_weight.map->source).size, 4.0F);
+  EXPECT_EQ(skin.single_scattering_blur.value, 0.3F);
   const Coat& coat = scene.materials[0].coat.value();
   EXPECT_EQ(coat.ior, 1.44F);
   EXPECT_EQ(coat.weight.value, 0.5F);

@@ -46,6 +46,12 @@ inline constexpr auto material_settings = [] {
         [](const Surface& s) { return s.color_use == Surface::ColorUse::invert; }},
        {"thickness", "it takes thin parts from the mesh, or lets no light through",
         [](const Surface& s) { return s.thickness.value > 0.0f; }},
+       {"single_scattering_weight", "its light holds what is scattered once",
+        [](const Surface& s) {
+          return s.single_scattering_weight.value != 1.0f || s.single_scattering_weight.map;
+        }},
+       {"single_scattering_blur", "its light holds what is scattered once",
+        [](const Surface& s) { return s.single_scattering_blur.value > 0.0f; }},
        {"maps", "its layers are the same all over",
         [](const Surface& s) { return !s.maps.empty(); }},
        {"subsurface.maps",  // numbers of the material

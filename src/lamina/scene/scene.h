@@ -94,9 +94,12 @@ struct SubsurfaceSurface {
   } color_use = ColorUse::none;
   ScalarParameter thickness{.value = 0.0f};  ///< of the object [mm] where it is thin; value 0:
                                              ///< taken from geometry
-  std::vector<LayerMap> maps;                ///< for method layered_bsdf
-  std::vector<MaterialMap> material_maps;    ///< of the material's numbers, for texture_space and
-                                             ///< layered_bsdf
+  ScalarParameter single_scattering_weight;  ///< of light scattered once, in [0, 1]
+  ScalarParameter single_scattering_blur{.value = 0.0f};  ///< of it along the surface, standard
+                                                          ///< deviation [mm]
+  std::vector<LayerMap> maps;                             ///< for method layered_bsdf
+  std::vector<MaterialMap> material_maps;  ///< of the material's numbers, for texture_space and
+                                           ///< layered_bsdf
 };
 
 template <>  // "none" is where there is no color

@@ -54,7 +54,8 @@ class MaterialDecoder {
     }
     // A misspelled key is named as such before the kind is missed.
     (void)value.object({"subsurface", "diffuse", "dielectric", "thin", "color", "color_use",
-                        "thickness", "opacity", "coat", "bump", "normal_map"});
+                        "thickness", "single_scattering_weight", "single_scattering_blur",
+                        "opacity", "coat", "bump", "normal_map"});
     value.fail(
         count == 0
             ? "must have \"subsurface\", \"diffuse\", \"dielectric\" or \"thin\", but has none"
@@ -100,8 +101,9 @@ class MaterialDecoder {
   }
 
   void decode_subsurface(const JsonInput& value) {
-    const JsonObject object = value.object(
-        {"subsurface", "color", "color_use", "thickness", "maps", "coat", "bump", "normal_map"});
+    const JsonObject object =
+        value.object({"subsurface", "color", "color_use", "thickness", "single_scattering_weight",
+                      "single_scattering_blur", "maps", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface;
     std::optional<ScalarParameter> oiliness;
     const MaterialMaps take = [&](const MappableNumber& number,
@@ -138,6 +140,12 @@ class MaterialDecoder {
             "the layers of the material say how thick it is: leave it out, or make the last one "
             "infinite");
     }
+    if (const auto weight = object.optional("single_scattering_weight"))
+      surface.single_scattering_weight =
+          decode_scalar_parameter(*weight, closed_interval(0.0, 1.0));
+    if (const auto blur = object.optional("single_scattering_blur"))
+      surface.single_scattering_blur =
+          decode_scalar_parameter(*blur, closed_interval(0.0, longest, "mm"));
     if (const auto maps = object.optional("maps"))
       for (const auto& [key, given] : maps->entries()) {
         LayerMap map = find_quantity(given, key, surface.material);

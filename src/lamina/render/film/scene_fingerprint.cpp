@@ -105,7 +105,7 @@ std::string text_of_layers(Material material) {
 }
 
 void add(SceneHash& hash, const SubsurfaceSurface& surface) {
-  const auto& [material, color, color_use, thickness, maps, material_maps] = surface;
+  const auto& [material, color, color_use, thickness, weight, blur, maps, material_maps] = surface;
   hash.add_text(text_of_layers(material));
   for (const MaterialMap& map : material_maps) {
     hash.add_text(map.number.name);
@@ -115,6 +115,10 @@ void add(SceneHash& hash, const SubsurfaceSurface& surface) {
   add_parameter(hash, color);
   hash.add(color_use);
   add_parameter(hash, thickness);
+  if (!hash.is_of_light) {  // it is not kept
+    add_parameter(hash, weight);
+    add_parameter(hash, blur);
+  }
   hash.add(maps.size());
   for (const LayerMap& map : maps) add(hash, map);
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr float least_exit_cosine = 1e-3f;
 constexpr int most_newton_steps = 10, most_halvings = 2;
 constexpr float miss_tolerance = 1e-4f;  // of the miss, over the path's length
-constexpr float small_step = 0.1f;  // over that length: within a triangle it needs no ray
+constexpr float small_step = 0.1f;       // over that length: within a triangle it needs no ray
 
 /// The boundary on the way from inside, if it is what a ray meets first.
 std::optional<BoundaryHit> meet_boundary(const RenderScene& scene, const Vec3f& inside,
@@ -100,6 +100,7 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
     if (dot(miss, miss) < near * near) {
       const float nearer = is_far ? 1.0f : light.distance / light_distance;
       return RefractedEntry{.point = point,
+                            .hit = found->hit,
                             .to_light = to_light,
                             .light_distance = light_distance,
                             .to_surface = r.inside,
@@ -143,6 +144,7 @@ std::optional<RefractedEntry> find_straight_entry(const RenderScene& scene, cons
   const Refraction r = refraction(light.direction, found->point.smooth_normal, ior);
   if (!(r.cos_outside > least_exit_cosine)) return std::nullopt;
   return RefractedEntry{.point = found->point,
+                        .hit = found->hit,
                         .to_light = light.direction,
                         .light_distance = light.distance - found->hit.distance,
                         .to_surface = r.inside,

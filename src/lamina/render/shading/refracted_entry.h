@@ -15,7 +15,8 @@ namespace lamina {
 /// A connection through refraction, for next-event estimation from inside: where light enters a
 /// smooth boundary so that it passes a given point inside.
 struct RefractedEntry {
-  SurfacePoint point;
+  SurfacePoint point;           ///< without what textures ask of it
+  Hit hit;                      ///< the place of the point on its mesh
   Vec3f to_light;               ///< outside, unit length
   float light_distance = 0.0f;  ///< from the entry [mm]
   Vec3f to_surface;             ///< inside, from the given point's side, refracted; unit length

@@ -98,7 +98,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
     for (std::uint32_t m = 0; m < methods.size(); ++m)
       if (methods[m])
         methods[m] = std::make_unique<SingleScattering<N>>(
-            scene, conversion, m, settings.single_scattering == Single::refracted,
+            scene, conversion, m, settings.single_scattering == Single::refracted, make_profile,
             std::move(methods[m]));
   return methods;
 }

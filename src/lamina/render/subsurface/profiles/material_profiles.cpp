@@ -11,6 +11,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
+#include "lamina/render/subsurface/profiles/once_in_even_light.h"
 #include "lamina/surface/map_range.h"
 
 namespace lamina {
@@ -81,19 +82,22 @@ MaterialProfiles<N>::MaterialProfiles(const RenderScene& scene, const BandConver
   }
   add(layers);
   std::vector<Profile> widest = {profiles.back()};
-  const auto series = make_series(layers, make_profile);
-  if (series) widest.push_back(widest_profile(*series));
+  series_ = make_series(layers, make_profile);
+  if (series_) widest.push_back(widest_profile(*series_));
   const RadiusGrid grid = make_radius_grid(widest);
   support_radius_ = grid.last;
   for (std::size_t i = 0; i < variants.size(); ++i)
     by_thickness_.emplace_back(profiles[i], grid, per_entered<N>(profiles[i], variants[i]));
-  if (series)
-    for (std::size_t i = 0; i < series->size(); ++i)
-      by_absorption_.emplace_back(series->profiles()[i], grid,
-                                  per_entered<N>(series->profiles()[i], series->layers(i)));
+  if (series_)
+    for (std::size_t i = 0; i < series_->size(); ++i)
+      by_absorption_.emplace_back(series_->profiles()[i], grid,
+                                  per_entered<N>(series_->profiles()[i], series_->layers(i)));
   if (surface_.color_use == ColorUse::scale)
     mean_color_ = mean_of_map(scene.textures, surface_.color);
-  if (series) brightest_index_ = albedo_index(range_of(scene.scene->images, surface_.color).second);
+  if (scene.scene->render.single_scattering != RenderSettings::SingleScattering::none)
+    once_ = OnceInEvenLight<N>(layers).largest_share();
+  if (series_)
+    brightest_index_ = albedo_index(range_of(scene.scene->images, surface_.color).second);
 }
 
 /// As far as the colors of the map go.
@@ -137,42 +141,69 @@ Vec3f MaterialProfiles<N>::color_at(const SurfacePoint& point) const {
 }
 
 template <int N>
-BandValues<N> MaterialProfiles<N>::entering_color(float thickness, const Vec3f& color) const {
-  if (surface_.color_use != ColorUse::scale) return Bands::filled(1.0f);
-  const Bands scale = max(conversion_.from_rgb({color.x / mean_color_.x, color.y / mean_color_.y,
-                                                color.z / mean_color_.z}),
-                          Bands{});
-  if (!(largest(scale) > 1.0f)) return scale;
-  const Local local = profiles_for(thickness, color);
+BandValues<N> MaterialProfiles<N>::color_over_mean(const Vec3f& color) const {
+  return max(conversion_.from_rgb(
+                 {color.x / mean_color_.x, color.y / mean_color_.y, color.z / mean_color_.z}),
+             Bands{});
+}
+
+template <int N>
+BandValues<N> MaterialProfiles<N>::total_leaving(float thickness) const {
+  const auto [low, high, blend] = slabs_of(thickness);
   const auto leaving = [](const ProfileTable<N>& table) {
     return table.total_reflectance() + table.total_transmittance();
   };
-  const Bands low = leaving(*local.low);
-  const Bands all = low + local.blend * (leaving(*local.high) - low);
+  return leaving(*low) + blend * (leaving(*high) - leaving(*low));
+}
+
+template <int N>
+BandValues<N> MaterialProfiles<N>::largest_scale(float thickness) const {
+  const Bands all = total_leaving(thickness) + once_;
   Bands most = Bands::filled(1.0f);
   for (int b = 0; b < bands_; ++b) most[b] = 1.0f / std::clamp(all[b], 1e-6f, 1.0f);
-  return min(scale, most);
+  return most;
+}
+
+template <int N>
+BandValues<N> MaterialProfiles<N>::entering_color(float thickness, const Vec3f& color) const {
+  if (!scales_color()) return Bands::filled(1.0f);
+  const Bands scale = color_over_mean(color);
+  return largest(scale) > 1.0f ? min(scale, largest_scale(thickness)) : scale;
 }
 
 template <int N>
 BandValues<N> MaterialProfiles<N>::entering_color(const SurfacePoint& point) const {
-  if (surface_.color_use != ColorUse::scale) return Bands::filled(1.0f);
-  return entering_color(thickness_at(point), color_at(point));
+  if (!scales_color()) return Bands::filled(1.0f);
+  const Bands scale = color_over_mean(color_at(point));
+  return largest(scale) > 1.0f ? min(scale, largest_scale(thickness_at(point))) : scale;
+}
+
+template <int N>
+BandValues<N> MaterialProfiles<N>::absorption_factor(const Vec3f& color) const {
+  Bands factor = Bands::filled(1.0f);
+  if (!series_) return factor;
+  const Bands wanted = conversion_.from_rgb(color);
+  for (int b = 0; b < bands_; ++b)
+    factor[b] = static_cast<float>(
+        series_->factor(static_cast<double>(wanted[b]), static_cast<std::size_t>(b)));
+  return factor;
+}
+
+template <int N>
+typename MaterialProfiles<N>::Slabs MaterialProfiles<N>::slabs_of(float thickness) const {
+  if (thicknesses_.empty() || !(thickness < thicknesses_.back()))
+    return {&by_thickness_.back(), &by_thickness_.back(), 0.0f};
+  std::size_t i = 0;
+  while (i + 1 < thicknesses_.size() && thicknesses_[i + 1] < thickness) ++i;
+  const float at = std::log2(std::max(thickness / thicknesses_[i], 1.0f)) * 2.0f;
+  return {&by_thickness_[i], &by_thickness_[std::min(i + 1, thicknesses_.size() - 1)],
+          std::min(at, 1.0f)};
 }
 
 template <int N>
 typename MaterialProfiles<N>::Local MaterialProfiles<N>::profiles_for(float thickness,
                                                                       const Vec3f& color) const {
-  Local local;
-  local.low = local.high = &by_thickness_.back();
-  if (!thicknesses_.empty() && thickness < thicknesses_.back()) {
-    std::size_t i = 0;
-    while (i + 1 < thicknesses_.size() && thicknesses_[i + 1] < thickness) ++i;
-    local.low = &by_thickness_[i];
-    local.high = &by_thickness_[std::min(i + 1, thicknesses_.size() - 1)];
-    const float at = std::log2(std::max(thickness / thicknesses_[i], 1.0f)) * 2.0f;
-    local.blend = std::min(at, 1.0f);
-  }
+  Local local{slabs_of(thickness)};
   if (surface_.color_use != ColorUse::invert) return local;
   local.is_inverted = true;
   const Bands wanted = conversion_.from_rgb(color);

@@ -43,11 +43,14 @@ class MaterialProfiles {
   /// Fraction of the flux that entered that leaves again on the lit side.
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const;
 
-  /// The profiles at one exit point.
-  struct Local {
+  /// Those between which a thickness lies.
+  struct Slabs {
     const ProfileTable<N>* low = nullptr;
-    const ProfileTable<N>* high = nullptr;  ///< a thicker slab
+    const ProfileTable<N>* high = nullptr;  ///< the thicker one
     float blend = 0.0f;                     ///< from low to high
+  };
+  /// The profiles at one exit point.
+  struct Local : Slabs {
     bool is_inverted = false;
     Bands albedo_index;  ///< [band] place in by_absorption(): node, and how far to the next
     Bands scale = Bands::filled(1.0f);
@@ -71,9 +74,19 @@ class MaterialProfiles {
   /// but not so much that more would leave than entered. 1 for other colors.
   [[nodiscard]] Bands entering_color(float thickness, const Vec3f& color) const;
   [[nodiscard]] Bands entering_color(const SurfacePoint& point) const;
+  [[nodiscard]] bool scales_color() const {
+    return surface_.color_use == SubsurfaceSurface::ColorUse::scale;
+  }
 
   /// Where in by_absorption() a color is met; 0 where colors are not inverted.
   [[nodiscard]] Bands albedo_index(const Vec3f& color) const;
+
+  /// The factor on the absorption of each band with which the layers reflect a color, see
+  /// with_absorption; 1 where colors are not inverted.
+  [[nodiscard]] Bands absorption_factor(const Vec3f& color) const;
+  /// All that leaves of light that entered, on both sides, of an object of a thickness [mm] without
+  /// a color.
+  [[nodiscard]] Bands total_leaving(float thickness) const;
 
   /// Slabs ever thicker, and last the material as its file says: what Local::low, high point into.
   [[nodiscard]] const std::vector<ProfileTable<N>>& by_thickness() const { return by_thickness_; }
@@ -90,6 +103,10 @@ class MaterialProfiles {
                                const Vec3f& entry_normal, const Bands& entry_index) const;
 
  private:
+  [[nodiscard]] Slabs slabs_of(float thickness) const;
+  [[nodiscard]] Bands color_over_mean(const Vec3f& color) const;
+  /// The most that a color may scale by.
+  [[nodiscard]] Bands largest_scale(float thickness) const;
   [[nodiscard]] std::optional<AbsorptionSeries> make_series(const std::vector<LayerStack>& layers,
                                                             const ProfileMaker& make_profile) const;
   /// The half-spaces that meet a reflectance, and how far from one to the other.
@@ -114,6 +131,8 @@ class MaterialProfiles {
   int bands_ = 0;
   Vec3f mean_color_{1, 1, 1};
   Bands brightest_index_;  ///< of all colors of the map
+  Bands once_;             ///< of even light, leaves after one event; 0 unless that is added
+  std::optional<AbsorptionSeries> series_;
 };
 
 }  // namespace lamina
