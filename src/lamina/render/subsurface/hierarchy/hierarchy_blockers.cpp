@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "lamina/core/parallel.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
@@ -72,21 +73,35 @@ std::vector<typename HierarchyTransport<N>::Inside> HierarchyTransport<N>::objec
 }
 
 template <int N>
-std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(
-    float spacing) const {
-  using Patch = typename InnerBlockers<N>::Patch;
+typename HierarchyTransport<N>::BlockerPatches HierarchyTransport<N>::blocker_patches(
+    float spacing, float mfp) const {
   const std::vector<Inside> inside = objects_inside();
+  BlockerPatches patches;
+  if (inside.empty()) return patches;
   double area_inside = 0.0;
   for (const Inside& object : inside) area_inside += object.area;
-  std::vector<Patch> patches;
-  if (inside.empty()) return patches;
-  const double most = 0.7 * static_cast<double>(InnerBlockers<N>::most_patches);
-  for (float wide = std::max(spacing, static_cast<float>(std::sqrt(area_inside / most)));;
-       wide *= 1.2f) {
-    patches.clear();
-    for (const auto& [mesh, material, area, fraction] : inside)
-      std::ranges::copy(patches_inside(mesh, material, wide), std::back_inserter(patches));
-    if (patches.size() <= InnerBlockers<N>::most_patches) return patches;
+  const auto& meshes = scene_.scene->meshes;
+  constexpr double most = 0.85 * static_cast<double>(InnerBlockers<N>::most_patches);
+  const double area = area_inside + surface_area(meshes, material_);
+  constexpr double widest = 1.5;  // mean free paths
+  const auto with_surface = static_cast<float>(std::sqrt(area / most));
+  const bool has_surface = with_surface < widest * mfp;
+  for (float wide = has_surface
+                        ? std::max(with_surface, 0.5f * mfp)
+                        : std::max(spacing, static_cast<float>(std::sqrt(area_inside / most)));
+       ; wide *= 1.2f) {
+    patches = {};
+    for (const auto& [mesh, material, object_area, fraction] : inside)
+      for (auto patch : patches_inside(mesh, material, wide)) {
+        patch.radius = static_cast<float>(std::sqrt(object_area / (4.0 * std::numbers::pi)));
+        patches.inner.push_back(patch);
+      }
+    if (has_surface)
+      for (const SurfaceCell& cell :
+           make_surface_cells(meshes, material_, wide, scene_.scene->render.seed).cells)
+        patches.outer.push_back({cell.position, cell.normal, cell.area, {}});
+    if (patches.inner.size() + patches.outer.size() <= InnerBlockers<N>::most_patches)
+      return patches;
   }
 }
 
@@ -96,7 +111,8 @@ std::vector<typename InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patch
       const std::vector<Mesh>&, std::uint32_t, float) const;                                  \
   template std::vector<HierarchyTransport<N>::Inside> HierarchyTransport<N>::objects_inside() \
       const;                                                                                  \
-  template std::vector<InnerBlockers<N>::Patch> HierarchyTransport<N>::inner_patches(float) const
+  template HierarchyTransport<N>::BlockerPatches HierarchyTransport<N>::blocker_patches(      \
+      float, float) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

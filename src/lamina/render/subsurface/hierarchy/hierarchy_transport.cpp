@@ -192,9 +192,9 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
   const std::vector<float> areas = balanced_areas(points_, grid_, wide, blur);
   for (std::size_t i = 0; i < areas.size(); ++i) samples[i].area = areas[i];
   tree_ = IrradianceTree<N>(samples);
-  blockers_ =
-      InnerBlockers<N>(inner_patches(cloud.spacing), make_diffusion_medium<N>(surface_.material),
-                       tree_, scene_.scene->render.hierarchy.error);
+  const auto medium = make_diffusion_medium<N>(surface_.material);
+  const auto [inner, outer] = blocker_patches(cloud.spacing, largest(medium.mfp));
+  blockers_ = InnerBlockers<N>(inner, outer, medium, tree_, scene_.scene->render.hierarchy.error);
   exitance_ = LazyValues<BandValues<N>>(points_.size());
 }
 

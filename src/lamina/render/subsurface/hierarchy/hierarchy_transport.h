@@ -111,8 +111,12 @@ class HierarchyTransport final : public SubsurfaceMethod<N> {
   /// By a sum over all samples within the support radius.
   [[nodiscard]] Bands summed_exitance(const Vec3f& position, const Vec3f& normal,
                                       const Local& local) const;
-  /// The surface of opaque objects inside.
-  [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> inner_patches(float spacing) const;
+  /// The surface of opaque objects inside; and that of this one if it can be covered by patches not
+  /// much wider than a mean free path.
+  struct BlockerPatches {
+    std::vector<typename InnerBlockers<N>::Patch> inner, outer;
+  };
+  [[nodiscard]] BlockerPatches blocker_patches(float spacing, float mfp) const;
   [[nodiscard]] std::vector<typename InnerBlockers<N>::Patch> patches_inside(
       const std::vector<Mesh>& mesh, std::uint32_t material, float spacing) const;
   [[nodiscard]] bool is_inside(const Vec3f& position, const Vec3f& normal) const;
