@@ -224,6 +224,23 @@ TEST(SkinMaterial, JunctionAbsorbsByItsSpectrum) {
   }
 }
 
+// Inks lie in the sheet beside what is there, each with its spectrum.
+TEST(SkinMaterial, InksAddUpInTheJunction) {
+  const Material inked = skin(R"("junction_absorption": 0.1, "inks": [
+      { "name": "red", "absorbance": 0.8, "spectrum": [[500, 1], [600, 0]] },
+      { "absorbance": 0.3 } ])",
+                              R"("bands": [450, 550, 640], )");
+  const double absorbances[] = {0.1 + 0.8 + 0.3, 0.1 + 0.4 + 0.3, 0.1 + 0.3};
+  for (std::size_t b = 0; b < 3; ++b) {
+    const LayerStack stack = layer_stack(inked, b);
+    const auto layers = stack.layers();
+    EXPECT_NEAR(layers[1].thickness * (layers[1].medium.sigma_a - layers[0].medium.sigma_a),
+                0.5 * absorbances[b], 1e-12);
+  }
+  ASSERT_TRUE(inked.skin);
+  EXPECT_NEAR(junction_absorbance(inked.skin->skin, 550.0), absorbances[1], 1e-12);
+}
+
 // Diffusion is too bright by .03 in light skin, and somewhat less with the constants made for it.
 TEST(SkinMaterial, DiffusionIsTooBrightAndLessSoWithItsOwnConstants) {
   const auto by_diffusion = [](SkinConstants constants) {
