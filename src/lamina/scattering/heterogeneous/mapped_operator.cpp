@@ -3,106 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/heterogeneous/internal/operator_powers.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"
 
 namespace lamina {
 namespace {
 
-constexpr std::size_t most_powers = 20;
-
 using detail::ValuesOfRows;
-
-/// Coefficients of Chebyshev polynomials, [degree][column], of a function known at Chebyshev
-/// points.
-ValuesOfRows chebyshev_series(const ValuesOfRows& at_points) {
-  const std::size_t n = at_points.size(), columns = at_points[0].size();
-  ValuesOfRows series(n, std::vector<double>(columns, 0.0));
-  for (std::size_t degree = 0; degree < n; ++degree)
-    for (std::size_t i = 0; i < n; ++i) {
-      const double angle =
-          std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
-      const double share = (degree == 0 ? 1.0 : 2.0) / static_cast<double>(n) *
-                           std::cos(static_cast<double>(degree) * angle);
-      for (std::size_t c = 0; c < columns; ++c) series[degree][c] += share * at_points[i][c];
-    }
-  return series;
-}
-
-/// The same function as coefficients of powers.
-ValuesOfRows powers_of(const ValuesOfRows& series) {
-  const std::size_t n = series.size(), columns = series[0].size();
-  ValuesOfRows powers(n, std::vector<double>(columns, 0.0));
-  std::vector<double> before, current = {1.0};  // T_(degree-1), T_degree by powers
-  for (std::size_t degree = 0; degree < n; ++degree) {
-    for (std::size_t p = 0; p < current.size(); ++p)
-      for (std::size_t c = 0; c < columns; ++c) powers[p][c] += current[p] * series[degree][c];
-    std::vector<double> next(current.size() + 1, 0.0);  // 2 x T_degree - T_(degree-1)
-    for (std::size_t p = 0; p < current.size(); ++p)
-      next[p + 1] += (degree == 0 ? 1.0 : 2.0) * current[p];
-    for (std::size_t p = 0; p < before.size(); ++p) next[p] -= before[p];
-    before = std::move(current);
-    current = std::move(next);
-  }
-  return powers;
-}
-
-/// Largest transform over spatial frequency of a row of weights.
-double largest_transform(const std::vector<double>& weights, const std::vector<double>& variances) {
-  double largest = 0.0;
-  for (const double k : detail::compared_frequencies)
-    largest = std::max(largest, std::abs(detail::transform(weights, variances, k)));
-  return largest;
-}
-
-/// Degrees needed for the rest of the series to stay below the tolerance, at least 1.
-std::size_t needed_degrees(const ValuesOfRows& series, const std::vector<double>& variances,
-                           double tolerance) {
-  double rest = 0.0;
-  for (std::size_t degree = series.size(); degree-- > 1;) {
-    rest += largest_transform(series[degree], variances);
-    if (rest > tolerance) return degree + 1;
-  }
-  return 1;
-}
-
-/// A series of powers as an operator on the scales of a pyramid.
-MappedOperator on_scales(const ValuesOfRows& terms, std::span<const double> scales) {
-  const std::size_t gaussians = terms[0].size(), scale_count = scales.size() / gaussians;
-  MappedOperator result{.terms = terms.size(),
-                        .weights = std::vector<float>(terms.size() * scale_count),
-                        .totals = {}};
-  for (std::size_t p = 0; p < terms.size(); ++p) {
-    double total = 0.0;
-    for (std::size_t j = 0; j < scale_count; ++j) {
-      double weight = 0.0;
-      for (std::size_t i = 0; i < gaussians; ++i)
-        weight += terms[p][i] * scales[i * scale_count + j];
-      result.weights[p * scale_count + j] = static_cast<float>(weight);
-      total += weight;
-    }
-    result.totals.push_back(static_cast<float>(total));
-  }
-  return result;
-}
-
-/// The operator whose weights at a coordinate in [-1, 1] are `weights_of(x)`.
-template <class WeightsOf>
-MappedOperator in_powers(const WeightsOf& weights_of, const std::vector<double>& variances,
-                         std::span<const double> scales, double tolerance) {
-  ValuesOfRows at_points;
-  double largest_total = 0.0;
-  for (std::size_t i = 0; i < most_powers; ++i) {
-    const double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / most_powers);
-    at_points.push_back(weights_of(x));
-    largest_total = std::max(largest_total, largest_transform(at_points.back(), variances));
-  }
-  ValuesOfRows series = chebyshev_series(at_points);
-  series.resize(needed_degrees(series, variances, tolerance * largest_total));
-  return on_scales(powers_of(series), scales);
-}
 
 bool is_uniform(const LayerTexels& texels) {
   return varies_in_absorption_only(texels) && texels.sigma_a.size() == 1;
@@ -132,7 +41,7 @@ TransportLayer uniform_layer(const LayerToMap& from, int width, int height) {
   TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};
   const LatticePlace place = place_in(from.lattice(), state_of(from.texels, 0));
   from.make_operators(layer, [&](const GaussianTable& table) {
-    return on_scales({weights_at(from.lattice(), table, place)}, from.scales);
+    return detail::on_scales({weights_at(from.lattice(), table, place)}, from.scales);
   });
   return layer;
 }
@@ -163,8 +72,8 @@ TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
   };
   TransportLayer layer{.basis = {.coordinate = {}}, .operators = {}};
   from.make_operators(layer, [&](const GaussianTable& table) {
-    return in_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
-                     from.tables.variances, from.scales, from.tolerance);
+    return detail::fit_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
+                              from.tables.variances, from.scales, from.tolerance);
   });
   const auto terms = [](const MappedOperator& op) { return op.terms; };
   if (std::ranges::max(layer.operators, {}, terms).terms > most_powers_wanted) return layer;
@@ -258,7 +167,7 @@ TransportLayer layer_of_modes(const LayerToMap& from, int width, int height) {
       .operators = {}};
   for (std::size_t which = 0; which < each.size(); ++which)
     if (!modes.weights[which].empty())
-      layer.operators[which] = on_scales(modes.weights[which], from.scales);
+      layer.operators[which] = detail::on_scales(modes.weights[which], from.scales);
   put_modes(modes.at_nodes, lattice, from.texels, layer.basis.modes);
   return layer;
 }
@@ -290,7 +199,7 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
     const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
     return weights_at(tables, table, root * root);
   };
-  return in_powers(weights_of, tables.variances, scales, tolerance);
+  return detail::fit_powers(weights_of, tables.variances, scales, tolerance);
 }
 
 TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
@@ -302,7 +211,7 @@ TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
   if (tables.lattices[i].axes.size() == 1) {
     constexpr std::size_t most_short_powers = 12;
     TransportLayer powers = layer_of_powers(
-        layer, width, height, kind == BasisKind::powers ? most_powers : most_short_powers);
+        layer, width, height, kind == BasisKind::powers ? detail::most_powers : most_short_powers);
     if (!powers.basis.coordinate.values.empty()) return powers;
   }
   if (kind == BasisKind::powers)
