@@ -9,32 +9,10 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/io/disk_cache.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina {
-
-/// A layer that is a map; one wavelength. Unless it has `states`, its absorption varies while all
-/// else is the same everywhere.
-struct MappedLayer {
-  double sigma_s;    ///< [1/mm], > 0
-  double g;          ///< in (-1, 1)
-  double ior;        ///< > 0
-  double thickness;  ///< [mm], > 0; may be infinite
-  /// All that the layer is anywhere, in place of sigma_s, g and thickness. Infinite thickness does
-  /// not vary.
-  std::optional<StateLattice> states = {};
-};
-
-/// Layers from the lit surface downward, with smooth boundaries but for the first one, of which
-/// `states` may say that it is rough.
-struct MappedStack {
-  double ior_above = 1.0;
-  std::vector<MappedLayer> layers;  ///< at least one; only the last may be infinite
-  double ior_below = 1.0;
-  double ground_reflectance = 0.0;  ///< Lambertian, under a last layer that is finite
-  MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;  ///< of a rough surface
-};
 
 /// What the totals of the operators are scaled to.
 enum class OperatorTotals {

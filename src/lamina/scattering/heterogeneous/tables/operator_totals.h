@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 
 namespace lamina::detail {
 
