@@ -210,7 +210,7 @@ CellField<N> mean_on_level(const CellGraph& graph, CellField<N> field, std::size
 template <int N>
 CellField<N> smooth_on_finest(const CellGraph& graph, CellField<N> field, std::size_t level) {
   while (level-- > 0)
-    field = blurred(graph.levels[level], handed_down(graph.levels[level], field), smoothing);
+    field = blurred(graph.levels[level], handed_down(graph.levels[level], field), coarser[1]);
   return field;
 }
 
