@@ -211,6 +211,28 @@ TEST(InvertedColor, HasBothEndsInAllMethods) {
   EXPECT_LT(images[1].at(5, 0)[0], 0.78f);
 }
 
+// Stripes of much contrast on a small ball: dark cells get light from bright ones, which is no
+// light that bright ones would have more of.
+TEST(InvertedColor, OfFineStripesIsTheSameByAllMethods) {
+  std::vector<double> means;
+  for (const Method method : {Method::hierarchy, Method::probe, Method::shadow_map}) {
+    Scene scene = translucent_scene(method, make_sphere(2.0f),
+                                    half_space({0.01, 0.01, 0.01}, 3.0, 1.4), EnvironmentLight{});
+    Image stripes{.width = 64, .height = 1, .channels = {"R", "G", "B"}, .pixels = {}};
+    for (int x = 0; x < stripes.width; ++x)
+      stripes.pixels.insert(stripes.pixels.end(), 3, x % 8 < 4 ? 1.0f : 0.02f);
+    scene.images = {stripes};
+    set_color(scene, ColorUse::invert, {1, 1, 1});
+    surface_of(scene).color.map = TextureMap{.source = ImageMap{.image = 0}};
+    scene.camera = camera_above(3.0);
+    scene.film = {.width = 12, .height = 12};
+    scene.render.samples_per_pixel = 64;
+    means.push_back(mean_of(render(scene).image, 0));
+  }
+  EXPECT_NEAR(means[0], means[1], 0.12 * means[1]);  // stripes as narrow as two cells
+  EXPECT_NEAR(means[2], means[1], 0.04 * means[1]);
+}
+
 // Of a sum of profiles radii have its density, and a sweep of the unit interval is a sweep of
 // radii: samples that are spread over the one are spread over the other.
 TEST(RadiusMixture, DrawsRadiiOfTheWholeSumInOrder) {

@@ -200,8 +200,9 @@ void HierarchyTransport<N>::use(const IrradianceCloud& cloud) {
 
 template <int N>
 BandValues<N> HierarchyTransport<N>::effect_of_color(const Vec3f& color) const {
+  // The profile between two points is about the geometric mean of those of both colors.
   return surface_.color_use == ColorUse::invert
-             ? max(conversion_.from_rgb(color), Bands::filled(1e-3f))
+             ? sqrt(max(conversion_.from_rgb(color), Bands::filled(1e-3f)))
              : Bands::filled(1.0f);
 }
 
