@@ -291,6 +291,7 @@ double error_at_steps(const LayerState& coat, const LayerState& other_coat, cons
     noise += 0.5 * std::pow(truth.standard_error[x], 2);
     sum += wanted;
   }
+  EXPECT_TRUE(std::isfinite(square));
   return std::sqrt(std::max(0.0, square - noise) * columns) / sum;
 }
 

@@ -141,6 +141,8 @@ TexelPlaces::TexelPlaces(const StateLattice& lattice, const LayerTexels& texels)
       varies_{texels.sigma_a.size() > 1, texels.sigma_s.size() > 1, texels.g.size() > 1,
               texels.thickness.size() > 1, texels.roughness.size() > 1} {
   const StateVector first = state_vector(state_of(texels, 0));
+  for (std::size_t i = 0; i < dimensions; ++i)
+    varies_[i] = varies_[i] && std::isfinite(lattice.origin[i]);  // what is infinite does not
   for (const StateAxis& axis : lattice.axes) {
     Axis& to = axes_.emplace_back();
     to.last = static_cast<double>(axis.nodes - 1);
