@@ -18,13 +18,13 @@ struct BorderEdge {
 };
 
 /// Border edges by the vertex that they start from.
-using Border = std::multimap<std::uint32_t, BorderEdge>;
+using BorderEdges = std::multimap<std::uint32_t, BorderEdge>;
 
-Border find_border(const PolygonMesh& mesh, const std::vector<bool>& closes) {
+BorderEdges find_border(const PolygonMesh& mesh, const std::vector<bool>& closes) {
   std::vector<std::uint32_t> vertices;
   for (const MeshCorner& corner : mesh.corners) vertices.push_back(corner.position);
   const MeshEdges edges = make_mesh_edges(mesh.face_begin, vertices, mesh.positions.size());
-  Border border;
+  BorderEdges border;
   for (std::size_t f = 0; f < face_count(mesh); ++f) {
     if (!closes[mesh.part[f]]) continue;
     const std::uint32_t begin = mesh.face_begin[f], end = mesh.face_begin[f + 1];
@@ -37,7 +37,7 @@ Border find_border(const PolygonMesh& mesh, const std::vector<bool>& closes) {
 }
 
 /// The edges from one on until they come back to where it starts; empty if they do not.
-std::vector<BorderEdge> take_loop(Border& border) {
+std::vector<BorderEdge> take_loop(BorderEdges& border) {
   std::vector<BorderEdge> loop;
   const std::uint32_t start = border.begin()->first;
   for (auto at = border.begin(); at != border.end(); at = border.find(loop.back().to)) {
@@ -52,7 +52,7 @@ std::vector<BorderEdge> take_loop(Border& border) {
 
 std::size_t close_holes(PolygonMesh& mesh, const std::vector<bool>& closes) {
   assert(closes.size() == mesh.parts.size());
-  Border border = find_border(mesh, closes);
+  BorderEdges border = find_border(mesh, closes);
   std::size_t closed = 0;
   while (!border.empty()) {
     const std::vector<BorderEdge> loop = take_loop(border);
