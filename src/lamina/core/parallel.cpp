@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
@@ -51,7 +52,10 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 #ifdef __SANITIZE_THREAD__
   run_on_own_threads(count, body);
 #else
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });
+  // Isolated: else an exception in one iteration of a loop around this one would end it half done.
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::parallel_for(
+      std::size_t{0}, count, [&](std::size_t i) { body(i); }, context);
 #endif
 }
 
