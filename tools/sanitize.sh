@@ -26,7 +26,7 @@ echo "address and undefined behavior: core, io, spectrum, optics, image, plot, r
 run_all <<'END'
 build/asan/tests/materials_test --gtest_brief=1
 build/asan/tests/optics_test --gtest_brief=1
-build/asan/tests/mesh_test --gtest_brief=1 --gtest_filter=-SkinPatch.*:MaterialPatches.*
+build/asan/tests/mesh_test --gtest_brief=1 --gtest_filter=-SkinPatch.*:MaterialPatches.*:PatchFiles.Shade*
 build/asan/tests/image_test --gtest_brief=1
 build/asan/tests/core_test --gtest_brief=1
 END
