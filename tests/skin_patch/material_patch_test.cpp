@@ -8,36 +8,20 @@
 #include <limits>
 #include <string>
 
-#include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "skin_patch/patch_files.h"
 
 namespace lamina {
 namespace {
 
 namespace fs = std::filesystem;
 
-class MaterialPatches : public ::testing::Test {
+class MaterialPatches : public PatchFolder {
  protected:
-  MaterialPatches() { fs::create_directories(folder_); }
-  ~MaterialPatches() override { fs::remove_all(folder_); }
-
   /// A patch of 16 x 16 texels of .1 mm.
   [[nodiscard]] SkinPatch load(const std::string& rest) const {
-    const fs::path file = folder_ / "patch.json";
-    std::ofstream(file) << R"({"lamina": "patch", "version": 1, "mm_per_pixel": 0.1,
-        "width": 16, "height": 16, )"
-                        << rest << "}";
-    return load_skin_patch(file);
-  }
-  [[nodiscard]] std::string message_of(const std::string& rest) const {
-    try {
-      (void)render_skin_patch(load(rest));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return load_patch(R"("mm_per_pixel": 0.1, "width": 16, "height": 16, )" + rest);
   }
   void save(const char* name, const std::vector<std::string>& channels,
             const std::vector<float>& values) const {
@@ -58,8 +42,6 @@ class MaterialPatches : public ::testing::Test {
         { "sigma_a": [0.10, 0.015, 0.06], "sigma_s": 4.0, "g": 0.8, "ior": 1.61,
           "thickness": "infinite" }])");
   }
-
-  fs::path folder_ = fs::temp_directory_path() / "lamina_material_patch_test";
 };
 
 // Adding-doubling of the whole stack is what `lamina slab` prints.
@@ -170,7 +152,7 @@ TEST_F(MaterialPatches, AreRefusedInOneLineThatSaysWhere) {
   save("nan.exr", {"Y"}, {std::numeric_limits<float>::quiet_NaN()});
   save("two.exr", {"Y"}, {0.1f, 0.2f});
   const auto expect = [&](const std::string& rest, const std::string& says) {
-    const std::string message = message_of(rest);
+    const std::string message = message_of([&] { return render_skin_patch(load(rest)); });
     EXPECT_NE(message.find(says), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   };

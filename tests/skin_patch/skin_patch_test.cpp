@@ -9,39 +9,25 @@
 #include <fstream>
 #include <numeric>
 
-#include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
 #include "lamina/skin_maps/skin_features.h"
+#include "skin_patch/patch_files.h"
 
 namespace lamina {
 namespace {
 
 namespace fs = std::filesystem;
 
-class PatchFiles : public ::testing::Test {
+class PatchFiles : public PatchFolder {
  protected:
-  PatchFiles() { fs::create_directories(folder_); }
-  ~PatchFiles() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] SkinPatch load(const std::string& rest) const {
-    const fs::path file = folder_ / "patch.json";
-    std::ofstream(file) << R"({"lamina": "patch", "version": 1, )" << rest << "}";
-    return load_skin_patch(file);
-  }
+  [[nodiscard]] SkinPatch load(const std::string& rest) const { return load_patch(rest); }
   [[nodiscard]] std::string message_of(const std::string& rest) const {
-    try {
-      (void)load(rest);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return PatchFolder::message_of([&] { return load(rest); });
   }
-
-  fs::path folder_ = fs::temp_directory_path() / "lamina_skin_patch_test";
 };
 
 SkinPatch uniform_patch(int size) {

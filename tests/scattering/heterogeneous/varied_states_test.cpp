@@ -90,13 +90,18 @@ LayerResponse closed_form(const Varied& varied, std::size_t texel) {
   return all;
 }
 
-// Texels as wide as a metre: no light goes from one to another, so each is as if all were like it.
+/// Under even light, with texels as wide as a metre: no light goes from one to another, so that
+/// each is as if all were like it.
+TransportResult far_apart(const Varied& varied, OperatorTotals totals) {
+  const StackTables tables = make_stack_tables(varied.stack, totals);
+  const auto layers =
+      make_heterogeneous_layers(tables, side, side, varied.layers, no_sheets(varied), 1000.0);
+  return transport(layers, make_plane(side, side, 1.0f));
+}
+
 TEST(VariedStates, SlowMapsGiveTheClosedFormOfEachPlace) {
   for (const Varied& varied : {with_lattices(paint_on_stone()), with_lattices(leaf())}) {
-    const StackTables tables = make_stack_tables(varied.stack, OperatorTotals::diffusion);
-    const auto layers =
-        make_heterogeneous_layers(tables, side, side, varied.layers, no_sheets(varied), 1000.0);
-    const TransportResult result = transport(layers, make_plane(side, side, 1.0f));
+    const TransportResult result = far_apart(varied, OperatorTotals::diffusion);
     for (std::size_t i = 0; i < texels; ++i) {
       const LayerResponse wanted = closed_form(varied, i);
       ASSERT_NEAR(result.reflected.values[i], wanted.reflection_above, 1e-3) << i;
@@ -112,10 +117,7 @@ TEST(VariedStates, SlowMapsGiveTheClosedFormOfEachPlace) {
 // layer is right where the others are at their middle.
 TEST(VariedStates, TotalsOfRadiativeTransferAreThoseOfTheWholeStack) {
   for (const Varied& varied : {with_lattices(paint_on_stone()), with_lattices(leaf())}) {
-    const StackTables tables = make_stack_tables(varied.stack, OperatorTotals::radiative_transfer);
-    const auto layers =
-        make_heterogeneous_layers(tables, side, side, varied.layers, no_sheets(varied), 1000.0);
-    const TransportResult result = transport(layers, make_plane(side, side, 1.0f));
+    const TransportResult result = far_apart(varied, OperatorTotals::radiative_transfer);
     double largest = 0.0, largest_through = 0.0;
     for (const std::size_t i : {0u, 11u, 23u, 12u * 24u + 12u, 9u * 24u + 20u, 575u, 552u}) {
       std::vector<Layer> solid;
@@ -174,10 +176,7 @@ TEST(VariedStates, GroundsReturnWhatComesThrough) {
   Varied varied{{1.0, {{20.0, 0.5, 1.5, 0.1}}, 1.5}, {coat}};
   varied.stack.ground_reflectance = 0.4;
   varied = with_lattices(varied);
-  const StackTables tables = make_stack_tables(varied.stack, OperatorTotals::radiative_transfer);
-  const auto layers =
-      make_heterogeneous_layers(tables, side, side, varied.layers, no_sheets(varied), 1000.0);
-  const Plane seen = transport(layers, make_plane(side, side, 1.0f)).reflected;
+  const Plane seen = far_apart(varied, OperatorTotals::radiative_transfer).reflected;
   for (const std::size_t i : {0u, 7u, 16u, 23u}) {
     const LayerState at = state_of(coat, i);
     const SlabTotals totals =
@@ -199,9 +198,7 @@ TEST(VariedStates, RoughSurfacesReturnAsMuchFromInsideAsTheyDo) {
     stone.roughness.push_back(0.3f + 0.1f * static_cast<float>(i % side) / (side - 1));
   Varied varied{{1.0, {{2.6, 0.0, 1.5, infinite}}, 1.5}, {stone}};
   varied = with_lattices(varied);
-  const StackTables tables = make_stack_tables(varied.stack, OperatorTotals::radiative_transfer);
-  const auto layers = make_heterogeneous_layers(tables, side, side, varied.layers, {}, 1000.0);
-  const Plane seen = transport(layers, make_plane(side, side, 1.0f)).reflected;
+  const Plane seen = far_apart(varied, OperatorTotals::radiative_transfer).reflected;
   for (const std::size_t i : {5u, 23u}) {
     const Layer rough{.medium = {0.01, 2.6, 0.0, 1.5},
                       .top = {.roughness = static_cast<double>(stone.roughness[i])}};
