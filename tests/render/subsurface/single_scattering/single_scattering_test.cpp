@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -57,6 +58,30 @@ TEST(SingleScattering, GathersLightFromTheWholeSky) {
     const double albedo = layer.sigma_s[b] / (layer.sigma_a[b] + layer.sigma_s[b]);
     const double expected = 0.5 * albedo * (1.0 - std::log(2.0));
     EXPECT_NEAR(static_cast<double>(found[static_cast<int>(b)]), expected, 0.01 * expected);
+  }
+}
+
+// A coat that lies everywhere but in one corner of its map, where the texture coordinates are 0:
+// grazing light that enters far from there is mirrored by it, as by one without maps.
+TEST(SingleScattering, LightEntersThroughTheCoatThatLiesThere) {
+  Image map = make_image(64, 64, {"Y"});
+  std::ranges::fill(map.pixels, 1.0f);
+  for (const int y : {0, 1, 62, 63})
+    for (const int x : {0, 1, 62, 63}) *map.at(x, y) = 0.0f;
+  const TextureMap but_a_corner{.source = ImageMap{.image = 0}};
+  Scene scene = scene_of(
+      make_square(200.0f), one_layer(0.0, 1.4),
+      DirectionalLight{.direction = {std::sin(1.3), 0, std::cos(1.3)}, .irradiance = {pi, pi, pi}});
+  scene.images = {map};
+  for (const bool is_refracted : {false, true}) {
+    scene.materials[0].coat = Coat{.ior = 1.8f, .roughness = {0.6f}};
+    const float wanted = mean_once(scene, {0, 0, 1}, is_refracted, 1 << 8)[0];
+    scene.materials[0].coat->weight.map = but_a_corner;
+    EXPECT_EQ(mean_once(scene, {0, 0, 1}, is_refracted, 1 << 8)[0], wanted);
+    scene.materials[0].coat->weight.map = {};
+    scene.materials[0].coat->roughness.map = but_a_corner;
+    EXPECT_NEAR(mean_once(scene, {0, 0, 1}, is_refracted, 1 << 8)[0], wanted, 0.005f * wanted)
+        << (is_refracted ? "refracted" : "straight");
   }
 }
 

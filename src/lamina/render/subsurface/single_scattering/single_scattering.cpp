@@ -152,13 +152,10 @@ typename SingleScattering<N>::Event SingleScattering<N>::sample_event(const Exit
 }
 
 template <int N>
-BandValues<N> SingleScattering<N>::way_from(const Hit& entry, float length,
+BandValues<N> SingleScattering<N>::way_from(const SurfacePoint& entry, float length,
                                             float cos_inside) const {
-  const bool is_textured = surface_.color_use != ColorUse::none;
-  const SurfacePoint point =
-      is_textured ? make_surface_point(scene_.scene->meshes, entry, 0.0f) : SurfacePoint{};
-  const Bands depth = optical_depth(extinction_at(point), length * cos_inside);
-  return profiles_.entering_color(point) * exp_minus((1.0f / cos_inside) * depth);
+  const Bands depth = optical_depth(extinction_at(entry), length * cos_inside);
+  return profiles_.entering_color(entry) * exp_minus((1.0f / cos_inside) * depth);
 }
 
 template <int N>
@@ -172,8 +169,9 @@ BandValues<N> SingleScattering<N>::next_event_radiance(const Event& event,
           ? find_refracted_entry(scene_, event.inside, material_, ior_, sample, sample.direction)
           : find_straight_entry(scene_, event.inside, material_, ior_, sample);
   if (!entry) return {};
-  const float entering = 1.0f - reflectance(boundary_at(scene_, entry->point), entry->cos_outside);
-  const Bands way_in = way_from(entry->hit, entry->length, entry->cos_inside);
+  const SurfacePoint point = make_surface_point(scene_.scene->meshes, entry->hit, 0.0f);
+  const float entering = 1.0f - reflectance(boundary_at(scene_, point), entry->cos_outside);
+  const Bands way_in = way_from(point, entry->length, entry->cos_inside);
   const Bands phase = layer_phase(layers_, layers_.layers[event.layer],
                                   Bands::filled(one_minus_cos(-entry->to_surface, event.to_exit)));
   const Bands clear =
@@ -209,7 +207,7 @@ BandValues<N> SingleScattering<N>::phase_sampled_radiance(const Event& event,
   const Bands phase =
       layer_phase(layers_, layers_.layers[event.layer], Bands::filled(one_minus_cos));
   const auto density = static_cast<float>(evaluate(phases_[event.layer], cosine));
-  const Bands way_in = way_from(hit, hit.distance, cos_inside);
+  const Bands way_in = way_from(surface, hit.distance, cos_inside);
   const float entering = 1.0f - reflectance(boundary_at(scene_, surface), cos_outside);
   return (entering / density) * phase * way_in *
          light.arriving_radiance({leave_surface(surface, outside), outside}, samples);
