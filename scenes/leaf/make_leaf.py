@@ -5,7 +5,8 @@
     make_leaf.py FOLDER
 
 One leaf of length 1 along +y, its stalk at the origin: outline.png, thickness.png (255 is the
-thickest, the midrib), color.png (over the mean leaf), and two meshes, flat.obj and curled.obj.
+thickest, the midrib), color.png (over the mean leaf), and three meshes: flat.obj and curled.obj,
+rectangles that outline.png cuts, and blade.obj, which ends where the leaf does.
 """
 import pathlib
 import struct
@@ -98,23 +99,27 @@ color = 0.25 * (color[0::2, 0::2] + color[1::2, 0::2] + color[0::2, 1::2] + colo
 save_png(pathlib.Path(sys.argv[1]) / "color.png", np.round(color * 64) / 64)
 
 
-def save_sheet(name, fold, arch, twist):
-    """A grid of 8 x 20 squares: folded along the midrib, arched along it, twisted about it."""
-    columns, rows = 8, 20
+def bent(px, py, fold, arch, twist):
+    """A place of the flat leaf: folded along the midrib, arched along it, twisted about it."""
+    z = fold * (np.hypot(px, 0.03) - 0.03) + 0.02 * np.sin(9 * py) * px / 0.3
+    a = twist * py
+    px, z = px * np.cos(a) - z * np.sin(a), px * np.sin(a) + z * np.cos(a)
+    b = arch * max(py, 0.0)  # an arc of curvature `arch`
+    if b:
+        qy, qz = np.sin(b) / arch, -(1 - np.cos(b)) / arch
+        py, z = qy + z * np.sin(b), qz + z * np.cos(b)
+    return px, py, z
+
+
+def save_sheet(name, columns, rows, place, fold, arch, twist):
+    """A grid of squares; place(u, v) of one corner, on the flat leaf, for u and v in [0, 1]."""
     lines = [f"# {name}, by make_leaf.py"]
     for j in range(rows + 1):
         for i in range(columns + 1):
-            u, v = i / columns, j / rows
-            px, py = LEFT + u * WIDTH * scale, BOTTOM + v * SPAN
-            z = fold * (np.hypot(px, 0.03) - 0.03) + 0.02 * np.sin(9 * py) * px / 0.3
-            a = twist * py
-            px, z = px * np.cos(a) - z * np.sin(a), px * np.sin(a) + z * np.cos(a)
-            b = arch * max(py, 0.0)  # an arc of curvature `arch`
-            if b:
-                qy, qz = np.sin(b) / arch, -(1 - np.cos(b)) / arch
-                py, z = qy + z * np.sin(b), qz + z * np.cos(b)
-            lines.append(f"v {px:.4f} {py:.4f} {z:.4f}")
-            lines.append(f"vt {u:.4f} {v:.4f}")
+            px, py = place(i / columns, j / rows)
+            x, y, z = bent(px, py, fold, arch, twist)
+            lines.append(f"v {x:.4f} {y:.4f} {z:.4f}")
+            lines.append(f"vt {(px - LEFT) / (WIDTH * scale):.4f} {(py - BOTTOM) / SPAN:.4f}")
     for j in range(rows):
         for i in range(columns):
             a = j * (columns + 1) + i + 1
@@ -123,5 +128,17 @@ def save_sheet(name, fold, arch, twist):
     (pathlib.Path(sys.argv[1]) / name).write_text("\n".join(lines) + "\n")
 
 
-save_sheet("flat.obj", 0.25, 0.35, 0.15)
-save_sheet("curled.obj", 0.5, 1.1, -0.4)
+def on_rectangle(u, v):
+    return LEFT + u * WIDTH * scale, BOTTOM + v * SPAN
+
+
+def within_outline(u, v):
+    """The leaf itself without its teeth, for sheets that cannot be cut out by a map."""
+    py = -0.10 + 1.09 * v
+    half = max(half_width(py) if 0 < py < 1 else 0.0, 0.011 if py < 0.08 else 0.002)
+    return (2 * u - 1) * half, py
+
+
+save_sheet("flat.obj", 8, 20, on_rectangle, 0.25, 0.35, 0.15)
+save_sheet("curled.obj", 8, 20, on_rectangle, 0.5, 1.1, -0.4)
+save_sheet("blade.obj", 16, 64, within_outline, 0.35, 0.5, 0.3)

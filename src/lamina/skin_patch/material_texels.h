@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -24,6 +26,18 @@ struct BandTexels {
   /// texel, or one
   std::vector<std::vector<float>> absorbance;
 };
+
+/// The same from below.
+[[nodiscard]] inline BandTexels flipped(BandTexels texels) {
+  std::ranges::reverse(texels.layers);
+  std::ranges::reverse(texels.absorbance);
+  return texels;
+}
+
+/// Whether light leaves below: the layers are finite and lie on no ground.
+[[nodiscard]] inline bool lets_light_through(const Material& material) {
+  return std::isfinite(material.layers.back().thickness) && material.ground.reflectance == 0.0;
+}
 
 /// Layers of a material, texel by texel: of skin epidermis and dermis and the sheet between them,
 /// of a leaf its two layers, of all others those that the material has. Mixtures add up by volume,

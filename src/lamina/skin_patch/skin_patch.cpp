@@ -154,8 +154,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
   const Material& material = made_of.material;
   const std::size_t bands = material.bands.size();
   const bool is_rgb = material.bands.is_rgb();
-  const bool lets_through =
-      std::isfinite(material.layers.back().thickness) && material.ground.reflectance == 0.0;
+  const bool lets_through = lets_light_through(material);
   SkinPatchResult result;
   result.bands.resize(bands);
   result.tables.resize(bands);

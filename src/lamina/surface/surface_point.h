@@ -9,7 +9,8 @@
 
 namespace lamina {
 
-/// A point on a surface, with all that textures and scattering ask of it. Normals point outward.
+/// A point on a surface, with all that textures and scattering ask of it. Normals point outward,
+/// unless it is turned over.
 struct SurfacePoint {
   Vec3f position;          ///< [mm]
   Vec3f geometric_normal;  ///< of the triangle, unit length
@@ -20,7 +21,18 @@ struct SurfacePoint {
   float footprint = 0.0f;     ///< width of the region that is seen [mm]
   float uv_footprint = 0.0f;  ///< the same in texture coordinates
   std::uint32_t mesh = 0, triangle = 0, material = 0;
+  bool is_below = false;  ///< of a sheet: on the side of the last layer
 };
+
+/// The same point seen from the other side: its normals are turned round.
+/// @param is_sheet  whether that side is another one of the layers, which light passes
+[[nodiscard]] inline SurfacePoint turned_over(SurfacePoint point, bool is_sheet) {
+  point.geometric_normal = -point.geometric_normal;
+  point.smooth_normal = -point.smooth_normal;
+  point.normal = -point.normal;
+  point.is_below = is_sheet && !point.is_below;
+  return point;
+}
 
 /// @param footprint  width of the region that the point stands for [mm]
 [[nodiscard]] SurfacePoint make_surface_point(const std::vector<Mesh>& meshes, const Hit& hit,

@@ -86,8 +86,17 @@ TEST(IrradianceCloudFile, OfLightThatHasSpreadIsReadBackAsItWas) {
     EXPECT_EQ(read[c].points.size(), written[c].points.size());
     EXPECT_EQ(read[c].exitance, written[c].exitance);
     EXPECT_EQ(read[c].reflectance, written[c].reflectance);
+    EXPECT_TRUE(read[c].transmittance.empty());
     EXPECT_TRUE(read[c].irradiance.empty());
   }
+  // A sheet among them.
+  written[1].transmittance = {7, 8, 9, 10};
+  save_irradiance_clouds(written, some_scene, file);
+  const std::vector<IrradianceCloud> with_sheet = load_irradiance_clouds(file, some_scene).clouds;
+  ASSERT_EQ(with_sheet.size(), written.size());
+  EXPECT_EQ(with_sheet[0].transmittance, (std::vector<float>{0, 0}));
+  EXPECT_EQ(with_sheet[1].transmittance, written[1].transmittance);
+  EXPECT_EQ(with_sheet[1].reflectance, written[1].reflectance);
 }
 
 TEST(IrradianceCloudFile, OfAnotherSceneIsOfNoUseByThePartThatDiffers) {
@@ -104,11 +113,11 @@ TEST(IrradianceCloudFile, OfAnotherVersionIsOfNoUse) {
   const fs::path file = fresh_file("version");
   save_irradiance_clouds(two_clouds(), some_scene, file);
   std::string bytes = read_file_bytes(file);
-  const std::size_t at = bytes.find("version 3,");
+  const std::size_t at = bytes.find("version 4,");
   ASSERT_NE(at, std::string::npos);
   bytes[at + 8] = '2';
   std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 3");
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 4");
 }
 
 // It is not lamina's to overwrite.

@@ -108,7 +108,7 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
     entering[i][0] = light.values[i];
     entering[i][1] = 1.0f;
   }
-  const CellField<4> left = transport(layers, entering, 2);
+  const CellField<4> left = transport(layers, entering, 2).reflected;
   double worst = 0.0, mean = 0.0, square = 0.0;
   for (std::size_t i = 0; i < left.size(); ++i) {
     const double error = static_cast<double>(left[i][0] - wanted.reflected.values[i]);
@@ -128,7 +128,7 @@ TEST(SurfaceTransport, AgreesWithTransportOnAPlaneAcrossACut) {
 }
 
 // Three layers of which thickness and scattering vary, one band by powers and one by modes, on a
-// grid of texels and on cells.
+// grid of texels and on cells: what leaves above and, unless the last is infinite, below.
 TEST(SurfaceTransport, LayersOfVaryingStatesDoAsOnAPlane) {
   constexpr int size = 48;
   constexpr float h = 0.1f;
@@ -140,12 +140,12 @@ TEST(SurfaceTransport, LayersOfVaryingStatesDoAsOnAPlane) {
   for (std::size_t i = 0; i < n; ++i)
     light.values[i] = 1.0f + std::cos(0.2f * static_cast<float>(i % size));
   CellField<4> entering(n);
-  std::vector<Plane> wanted;
+  std::vector<TransportResult> wanted;
   for (const int band : {0, 1}) {
     std::vector<LayerTexels> texels = {
         uniform_texels({.sigma_a = 0.2, .sigma_s = 20.0, .g = 0.5, .thickness = 0.1}),
         uniform_texels({.sigma_a = 0.1, .sigma_s = 6.0, .g = 0.2, .thickness = 0.5}),
-        uniform_texels({.sigma_a = 0.05, .sigma_s = 2.0})};
+        uniform_texels({.sigma_a = 0.05, .sigma_s = 2.0, .thickness = 0.7})};
     texels[0].thickness.clear();
     for (std::size_t i = 0; i < n; ++i)
       texels[0].thickness.push_back(0.1f *
@@ -166,24 +166,47 @@ TEST(SurfaceTransport, LayersOfVaryingStatesDoAsOnAPlane) {
     const std::vector<float> sheets(n, 0.02f);
     layers.add_band(band, tables, texels, std::vector{sheets, sheets});
     const Plane absorbance = make_plane(size, size, 0.02f);
-    wanted.push_back(transport(make_heterogeneous_layers(tables, size, size, texels,
-                                                         {absorbance, absorbance}, h),
-                               light, {.interlayer_bounces = 3})
-                         .reflected);
+    wanted.push_back(transport(
+        make_heterogeneous_layers(tables, size, size, texels, {absorbance, absorbance}, h), light,
+        {.interlayer_bounces = 3}));
     for (std::size_t i = 0; i < n; ++i) entering[i][band] = light.values[i];
   }
   EXPECT_FALSE(layers.layers[1].basis.modes.empty());
-  const CellField<4> left = transport(layers, entering, 3);
+  const SurfaceTransportResult<4> left = transport(layers, entering, 3);
   for (const int band : {0, 1}) {
-    double mean = 0.0, square = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double value = wanted[static_cast<std::size_t>(band)].values[i];
-      square += std::pow(static_cast<double>(left[i][band]) - value, 2) / static_cast<double>(n);
-      mean += value / static_cast<double>(n);
-    }
-    EXPECT_GT(mean, 0.1);
-    EXPECT_LT(std::sqrt(square) / mean, 0.005) << band;
+    const auto expect_alike = [&](const CellField<4>& found, const Plane& on_plane, double error) {
+      double mean = 0.0, square = 0.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto value = static_cast<double>(on_plane.values[i]);
+        square += std::pow(static_cast<double>(found[i][band]) - value, 2) / static_cast<double>(n);
+        mean += value / static_cast<double>(n);
+      }
+      EXPECT_GT(mean, 0.1);
+      EXPECT_LT(std::sqrt(square) / mean, error) << band;
+    };
+    expect_alike(left.reflected, wanted[static_cast<std::size_t>(band)].reflected, 0.002);
+    // By wider blurs, which run on coarse cells.
+    expect_alike(left.transmitted, wanted[static_cast<std::size_t>(band)].transmitted, 0.007);
   }
+}
+
+// What leaves below uniform layers under uniform light, in closed form and by all bounces.
+TEST(SurfaceTransport, UniformLayersTransmitAsTheirTotalsSay) {
+  const Sheet sheet = cut_sheet(8, 0.2f);
+  const CellGraph graph = make_cell_graph(sheet.cells, sheet.links, 4.0);
+  const MappedStack stack{
+      1.0, {{16.0, 0.7, 1.4, 0.1}, {8.0, 0.7, 1.4, 0.3}, {4.0, 0.2, 1.4, 0.2}}, 1.2};
+  SurfaceLayers<4> layers = make_surface_layers<4>(graph);
+  std::vector<LayerTexels> texels;
+  for (const MappedLayer& layer : stack.layers)
+    texels.push_back(uniform_texels({0.3, layer.sigma_s, layer.g, layer.thickness}));
+  const StackTables tables = make_stack_tables(stack, OperatorTotals::diffusion, {}, small_grid());
+  layers.add_band(0, tables, texels, std::vector<std::vector<float>>{{0.1f}, {0.2f}});
+  const CellField<4> even(sheet.cells.size(), BandValues<4>::filled(1.0f));
+  const SurfaceTransportResult<4> left = transport(layers, even, 2);
+  EXPECT_GT(left.transmitted[20][0], 0.1f);
+  EXPECT_NEAR(uniform_reflectance(layers)[20][0], left.reflected[20][0], 2e-4f);
+  EXPECT_NEAR(uniform_transmittance(layers)[20][0], left.transmitted[20][0], 2e-4f);
 }
 
 }  // namespace

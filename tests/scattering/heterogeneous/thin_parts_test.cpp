@@ -121,7 +121,8 @@ TEST(ThinParts, LetThroughWhatAFoldOfSkinDoes) {
           light, {.interlayer_bounces = 8});
     };
     const TransportResult wanted = of_fold(8, make_plane(8, 8, 1.0f));
-    const CellField<4> left = transport(layers, light_below(plate, [](auto) { return 1.0f; }));
+    const CellField<4> left =
+        transport(layers, light_below(plate, [](auto) { return 1.0f; })).reflected;
     const std::size_t middle = plate.at(32, 32);
     const float r = wanted.reflected.values[0], t = wanted.transmitted.values[0];
     EXPECT_GT(t, 0.005f);
@@ -133,7 +134,7 @@ TEST(ThinParts, LetThroughWhatAFoldOfSkinDoes) {
     spot.values[middle] = 1.0f;
     const TransportResult wanted_spot = of_fold(64, spot);
     const CellField<4> left_spot =
-        transport(layers, light_below(plate, [&](auto i) { return spot.values[i]; }));
+        transport(layers, light_below(plate, [&](auto i) { return spot.values[i]; })).reflected;
     const auto variance = [&](const auto& at) {
       double sum = 0.0, moment = 0.0;
       for (std::size_t i = 0; i < plate.sheet(); ++i) {
@@ -176,7 +177,8 @@ TEST(ThinParts, TransmitWhatRadiativeTransferSays) {
                         {.theta = std::numbers::pi / 6.0})
             .totals;
     const double entered = 1.0 - wanted.specular_reflectance;
-    const CellField<4> left = transport(layers, light_below(plate, [](auto) { return 1.0f; }));
+    const CellField<4> left =
+        transport(layers, light_below(plate, [](auto) { return 1.0f; })).reflected;
     const std::size_t middle = plate.at(40, 40);
     EXPECT_NEAR(static_cast<double>(left[middle][0]), wanted.transmittance / entered,
                 of_transmittance * wanted.transmittance / entered)
@@ -214,7 +216,8 @@ TEST(ThinParts, HaveNoEdgeWhereTheFarSideHasOne) {
   const StackTables tables = make_stack_tables(skin, OperatorTotals::diffusion, {}, small_grid());
   const SurfaceLayers<4> layers = make_layers(
       plate, tables, std::vector<float>(plate.cells.size(), static_cast<float>(usual[1])));
-  const CellField<4> left = transport(layers, light_below(plate, [](auto) { return 1.0f; }));
+  const CellField<4> left =
+      transport(layers, light_below(plate, [](auto) { return 1.0f; })).reflected;
   const auto light = [&](int x) { return left[plate.at(x, 48)][0]; };
   const auto thickness = [&](int x) { return layers.thin.thickness[plate.at(x, 48)]; };
   EXPECT_GT(light(24), 3.0f * light(76));
@@ -236,7 +239,7 @@ TEST(ThinParts, ShowThreadsNarrowOnTheNearSideAndWideOnTheFarOne) {
     for (int y = 0; y < plate.size; ++y)
       for (int x = 47; x < 49; ++x) sigma_a[first + plate.at(x, y)] = 3.0f;
     const SurfaceLayers<4> layers = make_layers(plate, tables, sigma_a);
-    return transport(layers, light_below(plate, [](auto) { return 1.0f; }));
+    return transport(layers, light_below(plate, [](auto) { return 1.0f; })).reflected;
   };
   const CellField<4> near = lit(0), far = lit(plate.sheet());
   const auto lost = [&](const CellField<4>& light, int x) {

@@ -53,7 +53,7 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
   const Interface& top = layers.layers.front().top;
   boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top);
   boundaries.own_roughness = static_cast<float>(top.roughness);
-  if (thin) {
+  if (std::isfinite(layers.layers.back().thickness)) {
     const Interface& bottom = layers.ground.top;
     boundaries.own_below = make_boundary(layers.layers.back(), layers.ior_below, bottom);
     boundaries.own_roughness_below = static_cast<float>(bottom.roughness);
@@ -76,7 +76,7 @@ RenderScene::RenderScene(const Scene& from)
   }
 }
 
-SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point, bool from_below) {
+SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point) {
   const RenderScene::Boundaries& tables = scene.boundaries[point.material];
   const SurfaceMaterial& material = scene.scene->materials[point.material];
   SurfaceBoundary boundary;
@@ -88,9 +88,9 @@ SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point,
     boundary.add({tables.coat.get(), roughness, share});
     uncovered -= share;
   }
-  if (const auto& own = from_below ? tables.own_below : tables.own)
+  if (const auto& own = point.is_below ? tables.own_below : tables.own)
     boundary.add(
-        {own.get(), from_below ? tables.own_roughness_below : tables.own_roughness, uncovered});
+        {own.get(), point.is_below ? tables.own_roughness_below : tables.own_roughness, uncovered});
   return boundary;
 }
 

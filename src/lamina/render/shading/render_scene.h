@@ -21,7 +21,7 @@ struct RenderScene {
   struct Boundaries {
     std::unique_ptr<BoundaryReflectance> coat;
     std::unique_ptr<BoundaryReflectance> own;        ///< of a translucent material, unless matched
-    std::unique_ptr<BoundaryReflectance> own_below;  ///< of a thin one, its other side
+    std::unique_ptr<BoundaryReflectance> own_below;  ///< of finite layers, their other side
     float own_roughness = 0.0f, own_roughness_below = 0.0f;
   };
 
@@ -37,10 +37,8 @@ struct RenderScene {
   bool has_clear_surfaces = false;     ///< which shadow rays pass: dielectric, thin or cut out
 };
 
-/// The boundary over the base at a point; of a thin sheet on the side of the mesh's normals, or
-/// that below.
-[[nodiscard]] SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point,
-                                          bool from_below = false);
+/// The boundary over the base at a point, on the side of it that the point is on.
+[[nodiscard]] SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point);
 
 /// The surface at a hit, its normal bent by the material's bump and normal maps.
 [[nodiscard]] SurfacePoint surface_at(const RenderScene& scene, const Hit& hit, float footprint);

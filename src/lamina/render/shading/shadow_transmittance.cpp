@@ -16,11 +16,12 @@ float opacity_at(const RenderScene& scene, const SurfacePoint& point) {
 template <int N>
 BandValues<N> straight_through(const RenderScene& scene, const ThinSheet<N>& sheet,
                                const SurfacePoint& point, const Vec3f& direction) {
-  const bool arrives_below = dot(direction, point.geometric_normal) > 0.0f;
+  SurfacePoint entry = point;
+  entry.is_below = dot(direction, point.geometric_normal) > 0.0f;
   const float cos_i = std::min(std::abs(dot(direction, point.smooth_normal)), 1.0f);
-  const float entered = 1.0f - reflectance(boundary_at(scene, point, arrives_below), cos_i);
+  const float entered = 1.0f - reflectance(boundary_at(scene, entry), cos_i);
   return entered *
-         sheet.fractions(sheet.place_at(scene.textures, point), arrives_below ? 1 : 0, cos_i)
+         sheet.fractions(sheet.place_at(scene.textures, point), entry.is_below ? 1 : 0, cos_i)
              .straight;
 }
 

@@ -26,14 +26,18 @@ struct IrradianceCloud {
   std::size_t bands = 0;
   float spacing = 0.0f;  ///< square root of the mean area of a patch [mm]
   std::vector<CloudPoint> points;
-  std::size_t wide_from = std::numeric_limits<std::size_t>::max();  ///< points from there on are
-                                                                    ///< further apart: none sees them
+  std::size_t wide_from =
+      std::numeric_limits<std::size_t>::max();  ///< points from there on are
+                                                ///< further apart: none sees them
   /// [point][band], flux per area that has passed the boundary, mean over the patch; empty once it
   /// has spread
   std::vector<float> irradiance;
   /// [point][band], of light that has spread: flux per area that leaves, and the share that would
   /// if all of the surface were like the patch. Empty before.
   std::vector<float> exitance, reflectance;
+  /// The same of light that entered on the other side of a sheet. Such points come twice, those
+  /// below behind all those above. Empty where the material is on no sheet.
+  std::vector<float> transmittance;
 };
 
 }  // namespace lamina

@@ -82,6 +82,16 @@ class SubsurfaceMethod {
   /// Fraction of the flux that entered that leaves again on the lit side, as if it did so at the
   /// point where it entered. What paths of indirect light use.
   [[nodiscard]] virtual BandValues<N> local_reflectance(const SurfacePoint& point) const = 0;
+
+  /// Whether light passes the surface at a point, so that it has another side: it is seen from
+  /// there, too, by points that are turned over.
+  [[nodiscard]] virtual bool is_sheet(const SurfacePoint& /*point*/) const { return false; }
+
+  /// Fraction of the flux that entered a sheet on the other side that leaves on the point's side,
+  /// as local_reflectance.
+  [[nodiscard]] virtual BandValues<N> local_transmittance(const SurfacePoint& /*point*/) const {
+    return {};
+  }
 };
 
 /// [material], null where a material has none.

@@ -90,6 +90,9 @@ class SurfaceField {
   explicit SurfaceField(const SurfaceLayers<N>& layers) : layers_(layers) {}
 
   [[nodiscard]] std::size_t junctions() const { return layers_.junctions.size(); }
+  [[nodiscard]] bool has_bottom() const {
+    return layers_.layers.back().operators[transmission_down].terms > 0;
+  }
   [[nodiscard]] Light blur(std::size_t layer, LayerOperator which, const Light& light) const {
     Light blurred = blur_alone(layer, which, light);
     if (layer + 1 < layers_.layers.size() || !has_thin_parts()) return blurred;
@@ -136,6 +139,17 @@ class SurfaceField {
     for_cells(above.size(), [&](std::size_t i) {
       closure_[i] = one / (one - closure_[i]);
       down[0][i] = down[0][i] * closure_[i];
+    });
+  }
+  void turn_round(const std::vector<Light>& up, Light& arriving) const {
+    for_cells(arriving.size(), [&](std::size_t i) {
+      BandValues<N> down;
+      for (std::size_t j = 0; j < up.size(); ++j) {
+        BandValues<N> turned = total_at<N>(layers_.layers[j], reflection_below, i) * up[j][i];
+        if (j > 0) turned += total_at<N>(layers_.layers[j], transmission_down, i) * down;
+        down = layers_.junctions[j][i] * turned;
+      }
+      arriving[i] += down;
     });
   }
 
@@ -227,26 +241,50 @@ CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers) {
 }
 
 template <int N>
-CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
-                       int interlayer_bounces) {
+CellField<N> uniform_transmittance(const SurfaceLayers<N>& layers) {
+  const std::size_t cells = layers.graph->levels.front().area.size();
+  CellField<N> result(cells);
+  for_cells(cells, [&](std::size_t i) {
+    const auto total = [&](std::size_t layer, LayerOperator which) {
+      return total_at<N>(layers.layers[layer], which, i);
+    };
+    // From above downward: what comes through, and what the layers so far turn back from below.
+    BandValues<N> through = total(0, transmission_down), back = total(0, reflection_below);
+    for (std::size_t l = 1; l < layers.layers.size(); ++l) {
+      const BandValues<N> crossed = layers.junctions[l - 1][i];
+      back *= crossed * crossed;
+      const BandValues<N> series =
+          BandValues<N>::filled(1.0f) /
+          (BandValues<N>::filled(1.0f) - back * total(l, reflection_above));
+      through *= crossed * total(l, transmission_down) * series;
+      back = total(l, reflection_below) +
+             total(l, transmission_down) * back * total(l, transmission_up) * series;
+    }
+    result[i] = through;
+  });
+  return result;
+}
+
+template <int N>
+SurfaceTransportResult<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
+                                    int interlayer_bounces) {
   assert(interlayer_bounces >= 1 && !layers.layers.empty());
   int bounce = 0;
   const auto is_last = [&](const CellField<N>&) { return ++bounce == interlayer_bounces; };
-  return detail::sum_interlayer_bounces(SurfaceField<N>(layers), irradiance, true, is_last)
-      .reflected;
+  auto [reflected, transmitted] =
+      detail::sum_interlayer_bounces(SurfaceField<N>(layers), irradiance, true, is_last);
+  return {std::move(reflected), std::move(transmitted)};
 }
 
-template struct SurfaceLayers<4>;
-template struct SurfaceLayers<8>;
-template struct SurfaceLayers<16>;
-template SurfaceLayers<4> make_surface_layers<4>(const CellGraph&);
-template SurfaceLayers<8> make_surface_layers<8>(const CellGraph&);
-template SurfaceLayers<16> make_surface_layers<16>(const CellGraph&);
-template CellField<4> uniform_reflectance<4>(const SurfaceLayers<4>&);
-template CellField<8> uniform_reflectance<8>(const SurfaceLayers<8>&);
-template CellField<16> uniform_reflectance<16>(const SurfaceLayers<16>&);
-template CellField<4> transport<4>(const SurfaceLayers<4>&, const CellField<4>&, int);
-template CellField<8> transport<8>(const SurfaceLayers<8>&, const CellField<8>&, int);
-template CellField<16> transport<16>(const SurfaceLayers<16>&, const CellField<16>&, int);
+#define LAMINA_INSTANTIATE(N)                                              \
+  template struct SurfaceLayers<N>;                                        \
+  template SurfaceLayers<N> make_surface_layers<N>(const CellGraph&);      \
+  template CellField<N> uniform_reflectance<N>(const SurfaceLayers<N>&);   \
+  template CellField<N> uniform_transmittance<N>(const SurfaceLayers<N>&); \
+  template SurfaceTransportResult<N> transport<N>(const SurfaceLayers<N>&, const CellField<N>&, int)
+LAMINA_INSTANTIATE(4);
+LAMINA_INSTANTIATE(8);
+LAMINA_INSTANTIATE(16);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina

@@ -40,17 +40,28 @@ template <int N>
 template <int N>
 [[nodiscard]] CellField<N> uniform_reflectance(const SurfaceLayers<N>& layers);
 
+/// The same of what leaves below; 0 under a half-space or a ground.
+template <int N>
+[[nodiscard]] CellField<N> uniform_transmittance(const SurfaceLayers<N>& layers);
+
+/// Flux that leaves per area, [cell].
+template <int N>
+struct SurfaceTransportResult {
+  CellField<N> reflected;
+  CellField<N> transmitted;  ///< below; empty under a half-space or a ground
+};
+
 /// What becomes of light that has entered: `transport` of heterogeneous_transport.h on a surface,
 /// with the profile of the exit.
 ///
 /// @param irradiance  [cell] flux that enters per area.
 /// @param interlayer_bounces  times that light comes back from below before the series is closed
 ///                            locally, >= 1.
-/// @return            [cell] flux that leaves per area.
 ///
 /// Holds where the surface bends little within the reach of light. Source: [Donner2008] eqs. 5-8.
 template <int N>
-[[nodiscard]] CellField<N> transport(const SurfaceLayers<N>& layers, const CellField<N>& irradiance,
-                                     int interlayer_bounces = 2);
+[[nodiscard]] SurfaceTransportResult<N> transport(const SurfaceLayers<N>& layers,
+                                                  const CellField<N>& irradiance,
+                                                  int interlayer_bounces = 2);
 
 }  // namespace lamina

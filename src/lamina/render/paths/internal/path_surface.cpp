@@ -20,6 +20,26 @@ float diffuse_lobe(const BoundaryPoint& at, const SurfaceBoundary& entered, floa
   return (1.0f - reflectance(entered, cos_i)) * exit_distribution(at.boundary, at.wo.z);
 }
 
+// Surfaces that scatter light to both sides.
+
+/// Share of the sampled light that comes from beyond.
+template <class Base>
+float beyond_chance(const Base& base) {
+  const float t = sum(base.transmittance);
+  return t > 0.0f ? std::clamp(t / (t + sum(base.reflectance)), 0.05f, 0.95f) : 0.0f;
+}
+
+template <int N>
+std::optional<BaseSample<N>> sample_side(bool is_beyond, Vec2f u2) {
+  Vec3f wi = sample_cosine_hemisphere(u2);
+  if (is_beyond) wi.z = -wi.z;
+  return BaseSample<N>{.wi = wi, .value = {}, .delta_weight = {}};
+}
+
+float pdf_both_sides(float beyond_chance, const Vec3f& wi) {
+  return (wi.z > 0.0f ? 1.0f - beyond_chance : beyond_chance) * std::abs(wi.z) / float_pi;
+}
+
 }  // namespace
 
 Vec3f sample_cosine_hemisphere(Vec2f u) {
@@ -58,24 +78,27 @@ float BoundaryPoint::specular_chance(float base_reflectance) const {
 template <int N>
 BaseValue<N> DiffuseBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi,
                                       PixelSamples&) const {
-  if (wi.z < 0.0f) return {};
-  return {diffuse_lobe(at, at.boundary, wi.z) * reflectance, pdf(wi)};
+  return {wi.z < 0.0f ? diffuse_lobe(at, beyond, -wi.z) * transmittance
+                      : diffuse_lobe(at, at.boundary, wi.z) * reflectance,
+          pdf(wi)};
 }
 
 template <int N>
-std::optional<BaseSample<N>> DiffuseBase<N>::sample(const BoundaryPoint&, float, float, Vec2f u2,
-                                                    PixelSamples&) const {
-  return BaseSample<N>{.wi = sample_cosine_hemisphere(u2), .value = {}, .delta_weight = {}};
+std::optional<BaseSample<N>> DiffuseBase<N>::sample(const BoundaryPoint&, float u, float chance,
+                                                    Vec2f u2, PixelSamples&) const {
+  return sample_side<N>(u < chance * beyond_chance(*this), u2);
 }
 
 template <int N>
 float DiffuseBase<N>::pdf(const Vec3f& wi) const {
-  return std::max(wi.z, 0.0f) / float_pi;
+  return pdf_both_sides(beyond_chance(*this), wi);
 }
 
 template <int N>
 float DiffuseBase<N>::estimate(const BoundaryPoint& at, const Vec3f& wi) const {
-  return wi.z < 0.0f ? 0.0f : brightness(reflectance) * diffuse_lobe(at, at.boundary, wi.z);
+  const float scattered = brightness(wi.z < 0.0f ? transmittance : reflectance);
+  if (!(scattered > 0.0f)) return 0.0f;
+  return scattered * diffuse_lobe(at, wi.z < 0.0f ? beyond : at.boundary, std::abs(wi.z));
 }
 
 // Layers
@@ -120,12 +143,6 @@ float SheetBase<N>::lobe(const BoundaryPoint& at, const Vec3f& wi) const {
 }
 
 template <int N>
-float SheetBase<N>::beyond_chance() const {
-  const float t = sum(transmittance);
-  return t > 0.0f ? std::clamp(t / (t + sum(reflectance)), 0.05f, 0.95f) : 0.0f;
-}
-
-template <int N>
 BaseValue<N> SheetBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi, PixelSamples&) const {
   const float cos_o = at.wo.z;
   const BandValues<N> scattered = wi.z > 0.0f ? sheet->reflection(place, side, wi.z, cos_o)
@@ -136,15 +153,12 @@ BaseValue<N> SheetBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi, Pi
 template <int N>
 std::optional<BaseSample<N>> SheetBase<N>::sample(const BoundaryPoint&, float u, float chance,
                                                   Vec2f u2, PixelSamples&) const {
-  Vec3f wi = sample_cosine_hemisphere(u2);
-  if (u < chance * beyond_chance()) wi.z = -wi.z;
-  return BaseSample<N>{.wi = wi, .value = {}, .delta_weight = {}};
+  return sample_side<N>(u < chance * beyond_chance(*this), u2);
 }
 
 template <int N>
 float SheetBase<N>::pdf(const Vec3f& wi) const {
-  const float chance = beyond_chance();
-  return (wi.z > 0.0f ? 1.0f - chance : chance) * std::abs(wi.z) / float_pi;
+  return pdf_both_sides(beyond_chance(*this), wi);
 }
 
 template <int N>
@@ -156,19 +170,17 @@ template <int N>
 PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& point,
                                  const Vec3f& towards_eye, bool is_from_eye) {
   const ThinSheet<N>* sheet = world.sheets[point.material].get();
+  const SubsurfaceMethod<N>* method = world.transports[point.material].get();
   const bool is_inside = dot(point.geometric_normal, towards_eye) < 0.0f;
-  PathSurface<N> surface{
-      .at = {.point = point, .boundary = boundary_at(world.scene, point, sheet && is_inside)},
-      .base = DiffuseBase<N>{}};
+  const bool is_sheet = sheet || (method && method->is_sheet(point));
+  PathSurface<N> surface{.at = {.point = is_inside ? turned_over(point, is_sheet) : point},
+                         .base = DiffuseBase<N>{}};
   SurfacePoint& p = surface.at.point;
-  if (is_inside) {
-    p.geometric_normal = -p.geometric_normal;
-    p.smooth_normal = -p.smooth_normal;
-    p.normal = -p.normal;
-  }
+  surface.at.boundary = boundary_at(world.scene, p);
   p.normal = make_visible(p.normal, towards_eye);
   surface.at.frame = make_frame(p.normal);
   surface.at.wo = surface.at.frame.to_local(towards_eye);
+  const auto boundary_beyond = [&] { return boundary_at(world.scene, turned_over(p, true)); };
   const auto& material = world.scene.scene->materials[p.material];
   const auto color_of = [&](const ColorParameter& parameter) {
     const Vec3f c = world.scene.textures.color(parameter, p);
@@ -188,11 +200,13 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
                                 .place = place,
                                 .side = side,
                                 .color = color,
-                                .beyond = boundary_at(world.scene, point, !is_inside)};
-  } else if (const auto* method = world.transports[p.material].get()) {
+                                .beyond = boundary_beyond()};
+  } else if (method) {
     const BandValues<N> reflectance = method->local_reflectance(p);
-    if (is_from_eye && !is_inside)
+    if (is_from_eye && (!is_inside || is_sheet))
       surface.base = TranslucentBase<N>{reflectance, method};
+    else if (is_sheet)
+      surface.base = DiffuseBase<N>{reflectance, method->local_transmittance(p), boundary_beyond()};
     else
       surface.base = DiffuseBase<N>{reflectance};
   } else if (const auto* layered = world.layered[p.material].get()) {

@@ -47,10 +47,13 @@ struct BaseSample {
 };
 
 /// A diffuse reflector of the light that passes the boundary, and the inner side of open meshes.
+/// One that transmits, too, is a sheet as paths of indirect light take it.
 template <int N>
 struct DiffuseBase {
   static constexpr bool is_subsurface = false;
   BandValues<N> reflectance;
+  BandValues<N> transmittance = {};  ///< of light that has entered on the other side
+  SurfaceBoundary beyond = {};       ///< the boundary there
 
   [[nodiscard]] BaseValue<N> evaluate(const BoundaryPoint& at, const Vec3f& wi,
                                       PixelSamples& samples) const;
@@ -60,7 +63,7 @@ struct DiffuseBase {
   [[nodiscard]] float estimate(const BoundaryPoint& at, const Vec3f& wi) const;
   [[nodiscard]] bool is_random() const { return false; }
   [[nodiscard]] float continuous_chance() const { return 1.0f; }
-  [[nodiscard]] BandValues<N> scattered() const { return reflectance; }
+  [[nodiscard]] BandValues<N> scattered() const { return reflectance + transmittance; }
 };
 
 /// A translucent object whose inside is followed by a method of subsurface transport. No direction
@@ -114,8 +117,6 @@ struct SheetBase {
 
  private:
   [[nodiscard]] float lobe(const BoundaryPoint& at, const Vec3f& wi) const;
-  /// Share of the sampled light that comes from beyond.
-  [[nodiscard]] float beyond_chance() const;
 };
 
 /// A surface that ends a path's ray: a boundary over one of four bases. Dielectrics are none of

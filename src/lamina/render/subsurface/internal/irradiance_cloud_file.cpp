@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -28,21 +29,45 @@ std::string hexadecimal(std::uint64_t value) {
   return printf_text("%016llx", static_cast<unsigned long long>(value));
 }
 
+/// A number of each band that points have, and where clouds keep it.
+struct BandProperty {
+  const char* name;
+  std::vector<float> IrradianceCloud::*values;
+};
+using BandProperties = std::span<const BandProperty>;
+
+constexpr std::array before_spread = {BandProperty{"irradiance_", &IrradianceCloud::irradiance}};
+/// The last of sheets only.
+constexpr std::array after_spread = {
+    BandProperty{"exitance_", &IrradianceCloud::exitance},
+    BandProperty{"reflectance_", &IrradianceCloud::reflectance},
+    BandProperty{"transmittance_", &IrradianceCloud::transmittance}};
+
+/// What files may hold.
+constexpr std::array<BandProperties, 3> kinds_of_files = {BandProperties(before_spread),
+                                                          BandProperties(after_spread).first(2),
+                                                          BandProperties(after_spread)};
+
+BandProperties properties_of(const std::vector<IrradianceCloud>& clouds) {
+  if (clouds.front().exitance.empty()) return kinds_of_files[0];
+  const bool has_sheet = std::ranges::any_of(
+      clouds, [](const IrradianceCloud& cloud) { return !cloud.transmittance.empty(); });
+  return kinds_of_files[has_sheet ? 2 : 1];
+}
+
 /// What a file says before its numbers, but for the number of vertices and the comments.
-std::string property_lines(std::size_t bands, bool has_spread) {
+std::string property_lines(std::size_t bands, BandProperties properties) {
   std::string text;
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "u", "v", "area", "red", "green",
                            "blue", "thickness", "material"})
     text += std::string("property float ") + name + "\n";
-  const std::vector<const char*> of_bands =
-      has_spread ? std::vector{"exitance_", "reflectance_"} : std::vector{"irradiance_"};
-  for (const char* name : of_bands)
+  for (const BandProperty& property : properties)
     for (std::size_t b = 0; b < bands; ++b)
-      text += std::string("property float ") + name + std::to_string(b) + "\n";
+      text += std::string("property float ") + property.name + std::to_string(b) + "\n";
   return text + "end_header\n";
 }
 
-constexpr int version = 3;  // of what the file means; older ones are made anew
+constexpr int version = 4;  // of what the file means; older ones are made anew
 const std::string first_words =
     "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
 const std::string no_checksum(16, '0');  // while the checksum of the file is taken
@@ -77,7 +102,7 @@ std::string header(const std::vector<IrradianceCloud>& clouds, const LightFinger
   }
   text << "comment bands " << clouds.front().bands << '\n';
   text << "element vertex " << count << '\n'
-       << property_lines(clouds.front().bands, !clouds.front().exitance.empty());
+       << property_lines(clouds.front().bands, properties_of(clouds));
   return text.str();
 }
 
@@ -166,12 +191,15 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   std::size_t bands = 0;
   require(lines.next("comment bands ", words) && words >> bands && bands >= 1 && bands <= 16);
   const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
-  const bool has_spread = lines.rest().starts_with(before_properties + property_lines(bands, true));
-  lines.expect(before_properties + property_lines(bands, has_spread));
-  const std::size_t stride = fixed_numbers + (has_spread ? 2 : 1) * bands;
+  const auto kind = std::ranges::find_if(kinds_of_files, [&](BandProperties properties) {
+    return lines.rest().starts_with(before_properties + property_lines(bands, properties));
+  });
+  require(kind != kinds_of_files.end());
+  lines.expect(before_properties + property_lines(bands, *kind));
+  const std::size_t stride = fixed_numbers + kind->size() * bands;
   std::string_view rest = lines.rest();
   require(rest.size() == count * stride * sizeof(float));
-  take_memory(memory, count, sizeof(CloudPoint) + 2 * 2 * bands * sizeof(float),
+  take_memory(memory, count, sizeof(CloudPoint) + 2 * kind->size() * bands * sizeof(float),
               name + ": " + std::to_string(count) + " points");
   std::vector<float> v(stride);
   for (std::size_t c = 0; c < clouds.size(); ++c) {
@@ -189,11 +217,12 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
                .thickness = v[12] != 0.0f ? v[12] : std::numeric_limits<float>::infinity()};
       check(point, cloud.spacing, std::span(v).subspan(fixed_numbers));
       require(v[13] == static_cast<float>(cloud.material));
-      const auto first = v.begin() + fixed_numbers,
-                 second = first + static_cast<std::ptrdiff_t>(bands);
-      std::vector<float>& of_first = has_spread ? cloud.exitance : cloud.irradiance;
-      of_first.insert(of_first.end(), first, second);
-      cloud.reflectance.insert(cloud.reflectance.end(), second, v.end());
+      auto number = v.begin() + fixed_numbers;
+      for (const BandProperty& property : *kind) {
+        std::vector<float>& values = cloud.*property.values;
+        values.insert(values.end(), number, number + static_cast<std::ptrdiff_t>(bands));
+        number += static_cast<std::ptrdiff_t>(bands);
+      }
     }
   }
   return clouds;
@@ -204,6 +233,7 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
                             const LightFingerprint& made_for, const std::filesystem::path& file) {
   std::string bytes = header(clouds, made_for);
+  const BandProperties properties = properties_of(clouds);
   std::vector<float> vertex;
   for (const IrradianceCloud& cloud : clouds)
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -222,15 +252,10 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
                 albedo.z,
                 std::isfinite(thickness) ? thickness : 0.0f,
                 static_cast<float>(cloud.material)};
-      const auto add = [&](const std::vector<float>& of_bands) {
-        vertex.insert(vertex.end(), &of_bands[i * cloud.bands],
-                      &of_bands[i * cloud.bands] + cloud.bands);
-      };
-      if (cloud.exitance.empty()) {
-        add(cloud.irradiance);
-      } else {
-        add(cloud.exitance);
-        add(cloud.reflectance);
+      for (const BandProperty& property : properties) {
+        const std::vector<float>& values = cloud.*property.values;
+        for (std::size_t b = 0; b < cloud.bands; ++b)
+          vertex.push_back(values.empty() ? 0.0f : values[i * cloud.bands + b]);
       }
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
     }

@@ -14,8 +14,8 @@ namespace lamina {
 /// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
 /// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
 /// thickness [mm] (0: thick), material (its index), and of each band irradiance_0 …; of light that
-/// has spread exitance_0 … and reflectance_0 … instead. What it was made for, and a checksum of all
-/// of the file, are said in comments.
+/// has spread exitance_0 …, reflectance_0 … and, of sheets, transmittance_0 … instead. What it was
+/// made for, and a checksum of all of the file, are said in comments.
 ///
 /// @param clouds  at least one, all of the same number of bands, and all spread or none
 /// @throws WriteError

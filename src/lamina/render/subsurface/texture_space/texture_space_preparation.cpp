@@ -19,8 +19,9 @@ constexpr double seconds_per_bounce = 1e-6;  // between the layers, for each tex
 constexpr double seconds_per_texel_lookup = 0.5e-6;
 
 /// Texels that face the camera's place with nothing but clear surfaces or other materials of the
-/// kind between: what may show, directly.
-std::vector<bool> seen_texels(const RenderScene& scene, std::span<const AtlasTexel> texels) {
+/// kind between: what may show, directly. Sheets face it on either side.
+std::vector<char> seen_texels(const RenderScene& scene, std::span<const AtlasTexel> texels,
+                              const std::vector<bool>& is_sheet) {
   const Vec3& at = scene.scene->camera.position;
   const Vec3f eye{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
   std::vector<char> is_seen(texels.size(), 0);
@@ -29,10 +30,24 @@ std::vector<bool> seen_texels(const RenderScene& scene, std::span<const AtlasTex
     const AtlasTexel& texel = texels[i];
     const Vec3f offset = eye - texel.position;
     const float distance = length(offset), width = std::sqrt(texel.area);
-    if (!(distance > width) || dot(offset, texel.normal) < -0.1f * distance) return;
-    const Ray ray{texel.position + width * texel.normal, offset / distance};
+    const bool is_from_below = is_sheet[texel.mesh] && dot(offset, texel.normal) < 0.0f;
+    const Vec3f normal = is_from_below ? -texel.normal : texel.normal;
+    if (!(distance > width) || dot(offset, normal) < -0.1f * distance) return;
+    const Ray ray{texel.position + width * normal, offset / distance};
     is_seen[i] = scene.geometry.is_blocked(ray, 0.0f, distance) ? 0 : 1;
   });
+  return is_seen;
+}
+
+/// Texels whose light shows: what enters opposite a texel that is seen comes through to it.
+std::vector<bool> showing_texels(std::vector<char> is_seen, std::span<const FarSide> far_sides) {
+  const std::vector<char> directly = is_seen;
+  for (std::size_t i = 0; i < far_sides.size(); ++i) {
+    const TextureAtlas::Weights& place = far_sides[i].place;
+    if (!directly[i]) continue;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(place.count); ++k)
+      if (place.texel[k] < is_seen.size()) is_seen[place.texel[k]] = 1;
+  }
   return {is_seen.begin(), is_seen.end()};
 }
 
@@ -59,7 +74,8 @@ void TextureSpaceTransport<N>::prepare_reflectance(const Preparation<N>& with) {
     use(*kept);
   } else {
     make_texels(spacing_for(nearest_pixel(*scene_.scene, with.camera, material_)));
-    make_layers(user_cache());
+    if (const std::string warning = make_layers(user_cache()); !warning.empty())
+      with.report.warnings.push_back(warning);
   }
   std::ranges::copy(atlas_->warnings(), std::back_inserter(with.report.warnings));
 }
@@ -68,7 +84,9 @@ template <int N>
 bool TextureSpaceTransport<N>::prepare(const Preparation<N>& with) {
   if (is_kept_) return true;
   const auto is_seen =
-      with.cache.is_wanted() ? std::vector<bool>{} : seen_texels(scene_, atlas_->texels());
+      with.cache.is_wanted()
+          ? std::vector<bool>{}
+          : showing_texels(seen_texels(scene_, atlas_->texels(), is_sheet_), far_sides_);
   auto cloud = sample_light(with.light, is_seen, scene_.scene->render.seed, with.progress);
   if (!cloud) return false;
   scatter(*cloud);
@@ -84,6 +102,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
   const auto spacing =
       static_cast<double>(spacing_for(nearest_pixel(scene, with.camera, material_)));
   const double area = surface_area(scene.meshes, material_), texels = area / (spacing * spacing);
+  const auto sides = static_cast<double>(side_count());
   if (with.cache.is_there())
     return {.preparation = texels * seconds_per_texel, .lookup = seconds_per_texel_lookup};
   const double seen =
@@ -91,8 +110,9 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
   const int full = settings.irradiance_samples;
   const double estimates = seen * full + (1.0 - seen) * std::max(1, full / 8);
   const auto bands = static_cast<double>(surface_.material.bands.size());
-  return {.preparation = texels * (seconds_per_texel + estimates * with.seen.seconds_per_estimate +
-                                   seconds_per_bounce * bands * (1 + settings.interlayer_bounces)),
+  const double per_side = estimates * with.seen.seconds_per_estimate +
+                          seconds_per_bounce * bands * (1 + settings.interlayer_bounces);
+  return {.preparation = texels * (seconds_per_texel + sides * per_side),
           .lookup = seconds_per_texel_lookup};
 }
 

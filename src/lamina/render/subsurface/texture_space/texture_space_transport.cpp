@@ -12,15 +12,10 @@
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
-#include "lamina/scene/skin_totals.h"
 #include "lamina/skin_patch/material_texels.h"
 
 namespace lamina {
 namespace {
-
-/// Levels of cells go on up to at least this size: Gaussians of skin are no wider [mm²]. Where
-/// light goes further, up to so many times the variance of what it spreads.
-constexpr double smallest_largest_cell = 25.0, cell_per_spread = 1.9;
 
 /// Texels that do not show get so many times fewer samples: their light comes in from afar only.
 constexpr int fewer_where_hidden = 8;
@@ -51,7 +46,13 @@ TextureSpaceTransport<N>::TextureSpaceTransport(const RenderScene& scene, std::u
     throw InvalidInput("material \"" + scene.scene->materials[material].name +
                        "\": method texture_space needs " + rule);
   };
-  if (surface_.material.ground.top.roughness > 0.0) refuse("a smooth boundary to the ground");
+  const Material& layers = surface_.material;
+  const bool lets_through = lets_light_through(layers);
+  if (layers.ground.top.roughness > 0.0 && !lets_through) refuse("a smooth boundary to the ground");
+  for (const Mesh& mesh : scene.scene->meshes)
+    is_sheet_.push_back(lets_through && !is_closed(mesh, material) &&
+                        std::ranges::find(mesh.material, material) != mesh.material.end());
+  sides_.resize(std::ranges::find(is_sheet_, true) != is_sheet_.end() ? 2 : 1);
   const BandSet& bands = surface_.material.bands;
   for (const MaterialMap& map : surface_.material_maps) {
     const std::size_t channels = map.values.channel_count();
@@ -85,76 +86,24 @@ void TextureSpaceTransport<N>::make_texels(float spacing) {
 }
 
 template <int N>
-void TextureSpaceTransport<N>::make_layers(const std::optional<DiskCache>& cache) {
-  const TextureAtlas::Cells cells = atlas_->cells();
-  const std::vector<NumberTexels> maps =
-      sample_maps(surface_.material_maps, scene_.scene->meshes, *atlas_);
-  const std::size_t bands = surface_.material.bands.size();
-  const OperatorTotals totals = texture_space_totals();
-  std::vector<StackTables> tables(bands);
-  std::vector<BandTexels> texels(bands);
-  std::vector<MappedStack> stacks(bands);
-  Material material = surface_.material;
-  material.layers.front().top = {};  // the surface's roughness is the coat's business
-  parallel_for(bands, [&](std::size_t b) {
-    texels[b] = band_texels(material, maps, atlas_->texels().size(), b);
-    stacks[b] = mapped_stack(material, b, texels[b]);
-    tables[b] = cached_stack_tables(cache, stacks[b], totals, reference_absorptions(texels[b]));
-  });
-  double widest = smallest_largest_cell;
-  for (const StackTables& table : tables)
-    widest = std::max(widest, cell_per_spread * widest_spread(table.lattices));
-  graph_ = make_cell_graph(cells.cells, cells.links, widest);
-  layers_ = make_surface_layers<N>(graph_);
-  for (std::size_t b = 0; b < bands; ++b)
-    layers_->add_band(static_cast<int>(b), tables[b], texels[b].layers, texels[b].absorbance);
-  if (std::isinf(material.layers.back().thickness)) {
-    std::vector<std::vector<float>> last(bands);  // absorption of the last layer
-    std::vector<ThinBand> thin;
-    for (std::size_t b = 0; b < bands; ++b) {
-      last[b] = texels[b].layers.back().sigma_a;
-      last[b].resize(atlas_->texels().size(), last[b].front());
-      thin.push_back({.stack = &stacks[b],
-                      .tables = &tables[b],
-                      .reference = reference_absorptions(texels[b]),
-                      .sigma_a = last[b],
-                      .has_transfer_totals = totals != OperatorTotals::diffusion});
-    }
-    std::vector<Vec3f> positions, normals;
-    for (const AtlasTexel& texel : atlas_->texels()) {
-      positions.push_back(texel.position);
-      normals.push_back(texel.normal);
-    }
-    layers_->thin = make_thin_parts<N>(graph_, positions, normals, thin);
-  }
-  reflectance_ = uniform_reflectance(*layers_);
-  extend(reflectance_);
-}
-
-template <int N>
-OperatorTotals TextureSpaceTransport<N>::texture_space_totals() const {
-  const Material& material = surface_.material;
-  const bool is_transfer = !material.skin || takes_material_totals(material, scene_.scene->render);
-  return is_transfer ? OperatorTotals::radiative_transfer_diffuse : OperatorTotals::diffusion;
-}
-
-template <int N>
 std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
     const LightGatherer<N>& light, const std::vector<bool>& is_seen, std::uint64_t seed,
     const Progress& progress) const {
   const auto texels = atlas_->texels();
   const auto& meshes = scene_.scene->meshes;
-  IrradianceCloud cloud{
-      .material = material_,
-      .bands = surface_.material.bands.size(),
-      .spacing = spacing_,
-      .points = std::vector<CloudPoint>(texels.size()),
-      .irradiance = std::vector<float>(texels.size() * surface_.material.bands.size())};
+  const std::size_t points = side_count() * texels.size();
+  IrradianceCloud cloud{.material = material_,
+                        .bands = surface_.material.bands.size(),
+                        .spacing = spacing_,
+                        .points = std::vector<CloudPoint>(points),
+                        .irradiance = std::vector<float>(points * surface_.material.bands.size())};
   const SurfaceMaterial& material = scene_.scene->materials[material_];
   const int full = scene_.scene->render.texture_space.irradiance_samples;
   constexpr std::size_t chunk = 256;
   const auto sample = [&](std::size_t i) {
-    const AtlasTexel& texel = texels[i];
+    const bool is_below = i >= texels.size();
+    const std::size_t t = is_below ? i - texels.size() : i;
+    const AtlasTexel& texel = texels[t];
     const auto point_at = [&](Vec2f moved) {
       // Moved within the plane of its face, as far as that goes.
       const Vec2f d = barycentric_step(meshes, texel, moved);
@@ -166,22 +115,8 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
           spacing_);
       if (material.bump || material.normal_map)
         point.normal = bent_normal(scene_.textures, material, point);
-      return point;
+      return is_below ? turned_over(point, true) : point;
     };
-    const bool is_full = is_seen.empty() || is_seen[i];
-    const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
-    const std::uint32_t along = morton(texel.x, texel.y);
-    Bands irradiance;
-    for (int s = 0; s < count; ++s) {
-      PixelSamples samples(
-          seed + 0x9d2c5680u, 2 * texel.chart + (is_full ? 0 : 1),
-          along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
-      const Vec2f place = samples.next_2d();
-      irradiance += light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
-    }
-    for (std::size_t b = 0; b < cloud.bands; ++b)
-      cloud.irradiance[i * cloud.bands + b] =
-          irradiance[static_cast<int>(b)] / static_cast<float>(count);
     const SurfacePoint middle = point_at({0.0f, 0.0f});
     cloud.points[i] = {.position = texel.position,
                        .normal = middle.normal,
@@ -189,61 +124,96 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
                        .area = texel.area,
                        .albedo = {1, 1, 1},
                        .thickness = 0.0f};
+    if (is_below && !is_sheet_[texel.mesh]) return;
+    const bool is_full = is_seen.empty() || is_seen[t];
+    const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+    const std::uint32_t along = morton(texel.x, texel.y);
+    const std::uint64_t key = seed + (is_below ? 0x3c6ef372u : 0x9d2c5680u);
+    Bands irradiance;
+    for (int s = 0; s < count; ++s) {
+      PixelSamples samples(
+          key, 2 * texel.chart + (is_full ? 0 : 1),
+          along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
+      const Vec2f place = samples.next_2d();
+      irradiance += light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
+    }
+    for (std::size_t b = 0; b < cloud.bands; ++b)
+      cloud.irradiance[i * cloud.bands + b] =
+          irradiance[static_cast<int>(b)] / static_cast<float>(count);
   };
-  if (!parallel_chunks(texels.size(), chunk, sample, progress)) return std::nullopt;
+  if (!parallel_chunks(points, chunk, sample, progress)) return std::nullopt;
   return cloud;
 }
 
 template <int N>
 void TextureSpaceTransport<N>::scatter(IrradianceCloud& cloud) {
-  const std::size_t texels = cloud.points.size();
-  CellField<N> entering(texels);
-  for (std::size_t i = 0; i < texels; ++i)
-    for (std::size_t b = 0; b < cloud.bands; ++b)
-      entering[i][static_cast<int>(b)] = cloud.irradiance[i * cloud.bands + b];
-  clamp_fireflies(graph_.levels.front(), entering);
-  const CellField<N> leaving =
-      transport(*layers_, entering, scene_.scene->render.texture_space.interlayer_bounces);
-  layers_.reset();
-  graph_ = {};
-  const auto kept = [&](const CellField<N>& field) {
-    std::vector<float> values(texels * cloud.bands);
+  const std::size_t texels = atlas_->texels().size(), sides = side_count();
+  std::vector<CellField<N>> leaving(sides, CellField<N>(texels));
+  for (std::size_t side = 0; side < sides; ++side) {
+    CellField<N> entering(texels);
     for (std::size_t i = 0; i < texels; ++i)
       for (std::size_t b = 0; b < cloud.bands; ++b)
-        values[i * cloud.bands + b] =
-            std::max(field[i][static_cast<int>(b)], 0.0f);  // where weights overshoot
-    return values;
+        entering[i][static_cast<int>(b)] = cloud.irradiance[(side * texels + i) * cloud.bands + b];
+    clamp_fireflies(graph_.levels.front(), entering);
+    auto [reflected, transmitted] = transport(
+        layers_from(side), entering, scene_.scene->render.texture_space.interlayer_bounces);
+    for (std::size_t i = 0; i < texels; ++i) leaving[side][i] += reflected[i];
+    if (!transmitted.empty()) add_transmitted(side, std::move(transmitted), leaving);
+  }
+  layers_.clear();
+  graph_ = {};
+  const auto keep = [&](const CellField<N>& field, std::vector<float>& values) {
+    for (std::size_t i = 0; i < texels; ++i)
+      for (std::size_t b = 0; b < cloud.bands; ++b)
+        values.push_back(std::max(field[i][static_cast<int>(b)], 0.0f));  // where weights overshoot
   };
-  cloud.exitance = kept(leaving);
-  cloud.reflectance = kept(reflectance_);
+  for (std::size_t side = 0; side < sides; ++side) {
+    keep(leaving[side], cloud.exitance);
+    keep(sides_[side].reflectance, cloud.reflectance);
+    if (sides == 2) keep(sides_[side].transmittance, cloud.transmittance);
+  }
   cloud.irradiance = {};
 }
 
 template <int N>
+void TextureSpaceTransport<N>::add_transmitted(std::size_t side, CellField<N> through,
+                                               std::vector<CellField<N>>& leaving) const {
+  const auto texels = atlas_->texels();
+  extend(through);
+  for (std::size_t i = 0; i < texels.size(); ++i)
+    if (is_sheet_[texels[i].mesh])
+      leaving[1 - side][i] += through[i];
+    else if (side == 0 && far_sides_[i].facing > 0.0f)
+      leaving[0][i] += far_sides_[i].facing * looked_up(through, far_sides_[i].place);
+}
+
+template <int N>
 void TextureSpaceTransport<N>::use(const IrradianceCloud& cloud) {
-  const std::size_t texels = atlas_->texels().size();
-  if (cloud.points.size() != texels || cloud.exitance.empty())
+  const std::size_t texels = atlas_->texels().size(), points = side_count() * texels;
+  if (cloud.points.size() != points || cloud.exitance.empty())
     throw InvalidInput("texture_space: " + std::to_string(cloud.points.size()) +
-                       " samples of light do not fit " + std::to_string(texels) + " texels");
-  for (std::size_t i = 0; i < texels; ++i) {
-    const Vec3f offset = cloud.points[i].position - atlas_->texels()[i].position;
+                       " samples of light do not fit " + std::to_string(points) + " texels");
+  for (std::size_t i = 0; i < points; ++i) {
+    const Vec3f offset = cloud.points[i].position - atlas_->texels()[i % texels].position;
     if (!(length(offset) < 0.01f * spacing_))
       throw InvalidInput("texture_space: sample of light " + std::to_string(i) +
                          " must lie on its texel, but is " + number_text(length(offset)) +
                          " mm away: another version of lamina made the cache; remove it");
   }
-  const auto field_of = [&](const std::vector<float>& values) {
-    CellField<N> field;
-    field.reserve(texels + atlas_->borders().size());
-    field.resize(texels);
-    for (std::size_t i = 0; i < texels; ++i)
-      for (std::size_t b = 0; b < cloud.bands; ++b)
-        field[i][static_cast<int>(b)] = values[i * cloud.bands + b];
-    extend(field);
-    return field;
-  };
-  exitance_ = field_of(cloud.exitance);
-  reflectance_ = field_of(cloud.reflectance);
+  for (std::size_t side = 0; side < side_count(); ++side) {
+    const auto field_of = [&](const std::vector<float>& values) {
+      CellField<N> field;
+      field.reserve(texels + atlas_->borders().size());
+      field.resize(texels);
+      for (std::size_t i = 0; i < texels; ++i)
+        for (std::size_t b = 0; b < cloud.bands; ++b)
+          field[i][static_cast<int>(b)] = values[(side * texels + i) * cloud.bands + b];
+      extend(field);
+      return field;
+    };
+    sides_[side] = {field_of(cloud.exitance), field_of(cloud.reflectance), {}};
+    if (!cloud.transmittance.empty()) sides_[side].transmittance = field_of(cloud.transmittance);
+  }
 }
 
 template <int N>
@@ -257,8 +227,7 @@ void TextureSpaceTransport<N>::extend(CellField<N>& field) const {
 
 template <int N>
 BandValues<N> TextureSpaceTransport<N>::looked_up(const CellField<N>& field,
-                                                  const SurfacePoint& point) const {
-  const TextureAtlas::Weights weights = atlas_->weights_at(point);
+                                                  const TextureAtlas::Weights& weights) {
   Bands value;
   for (int k = 0; k < weights.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -269,14 +238,20 @@ BandValues<N> TextureSpaceTransport<N>::looked_up(const CellField<N>& field,
 
 template <int N>
 BandValues<N> TextureSpaceTransport<N>::local_reflectance(const SurfacePoint& point) const {
-  return looked_up(reflectance_, point);
+  return looked_up(side_of(point).reflectance, atlas_->weights_at(point));
+}
+
+template <int N>
+BandValues<N> TextureSpaceTransport<N>::local_transmittance(const SurfacePoint& point) const {
+  return looked_up(side_of(point).transmittance, atlas_->weights_at(point));
 }
 
 template <int N>
 BandValues<N> TextureSpaceTransport<N>::leaving_radiance(const ExitPoint& exit,
                                                          const LightGatherer<N>& /*light*/,
                                                          PixelSamples& /*samples*/) const {
-  return leaving_fraction(exit, is_printed_exit_) * looked_up(exitance_, exit.point);
+  return leaving_fraction(exit, is_printed_exit_) *
+         looked_up(side_of(exit.point).exitance, atlas_->weights_at(exit.point));
 }
 
 template class TextureSpaceTransport<4>;

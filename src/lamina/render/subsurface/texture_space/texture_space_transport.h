@@ -1,8 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,8 @@
 #include "lamina/render/subsurface/irradiance_cloud.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/subsurface_method.h"
+#include "lamina/render/subsurface/texture_space/internal/band_layers.h"
+#include "lamina/render/subsurface/texture_space/internal/far_sides.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
 
@@ -22,6 +26,10 @@ namespace lamina {
 /// texel to texel through the layers with the profiles that the maps give each of them,
 /// over the borders of charts as within them. What leaves is looked up where the eye looks. So
 /// everything is done once, for any camera; detail is that of the texels.
+///
+/// Finite layers without a ground let light through. On an open mesh, a sheet, it leaves at the
+/// other side of the same texel, and light enters there, too, by the layers in reverse order. On a
+/// closed mesh, which such layers fill, it leaves at the texel opposite.
 ///
 /// Source: [Donner2008] §4; docs/heterogeneous_skin.md.
 template <int N>
@@ -47,8 +55,21 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override;
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
+  [[nodiscard]] bool is_sheet(const SurfacePoint& point) const override {
+    return is_sheet_[point.mesh];
+  }
+  [[nodiscard]] Bands local_transmittance(const SurfacePoint& point) const override;
 
  private:
+  /// Of one side of the surface, [texel, border texels too].
+  struct SideFields {
+    CellField<N> exitance, reflectance;
+    CellField<N> transmittance;  ///< of light from the other side
+  };
+
+  /// Sides of the surface that light enters: 2 if some of it is a sheet.
+  [[nodiscard]] std::size_t side_count() const { return sides_.size(); }
+
   /// The width of texels that the settings ask for, never more than `max_texels` of them [mm].
   ///
   /// @param pixel_size  what a pixel sees at least [mm]: texels need not be smaller
@@ -61,15 +82,24 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
 
   /// Works out what the layers are at each texel. Comes before sample_light.
   /// @param cache  of tables
-  void make_layers(const std::optional<DiskCache>& cache);
+  /// @return       a warning, if light is lost; else empty
+  [[nodiscard]] std::string make_layers(const std::optional<DiskCache>& cache);
+
+  /// Adds what comes through from other sides of an infinite last layer.
+  /// @param bands  of `layers`
+  void add_thin_parts(std::span<const BandLayers> bands, SurfaceLayers<N>& layers) const;
+
+  [[nodiscard]] const SurfaceLayers<N>& layers_from(std::size_t side) const {
+    return layers_[std::min(side, layers_.size() - 1)];
+  }
 
   /// What the operators of the layers are scaled to: radiative transfer, but for skin whose
   /// constants are for diffusion.
   [[nodiscard]] OperatorTotals texture_space_totals() const;
 
-  /// Samples the light on the texels.
+  /// Samples the light on the texels, side by side.
   ///
-  /// @param is_seen  [texel] whether it shows; others get fewer samples. Empty: all do.
+  /// @param is_seen  [texel] whether its light shows; others get fewer samples. Empty: all do.
   /// @return         nothing if progress asked to stop
   [[nodiscard]] std::optional<IrradianceCloud> sample_light(const LightGatherer<N>& light,
                                                             const std::vector<bool>& is_seen,
@@ -79,11 +109,22 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   /// Lets light that was sampled scatter, and forgets the layers.
   void scatter(IrradianceCloud& cloud);
 
+  /// Adds light that has passed the layers to what leaves on the other side.
+  /// @param side     where it entered
+  /// @param through  [texel] flux that leaves below that side, per area
+  /// @param leaving  [side][texel]
+  void add_transmitted(std::size_t side, CellField<N> through,
+                       std::vector<CellField<N>>& leaving) const;
+
   /// Takes light that has scattered. Comes before leaving_radiance.
   /// @throws InvalidInput if it is of other texels.
   void use(const IrradianceCloud& cloud);
 
-  [[nodiscard]] Bands looked_up(const CellField<N>& field, const SurfacePoint& point) const;
+  [[nodiscard]] const SideFields& side_of(const SurfacePoint& point) const {
+    return sides_[point.is_below ? 1 : 0];
+  }
+  [[nodiscard]] static Bands looked_up(const CellField<N>& field,
+                                       const TextureAtlas::Weights& weights);
   /// Adds the border texels to a field of texels.
   void extend(CellField<N>& field) const;
 
@@ -98,8 +139,10 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   bool is_kept_ = false;  ///< the light
   std::optional<TextureAtlas> atlas_;
   CellGraph graph_;
-  std::optional<SurfaceLayers<N>> layers_;
-  CellField<N> reflectance_, exitance_;  ///< [texel, border texels too]
+  std::vector<bool> is_sheet_;            ///< [mesh]
+  std::vector<SideFields> sides_;         ///< [side]
+  std::vector<SurfaceLayers<N>> layers_;  ///< [side]; one, if both are alike
+  std::vector<FarSide> far_sides_;        ///< [texel], of layers that let light through
 };
 
 }  // namespace lamina

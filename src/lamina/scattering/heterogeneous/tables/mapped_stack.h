@@ -1,7 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cassert>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lamina/optics/layer_stack.h"
@@ -30,5 +33,13 @@ struct MappedStack {
   double ground_reflectance = 0.0;  ///< Lambertian, under a last layer that is finite
   MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;  ///< of a rough surface
 };
+
+/// The same layers lit from below; there is no ground.
+[[nodiscard]] inline MappedStack flipped(MappedStack stack) {
+  assert(stack.ground_reflectance == 0.0);
+  std::ranges::reverse(stack.layers);
+  std::swap(stack.ior_above, stack.ior_below);
+  return stack;
+}
 
 }  // namespace lamina
