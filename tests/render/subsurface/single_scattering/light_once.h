@@ -65,26 +65,44 @@ inline Vec3f along(double theta, double phi) {
           static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta))};
 }
 
-/// Mean radiance leaving the surface at a place, over `count` samples.
+/// A scene that is prepared for light scattered once.
+class LightOnce {
+ public:
+  LightOnce(Scene scene, bool is_refracted, bool has_sky = false)
+      : scene_(std::move(scene)),
+        prepared_(scene_),
+        single_(prepared_, conversion_, 0, is_refracted, profile_maker({}),
+                std::make_unique<Nothing>()) {
+    air_.has_sky = has_sky;
+  }
+
+  /// Mean radiance leaving the surface at a place, over `count` samples.
+  [[nodiscard]] BandValues<4> mean(const Vec3f& to_eye, std::uint32_t count,
+                                   const Vec3f& at = {}) const {
+    const Hit hit = prepared_.geometry.first_hit({at + 50.0f * to_eye, -to_eye}, 0.0f);
+    const SurfacePoint point = surface_at(prepared_, hit, 0.0f);
+    const SurfaceBoundary boundary = boundary_at(prepared_, point);
+    const ExitPoint exit{point, boundary, dot(point.normal, to_eye), to_eye};
+    BandValues<4> sum;
+    for (std::uint32_t s = 0; s < count; ++s) {
+      PixelSamples samples(1, 2, s);
+      sum += single_.leaving_radiance(exit, air_, samples);
+    }
+    return (1.0f / static_cast<float>(count)) * sum;
+  }
+
+ private:
+  Scene scene_;
+  RenderScene prepared_;
+  BandConversion<4> conversion_ =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  SingleScattering<4> single_;
+  ClearAir air_;
+};
+
 inline BandValues<4> mean_once(const Scene& scene, const Vec3f& to_eye, bool is_refracted,
                                std::uint32_t count, bool has_sky = false, const Vec3f& at = {}) {
-  const RenderScene prepared(scene);
-  const auto conversion =
-      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  const SingleScattering<4> single(prepared, conversion, 0, is_refracted, profile_maker({}),
-                                   std::make_unique<Nothing>());
-  const Hit hit = prepared.geometry.first_hit({at + 50.0f * to_eye, -to_eye}, 0.0f);
-  const SurfacePoint point = surface_at(prepared, hit, 0.0f);
-  const SurfaceBoundary boundary = boundary_at(prepared, point);
-  const ExitPoint exit{point, boundary, dot(point.normal, to_eye), to_eye};
-  ClearAir air;
-  air.has_sky = has_sky;
-  BandValues<4> sum;
-  for (std::uint32_t s = 0; s < count; ++s) {
-    PixelSamples samples(1, 2, s);
-    sum += single.leaving_radiance(exit, air, samples);
-  }
-  return (1.0f / static_cast<float>(count)) * sum;
+  return LightOnce(scene, is_refracted, has_sky).mean(to_eye, count, at);
 }
 
 }  // namespace lamina::once

@@ -18,7 +18,7 @@ using namespace once;
 // A flat half-space under one distant light: [HanrahanKrueger1993]'s first order with the angles
 // inside, T(i) T(o) / n^2 * albedo p / (mu_i' + mu_o').
 TEST(SingleScattering, OfAFlatHalfSpaceIsTheFirstOrder) {
-  for (const double g : {0.0, 0.6})
+  for (const double g : {0.0, 0.6, 0.8})
     for (const bool is_refracted : {false, true}) {
       const double n = 1.4, theta_i = 0.7, theta_o = 0.5, phi = 2.0;
       const Material material = one_layer(g, n);
