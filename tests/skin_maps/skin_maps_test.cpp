@@ -175,6 +175,20 @@ TEST(SkinFeatures, VeinsBringVenousBloodAlongLines) {
   EXPECT_LT(inside, 4000u);
 }
 
+TEST(SkinFeatures, VeinsOfMoreLevelsCoverMoreSkinByThinnerTubes) {
+  const auto covered = [](int levels, float share) {
+    const auto maps = make_skin_maps(recipe_of({Veins{.count = 4,
+                                                      .levels = levels,
+                                                      .diameter = {1.0, 1.0},
+                                                      .depth = {0.0, 0.0},
+                                                      .hemoglobin = 0.05}}));
+    const Image& blood = map_of(maps, "hemoglobin_dermis").values;
+    return std::ranges::count_if(blood.pixels, [&](float b) { return b > 0.01f + 0.05f * share; });
+  };
+  EXPECT_GT(covered(1, 0.5f), covered(0, 0.5f));
+  EXPECT_GT(covered(3, 0.5f), covered(1, 0.5f));
+}
+
 TEST(SkinFeatures, PressingTakesBloodFromTheDiscOnly) {
   const auto maps =
       make_skin_maps(recipe_of({PressedDisc{.at = {10.0, 10.0}, .diameter = 8.0, .share = 0.75}}));

@@ -9,6 +9,7 @@
 #include "lamina/core/smooth_step.h"
 #include "lamina/image/bilinear.h"
 #include "lamina/skin_maps/internal/skin_canvas.h"
+#include "lamina/skin_maps/vessel_fork.h"
 
 namespace lamina {
 namespace {
@@ -87,34 +88,45 @@ class VeinPen {
       : grid_(grid), random_(random), blood_(blood) {}
 
   /// One vessel from a point on, and its branches.
-  void draw(CanvasPoint p, double direction, double diameter, double depth, int branches) {
+  void draw(CanvasPoint p, double direction, double diameter, double depth, int branches,
+            int levels) {
     const double reach = 1.2 * std::hypot(grid_.across(), grid_.down());
-    const double step = 0.25 * diameter;
-    // Across a tube the chord falls off like a Gaussian of a fourth of the diameter; light spreads
-    // by about half the depth on its way up.
-    const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
-    const double most = 0.25 * diameter / spread;
-    const double heading = direction;
-    double bend = 0.0;
-    for (double s = 0.0; s < reach; s += step) {
+    double heading = direction, bend = 0.0;
+    int left = levels > 0 ? branches : 0;
+    for (double s = 0.0; s < reach;) {
+      const double step = 0.25 * diameter;
+      s += step;
       // Winding, but on its way: a spring pulls it back to where it headed.
       bend = 0.95 * bend + 0.4 * (random_.uniform() - 0.5) * std::sqrt(step);
       direction += (bend - 0.08 * (direction - heading)) * step;
       p = {p.x + step * std::cos(direction), p.y + step * std::sin(direction)};
-      grid_.within(p, 3.0 * spread, [&](std::size_t texel, CanvasPoint at) {
-        const double d2 = (at.x - p.x) * (at.x - p.x) + (at.y - p.y) * (at.y - p.y);
-        blood_[texel] = std::max(blood_[texel], most * std::exp(-0.5 * d2 / (spread * spread)));
-      });
-      if (branches > 0 && random_.uniform() < 0.08 * step) {
-        --branches;
-        const double side = random_.uniform() < 0.5 ? 1.0 : -1.0;
-        draw(p, direction + side * (0.4 + 0.5 * random_.uniform()), 0.7 * diameter, depth,
-             branches);
-      }
+      dot(p, diameter, depth);
+      if (left == 0 || random_.uniform() > branches_per_mm * step) continue;
+      --left;
+      const VesselFork fork = sample_fork(diameter, random_);
+      const double side = random_.uniform() < 0.5 ? 1.0 : -1.0;
+      draw(p, direction + side * fork.narrow_angle, fork.narrow, depth,
+           branches_of_branch(branches), levels - 1);
+      diameter = fork.wide;
+      direction -= side * fork.wide_angle;
+      heading -= side * fork.wide_angle;
     }
   }
 
  private:
+  static constexpr double branches_per_mm = 0.08;
+
+  /// Across a tube the chord falls off like a Gaussian of a fourth of the diameter; light spreads
+  /// by about half the depth on its way up.
+  void dot(CanvasPoint p, double diameter, double depth) {
+    const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
+    const double most = 0.25 * diameter / spread;
+    grid_.within(p, 3.0 * spread, [&](std::size_t texel, CanvasPoint at) {
+      const double d2 = (at.x - p.x) * (at.x - p.x) + (at.y - p.y) * (at.y - p.y);
+      blood_[texel] = std::max(blood_[texel], most * std::exp(-0.5 * d2 / (spread * spread)));
+    });
+  }
+
   const CanvasGrid& grid_;
   Random& random_;
   std::vector<double>& blood_;
@@ -134,7 +146,7 @@ void apply_feature(const Veins& veins, std::uint64_t seed, SkinCanvas& canvas) {
         0.5 * grid.down() - half * std::sin(angle) + aside * std::cos(angle)};
     const double diameter = sample_span(random, veins.diameter),
                  depth = sample_span(random, veins.depth);
-    pen.draw(start, angle, diameter, depth, 3);
+    pen.draw(start, angle, diameter, depth, 3, veins.levels);
   }
   for (std::size_t i = 0; i < blood.size(); ++i) {
     SkinParameters& skin = canvas.skin[i];

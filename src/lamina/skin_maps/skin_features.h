@@ -36,10 +36,11 @@ struct MelaninSpots {
   double rim = 0.25;             ///< over which a spot fades, at most a third of its diameter
 };
 
-/// Vessels of venous blood: tubes that wander, and branch. A tube at a depth is seen as wide as
-/// diameter and depth together, so its share of blood is spread over that width.
+/// Vessels of venous blood: tubes that wander, and branch (split_vessel). A tube at a depth is seen
+/// as wide as diameter and depth together, so its share of blood is spread over that width.
 struct Veins {
   int count = 2;
+  int levels = 3;  ///< of branches: 0 for none, 1 for branches without branches, ...
   Span2 diameter = {0.5, 1.2};
   Span2 depth = {0.3, 1.0};
   double hemoglobin = 0.06;  ///< of the dermis at the middle of a tube of no depth

@@ -47,8 +47,8 @@ SkinFeature decode_spots(const JsonInput& value, MelaninSpots spots) {
 }
 
 SkinFeature decode_veins(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"count", "diameter", "depth", "hemoglobin", "saturation", "absorbance"});
+  const JsonObject object = value.object(
+      {"count", "levels", "diameter", "depth", "hemoglobin", "saturation", "absorbance"});
   Veins veins = decode_vein_look(object);
   if (const auto count = object.optional("count"))
     veins.count = static_cast<int>(count->integer(0, 1000));
@@ -197,6 +197,8 @@ PressedDisc decode_disc(const JsonObject& object) {
 
 Veins decode_vein_look(const JsonObject& object) {
   Veins veins;
+  if (const auto levels = object.optional("levels"))
+    veins.levels = static_cast<int>(levels->integer(0, 6));
   set(object, "diameter", closed_interval(0.05, 20.0, "mm"), veins.diameter);
   set(object, "depth", closed_interval(0.0, 10.0, "mm"), veins.depth);
   set(object, "hemoglobin", closed_interval(0.0, 1.0), veins.hemoglobin);

@@ -193,6 +193,24 @@ TEST(SurfaceSkinMaps, VeinRunsFromEndToEnd) {
   ASSERT_NE(find_map(maps, "junction_absorption"), nullptr);
 }
 
+// Branches of branches: each level adds threads, and those of no level leave one.
+TEST(SurfaceSkinMaps, VeinHasLevelsOfBranches) {
+  SurfaceMapRecipe recipe = recipe_on_a_sphere();
+  const auto covered = [&](int levels) {
+    SurfaceVein vein{.from = {0, 20, 0}, .to = {-20, 0, 0}};
+    vein.look = {.levels = levels, .diameter = {2.0, 2.0}, .depth = {0.0, 0.2}, .hemoglobin = 0.1};
+    recipe.features = {{vein, {}}};
+    const std::vector<SkinMap> maps = make_surface_maps(recipe);
+    const auto base = static_cast<float>(recipe.base.skin.hemoglobin_dermis);
+    return std::ranges::count_if(find_map(maps, "hemoglobin_dermis")->values.pixels,
+                                 [&](float blood) { return blood > base + 0.05f; });
+  };
+  const auto none = covered(0), one = covered(1), three = covered(3);
+  EXPECT_GT(none, 0);
+  EXPECT_GT(one, none + none / 10);
+  EXPECT_GT(three, one);
+}
+
 // From pole to pole of a ball the straight way leaves the surface: the vein comes to an end, in
 // time.
 TEST(SurfaceSkinMaps, VeinEndsWhereTheSurfaceDoesNotLead) {

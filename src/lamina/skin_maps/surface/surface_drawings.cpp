@@ -6,7 +6,9 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
+#include "lamina/core/smooth_step.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
+#include "lamina/skin_maps/vessel_fork.h"
 #include "lamina/surface/noise.h"
 
 namespace lamina {
@@ -29,41 +31,64 @@ class VesselPen {
       if (length(canvas.texels[i].position - middle) < radius) near_.push_back(i);
   }
 
-  void draw(const SurfaceTexel& from, const SurfaceTexel& to, double diameter, int branches) {
-    const double whole = static_cast<double>(length(to.position - from.position));
-    std::vector<VesselPoint> path = {{from.position, from.normal, 0.0}};
-    wander(from, to, 0.16 * whole, most_halvings, path);
-    const double depth_phase = 2.0 * std::numbers::pi * random_.uniform();
-    for (std::size_t i = 1; i < path.size(); ++i)
-      path[i].along =
-          path[i - 1].along + static_cast<double>(length(path[i].position - path[i - 1].position));
-    const double end = std::max(path.back().along, 1e-6);
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      const double at = path[i].along / end;
-      const double deep = 0.5 + 0.5 * std::sin(depth_phase + 2.0 * at);
-      draw_piece(path[i - 1], path[i], diameter * (1.0 - 0.4 * at),
-                 vein_.look.depth[0] + deep * (vein_.look.depth[1] - vein_.look.depth[0]));
+  /// One vessel from end to end, and its branches where `levels` of them are left.
+  void draw(const SurfaceTexel& from, const SurfaceTexel& to, double diameter, double depth,
+            int branches, int levels) {
+    const std::vector<VesselPoint> path = find_path(from, to);
+    const double whole = std::max(path.back().along, 1e-6);
+    const double last_depth = random_depth();
+    std::vector<double> forks(static_cast<std::size_t>(levels > 0 ? branches : 0));
+    for (std::size_t f = 0; f < forks.size(); ++f)
+      forks[f] = (static_cast<double>(f) + 0.2 + 0.6 * random_.uniform()) /
+                 (static_cast<double>(forks.size()) + 0.5);
+    for (std::size_t i = 1, f = 0; i < path.size(); ++i) {
+      const double at = 0.5 * (path[i - 1].along + path[i].along) / whole;
+      const double here = depth + smooth_step(at) * (last_depth - depth);
+      // Its end is lost to vessels too thin to be seen, which take the flow evenly.
+      draw_piece(path[i - 1], path[i], diameter * std::cbrt(std::min(1.0, 5.0 * (1.0 - at))), here);
+      for (; f < forks.size() && forks[f] * whole <= path[i].along; ++f) {
+        const VesselFork fork = sample_fork(diameter, random_);
+        const double side = (f % 2 == 0) == (random_.uniform() < 0.8) ? 1.0 : -1.0;
+        const SurfaceTexel& start = nearest(path[i].position);
+        const SurfaceTexel& end =
+            branch_end(path[i], to.position - from.position, side * fork.narrow_angle);
+        if (length(end.position - start.position) > 2.0f * start.width)
+          draw(start, end, fork.narrow, here, branches_of_branch(branches), levels - 1);
+        diameter = fork.wide;
+      }
     }
-    for (int b = 0; b < branches; ++b) {
-      const double at = (b + 0.2 + 0.6 * random_.uniform()) / (branches + 0.5);
-      const auto i = std::min(static_cast<std::size_t>(at * static_cast<double>(path.size())),
-                              path.size() - 1);
-      const VesselPoint& fork = path[i];
-      const double side = (b % 2 == 0) == (random_.uniform() < 0.8) ? 1.0 : -1.0;
-      const double angle = side * (0.45 + 0.5 * random_.uniform());
-      const Vec3f ahead = to.position - from.position;
-      const Vec3f aside = cross(fork.normal, ahead);
-      const auto reach = static_cast<float>(0.3 + 0.25 * random_.uniform());
-      const Vec3f target = fork.position + reach * (static_cast<float>(std::cos(angle)) * ahead +
-                                                    static_cast<float>(std::sin(angle)) * aside);
-      draw(nearest(fork.position), nearest(target), 0.65 * diameter * (1.0 - 0.4 * at), 0);
-    }
+  }
+
+  [[nodiscard]] double random_depth() {
+    const Span2& depth = vein_.look.depth;
+    return depth[0] + random_.uniform() * (depth[1] - depth[0]);
   }
 
   /// Share of the look's blood at each texel.
   [[nodiscard]] const std::vector<float>& blood() const { return blood_; }
 
  private:
+  /// Where a branch of a vessel that leads ahead ends, by its angle from that.
+  [[nodiscard]] const SurfaceTexel& branch_end(const VesselPoint& start, const Vec3f& ahead,
+                                               double angle) {
+    const Vec3f aside = cross(start.normal, ahead);
+    const auto reach = static_cast<float>(0.3 + 0.25 * random_.uniform());
+    return nearest(start.position + reach * (static_cast<float>(std::cos(angle)) * ahead +
+                                             static_cast<float>(std::sin(angle)) * aside));
+  }
+
+  /// Points from one texel to another, with how far along they are.
+  [[nodiscard]] std::vector<VesselPoint> find_path(const SurfaceTexel& from,
+                                                   const SurfaceTexel& to) {
+    std::vector<VesselPoint> path = {{from.position, from.normal, 0.0}};
+    wander(from, to, 0.16 * static_cast<double>(length(to.position - from.position)), most_halvings,
+           path);
+    for (std::size_t i = 1; i < path.size(); ++i)
+      path[i].along =
+          path[i - 1].along + static_cast<double>(length(path[i].position - path[i - 1].position));
+    return path;
+  }
+
   [[nodiscard]] const SurfaceTexel& nearest(const Vec3f& at) const {
     return canvas_.texels[*std::ranges::min_element(near_, {}, [&](std::uint32_t i) {
       const Vec3f offset = canvas_.texels[i].position - at;
@@ -71,12 +96,13 @@ class VesselPen {
     })];
   }
 
-  /// Adds points from one texel to another: half-way ones moved aside, by less the shorter the way.
-  /// Where the surface has a gap on the way, halves may stay as long as the whole: not for ever.
+  /// Adds points from one texel to another, about a millimetre apart but not less than texels:
+  /// half-way ones moved aside, by less the shorter the way. Where the surface has a gap on the
+  /// way, halves may stay as long as the whole: not for ever.
   void wander(const SurfaceTexel& from, const SurfaceTexel& to, double amount, int halvings,
               std::vector<VesselPoint>& path) {
     const Vec3f ahead = to.position - from.position;
-    if (length(ahead) < 1.5f || halvings == 0) {
+    if (length(ahead) < std::max(1.0f, 4.0f * from.width) || halvings == 0) {
       path.push_back({to.position, to.normal, 0.0});
       return;
     }
@@ -188,7 +214,7 @@ void apply_feature(const SurfaceVein& vein, const SurfacePlaces& where, std::uin
   const SurfaceTexel& from = nearest_texel(canvas, vein.from, most);
   const SurfaceTexel& to = nearest_texel(canvas, vein.to, most);
   VesselPen pen(vein, canvas, random);
-  pen.draw(from, to, vein.look.diameter[1], vein.branches);
+  pen.draw(from, to, vein.look.diameter[1], pen.random_depth(), vein.branches, vein.look.levels);
   for (std::size_t i = 0; i < canvas.texels.size(); ++i) {
     const double share = static_cast<double>(pen.blood()[i]) *
                          static_cast<double>(where.weight(canvas.texels[i].position));

@@ -64,9 +64,9 @@ struct SurfacePress {
   Vec3f at;          ///< [mm]
 };
 
-/// A tube of blood that wanders along the surface, and its branches.
+/// A tube of blood that wanders along the surface, and its branches, which have half as many.
 struct SurfaceVein {
-  Veins look;      ///< its diameter where it begins (the larger one), depth and blood
+  Veins look;      ///< its diameter where it begins (the larger one), levels, depth, blood
   Vec3f from, to;  ///< [mm]
   int branches = 3;
 };

@@ -128,8 +128,8 @@ SurfacePress decode_press(const JsonInput& value, double mm_per_unit) {
 }
 
 SurfaceVein decode_vein(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object(
-      {"from", "to", "branches", "diameter", "depth", "hemoglobin", "saturation", "absorbance"});
+  const JsonObject object = value.object({"from", "to", "branches", "levels", "diameter", "depth",
+                                          "hemoglobin", "saturation", "absorbance"});
   SurfaceVein vein{.look = decode_vein_look(object),
                    .from = decode_place(object.required("from"), mm_per_unit),
                    .to = decode_place(object.required("to"), mm_per_unit)};
