@@ -94,7 +94,7 @@ CASES = {
         ["lit from behind, is brighter"]),
     "a high sun that stands low": (
         "hanrahan_krueger_1993/plate_6", [""], [""],
-        [("[0.35,0.55,-0.8]", "[-0.9,0.1,-0.7]")], ["shadows"]),
+        [("[0.35,0.55,-0.8]", "[-0.4,0.05,-0.9]")], ["shadows"]),
     "a Lambertian face in place of the layers": (
         "hanrahan_krueger_1993/plate_2", [""], [""],
         [("plate2_{k}_{a}.json'", "plate2_lambert_{a}.json'")], ["0°: and darker", "on the slopes"]),

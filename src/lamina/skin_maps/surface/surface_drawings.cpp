@@ -113,18 +113,22 @@ class VesselPen {
     wander(middle, to, 0.4 * amount, halvings - 1, path);
   }
 
-  /// A tube that is seen as wide as its diameter and the spread of light from its depth make it.
+  /// A tube that is seen as wide as its diameter, the spread of light from its depth and the texels
+  /// make it.
   void draw_piece(const VesselPoint& a, const VesselPoint& b, double diameter, double depth) {
-    const double spread = std::hypot(0.25 * diameter, 0.5 * depth);
-    const double most = 0.25 * diameter / spread;
+    const double seen = std::hypot(0.25 * diameter, 0.5 * depth);
     const Vec3f axis = b.position - a.position;
     for (const std::uint32_t i : near_) {
-      const Vec3f offset = canvas_.texels[i].position - a.position;
+      const SurfaceTexel& texel = canvas_.texels[i];
+      const Vec3f offset = texel.position - a.position;
       const float t = std::clamp(dot(offset, axis) / std::max(dot(axis, axis), 1e-12f), 0.0f, 1.0f);
       const Vec3f away = offset - t * axis;
+      constexpr double of_texel = 0.2887;  // the deviation of a box as wide as 1
+      const double spread = std::hypot(seen, of_texel * static_cast<double>(texel.width));
       const auto across = static_cast<double>(length(away)) / spread;
-      if (across > 3.5 || dot(canvas_.texels[i].normal, a.normal) < 0.2f) continue;
-      blood_[i] = std::max(blood_[i], static_cast<float>(most * std::exp(-0.5 * across * across)));
+      if (across > 3.5 || dot(texel.normal, a.normal) < 0.2f) continue;
+      const double share = 0.25 * diameter / spread * std::exp(-0.5 * across * across);
+      blood_[i] = std::max(blood_[i], static_cast<float>(share));
     }
   }
 
