@@ -52,7 +52,7 @@ DirectLightField<N>::Node DirectLightField<N>::compute_node(std::size_t node,
   const float fraction = 1.0f / static_cast<float>(count);
   result.position *= fraction;
   std::array<float, samples_of_node> found{};
-  DirectLight<N>& sum = result.light;
+  DirectFluence<N>& sum = result.light;
   float brightness = 0.0f;
   for (std::size_t i = 0; i < count; ++i) {
     const float u_light = (static_cast<float>(i) + random.uniform_float()) * fraction;
@@ -78,9 +78,9 @@ DirectLightField<N>::Node DirectLightField<N>::compute_node(std::size_t node,
 }
 
 template <int N>
-DirectLight<N> DirectLightField<N>::at(const Vec3f& p, const LightGatherer<N>& light) const {
+DirectFluence<N> DirectLightField<N>::at(const Vec3f& p, const LightGatherer<N>& light) const {
   const NodeLattice::Corners corners = lattice_.corners(p);
-  DirectLight<N> sum;
+  DirectFluence<N> sum;
   for (std::size_t i = 0; i < 8; ++i) {
     const Node& node =
         nodes_.at(corners.node[i], [&](std::size_t k) { return compute_node(k, light); });

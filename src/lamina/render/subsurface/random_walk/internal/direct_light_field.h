@@ -11,7 +11,7 @@ namespace lamina {
 
 /// Direct light at a point inside: unscattered since it left a light.
 template <int N>
-struct DirectLight {
+struct DirectFluence {
   BandValues<N> fluence;          ///< radiance integrated over directions
   Vec3f to_light;                 ///< mean direction, length at most 1
   float weight = 0.0f;            ///< 0: absent, no node near is inside
@@ -27,18 +27,18 @@ class DirectLightField {
  public:
   using Bands = BandValues<N>;
 
-  /// @param reduced_sigma_t  that of DirectLight::reduced_fluence
+  /// @param reduced_sigma_t  that of DirectFluence::reduced_fluence
   /// @param free_path        spacing of nodes [mm]
   DirectLightField(const BodyInterior<N>& interior, const ManifoldNextEvent<N>& next_event,
                    const Bands& sigma_t, const Bands& reduced_sigma_t, float free_path);
 
   /// From the nodes around, each along its beam.
-  [[nodiscard]] DirectLight<N> at(const Vec3f& p, const LightGatherer<N>& light) const;
+  [[nodiscard]] DirectFluence<N> at(const Vec3f& p, const LightGatherer<N>& light) const;
 
  private:
   /// The mean of points around a node.
   struct Node {
-    DirectLight<N> light;
+    DirectFluence<N> light;
     Vec3f position;  ///< of their middle
   };
   [[nodiscard]] Node compute_node(std::size_t node, const LightGatherer<N>& light) const;

@@ -157,7 +157,8 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
     parallel_for((nodes + nodes_at_once - 1) / nodes_at_once, [&](std::size_t c) {
       if (!is_stopped && !report_progress(progress, 0.0)) is_stopped = true;
       if (is_stopped) return;
-      for (std::size_t n = c * nodes_at_once; n < std::min((c + 1) * nodes_at_once, nodes); ++n) body(n);
+      for (std::size_t n = c * nodes_at_once; n < std::min((c + 1) * nodes_at_once, nodes); ++n)
+        body(n);
     });
   };
   for_nodes([&](std::size_t n) {
@@ -167,7 +168,7 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
     if (count == 0 || !next_event_.has_lights()) return;
     const float fraction = 1.0f / static_cast<float>(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const DirectLight<N> direct = direct_.at(points[n].at[i], light);
+      const DirectFluence<N> direct = direct_.at(points[n].at[i], light);
       field[n].direct_fluence += fraction * direct.fluence;
       reduced_direct[n] += (isotropic * fraction) * direct.reduced_fluence;
       field[n].to_light += fraction * direct.to_light;
@@ -292,7 +293,7 @@ FieldRadiance<N> RadianceField<N>::at(const Vec3f& p, bool in_detail,
     here = with_moments(direct, scattered, moments);
   }
   if (next_event_.has_lights() && (in_detail || !here.is_solved())) {
-    const DirectLight<N> direct = direct_.at(p, light);
+    const DirectFluence<N> direct = direct_.at(p, light);
     here.direct_fluence = direct.fluence;
     here.to_light = direct.to_light;
     here.direct_deviation = direct.deviation;
