@@ -126,7 +126,7 @@ make_maps() {
   "$lamina" maps demo/maps.json -o "$assets/maps"
 }
 make_once "$assets/maps/material.json" make_maps
-make_once "$out/maps.png" render head_of_maps maps "${studio[@]}"
+make_once "$out/maps.png" render head_of_maps maps --denoise "${studio[@]}"
 
 say "done. The pictures:"
 for file in head.png comparison.png ear.png profile.png maps.png; do
