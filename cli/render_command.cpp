@@ -217,7 +217,7 @@ void run_render(const RenderCommandOptions& options) {
   for (const SkinTotals& totals : skin_totals(scene))
     json["skin"].push_back({{"material", scene.materials[totals.material].name},
                             {"constants", name_of(totals.constants)},
-                            {"totals", totals.is_exact ? "radiative_transfer" : "diffusion"}});
+                            {"totals", totals.by_transfer ? "radiative_transfer" : "diffusion"}});
   for (const BandChange& change : scene.band_changes) {
     auto& entry = json["band_changes"].emplace_back();
     entry["material"] = scene.materials[change.material].name;

@@ -99,7 +99,7 @@ struct SkinRecipe {
 };
 
 /// Whether constants were fitted with totals of radiative transfer.
-[[nodiscard]] constexpr bool are_for_exact_totals(SkinConstants constants) {
+[[nodiscard]] constexpr bool are_for_transfer_totals(SkinConstants constants) {
   return constants == SkinConstants::calibrated;
 }
 

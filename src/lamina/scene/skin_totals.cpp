@@ -7,7 +7,7 @@ namespace lamina {
 namespace {
 
 /// Whether all light that a method finds is that of radiative transfer.
-bool is_exact(const Material& material, const RenderSettings& settings) {
+bool has_transfer_totals(const Material& material, const RenderSettings& settings) {
   const auto& method = settings.method;
   if (!method.is_open() && method->solves_transfer) return true;
   if (takes_material_totals(material, settings)) return true;
@@ -18,7 +18,7 @@ bool is_exact(const Material& material, const RenderSettings& settings) {
 }  // namespace
 
 bool takes_material_totals(const Material& material, const RenderSettings& settings) {
-  return material.skin && are_for_exact_totals(material.skin->constants) &&
+  return material.skin && are_for_transfer_totals(material.skin->constants) &&
          settings.single_scattering == RenderSettings::SingleScattering::none;
 }
 
@@ -28,7 +28,7 @@ std::vector<SkinTotals> skin_totals(const Scene& scene) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[i].surface);
     if (surface && surface->material.skin)
       found.push_back(
-          {i, surface->material.skin->constants, is_exact(surface->material, scene.render)});
+          {i, surface->material.skin->constants, has_transfer_totals(surface->material, scene.render)});
   }
   return found;
 }
@@ -36,10 +36,10 @@ std::vector<SkinTotals> skin_totals(const Scene& scene) {
 std::string describe_skin_totals(const SkinTotals& totals, const Scene& scene) {
   std::string line = scene.materials[totals.material].name + ": skin with the constants \"" +
                      std::string(name_of(totals.constants)) + "\", totals by " +
-                     (totals.is_exact ? "radiative transfer" : "diffusion");
-  if (are_for_exact_totals(totals.constants) && !totals.is_exact)
+                     (totals.by_transfer ? "radiative transfer" : "diffusion");
+  if (are_for_transfer_totals(totals.constants) && !totals.by_transfer)
     line += ": brighter than the skin that they were fitted to, for light scattered once is added";
-  if (totals.constants == SkinConstants::calibrated_diffusion && totals.is_exact)
+  if (totals.constants == SkinConstants::calibrated_diffusion && totals.by_transfer)
     line += ": darker than the skin that they were fitted to by diffusion";
   return line;
 }

@@ -21,7 +21,7 @@ namespace lamina {
 struct SkinTotals {
   std::uint32_t material = 0;  ///< index
   SkinConstants constants = SkinConstants::calibrated;
-  bool is_exact = true;  ///< totals by radiative transfer, else by diffusion
+  bool by_transfer = true;  ///< totals by radiative transfer, else by diffusion
 };
 
 /// Of all translucent materials made by the recipe.

@@ -131,7 +131,7 @@ TransportOptions decode_transport(const JsonInput& value) {
 
 /// What both kinds of constants of skin are for.
 OperatorTotals totals_for(SkinConstants constants) {
-  return are_for_exact_totals(constants) ? OperatorTotals::radiative_transfer_profile
+  return are_for_transfer_totals(constants) ? OperatorTotals::radiative_transfer_profile
                                          : OperatorTotals::diffusion;
 }
 
