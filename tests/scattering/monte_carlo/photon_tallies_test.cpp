@@ -252,6 +252,52 @@ TEST(PhotonTallies, MeanPathOfStraightLightIsTheThickness) {
   }
 }
 
+// What never scattered, or once, by the orders that are counted beside it. A ground's light is all
+// kept, and reflections inside set light apart.
+TEST(PhotonTallies, KnownLightIsLeftOutOfLogR) {
+  const LayerStack slab(
+      {{.medium = {.sigma_a = 0.2, .sigma_s = 2.0, .g = 0.6, .ior = 1.4}, .thickness = 0.5}});
+  const auto light = [](const LayerStack& stack, KnownLight known) {
+    MonteCarloOptions options{.photons = 100'000, .seed = 3};
+    options.tallies = {.log_r = {20, 1e-3, 10.0}, .orders = true};
+    options.tallies.known_above = options.tallies.known_below = known;
+    return trace_photons(stack, options);
+  };
+  const auto all_rings = [](const MonteCarloResult& result, bool is_above) {
+    const auto& outside =
+        is_above ? result.log_radial_outside.reflection : result.log_radial_outside.transmission;
+    double sum = outside[0].value + outside[1].value;
+    for (int i = 0; i < 20; ++i) {
+      const double low = 1e-3 * std::pow(10.0, 0.2 * i), high = low * std::pow(10.0, 0.2);
+      sum += pi * (high * high - low * low) *
+             (is_above ? result.log_radial.reflection
+                       : result.log_radial.transmission)[static_cast<std::size_t>(i)]
+                 .value;
+    }
+    return sum;
+  };
+  const auto orders_from = [](const MonteCarloResult& result, bool is_above, std::size_t first) {
+    const auto& orders = is_above ? result.by_order.reflection : result.by_order.transmission;
+    double sum = 0.0;
+    for (std::size_t k = first; k < orders.size(); ++k) sum += orders[k].value;
+    return sum;
+  };
+  constexpr int all = KnownLight::all;
+  for (const bool is_above : {true, false}) {
+    const auto none = light(slab, {}), zero = light(slab, {.unscattered = all}),
+               one = light(slab, {.unscattered = all, .once = all}),
+               straight = light(slab, {.unscattered = all, .once = 0});
+    EXPECT_NEAR(all_rings(none, is_above), orders_from(none, is_above, 0), 1e-9);
+    EXPECT_NEAR(all_rings(zero, is_above), orders_from(none, is_above, 1), 1e-9);
+    EXPECT_NEAR(all_rings(one, is_above), orders_from(none, is_above, 2), 1e-9);
+    EXPECT_GT(all_rings(straight, is_above), 1.001 * all_rings(one, is_above));
+    EXPECT_LT(all_rings(straight, is_above), 0.99 * all_rings(zero, is_above));
+  }
+  const LayerStack clear({{.medium = {.ior = 1.0}, .thickness = 0.5}}, 1.0, 1.0,
+                         {.reflectance = 1.0});
+  EXPECT_NEAR(all_rings(light(clear, {.unscattered = all, .once = all}), true), 1.0, 1e-9);
+}
+
 // Light nearer than the first bin of log_r, or farther than the last, is beside the bins, and not a
 // density in them.
 TEST(PhotonTallies, LogarithmicBinsHoldOnlyTheirOwnLight) {

@@ -183,6 +183,11 @@ class GroupWalker : public Walker {
         smooth = hn::AndNot(rough, hits);
         through = hn::AndNot(rough, through);
       }
+      if (plan_.needs_reflections)
+        hn::Store(hn::Add(hn::Load(di, p.reflections),
+                          hn::IfThenElseZero(hn::RebindMask(di, hn::AndNot(through, smooth)),
+                                             hn::Set(di, 1))),
+                  di, p.reflections);
       const VF turned_uz = hn::IfThenElse(through, hn::CopySign(ct, uz), hn::Neg(uz));
       const VF bend = hn::IfThenElse(through, k, one);
       // Rough boundaries keep their direction for now.

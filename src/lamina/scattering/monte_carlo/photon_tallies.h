@@ -36,15 +36,25 @@ struct ExitDirection {
   friend bool operator==(const ExitDirection&, const ExitDirection&) = default;
 };
 
+/// Light that log_r leaves out because it is known without photons: what no ground has thrown back,
+/// and no rough boundary met, after at most so many reflections inside.
+struct KnownLight {
+  static constexpr int none = -1, all = 1'000'000;
+  int unscattered = none;  ///< most reflections of what never scattered
+  int once = none;         ///< and of what a layer scattered once
+  friend bool operator==(const KnownLight&, const KnownLight&) = default;
+};
+
 /// What is counted besides the totals. Each costs time and memory only if asked for.
 struct PhotonTallies {
-  UniformBins r;            ///< [mm] R(r), T(r), and with `angles` R(r, angle), T(r, angle)
-  int angles = 0;           ///< bins of equal angle over [0, pi/2]: R(angle), T(angle)
-  LogBins log_r;            ///< [mm] exit radii on a logarithmic grid
-  UniformBins depth;        ///< [mm] with `r` the absorbed density A(r, z)
-  bool fluence = false;     ///< with `r` and `depth` the fluence phi(r, z)
-  int bsdf_cosines = 0;     ///< cells of equal solid angle: bins of equal cosine ...
-  int bsdf_azimuths = 0;    ///< ... times bins of equal azimuth
+  UniformBins r;   ///< [mm] R(r), T(r), and with `angles` R(r, angle), T(r, angle)
+  int angles = 0;  ///< bins of equal angle over [0, pi/2]: R(angle), T(angle)
+  LogBins log_r;   ///< [mm] exit radii on a logarithmic grid
+  KnownLight known_above, known_below;  ///< what log_r leaves out on either side
+  UniformBins depth;                    ///< [mm] with `r` the absorbed density A(r, z)
+  bool fluence = false;                 ///< with `r` and `depth` the fluence phi(r, z)
+  int bsdf_cosines = 0;                 ///< cells of equal solid angle: bins of equal cosine ...
+  int bsdf_azimuths = 0;                ///< ... times bins of equal azimuth
   bool orders = false;      ///< R and T, their angles and BSDF cells, by scattering order
   UniformBins path_length;  ///< [mm] geometric length inside the stack, and its mean
   bool mean_path_length = false;

@@ -47,12 +47,14 @@ struct PhotonLanes {
   alignas(64) float thickness[max_lanes];
   alignas(64) float albedo[max_lanes];
   alignas(64) float g[max_lanes];
-  alignas(64) std::int32_t order[max_lanes];  ///< scattering events so far
-  alignas(64) float path[max_lanes];          ///< length so far [mm], if tallied
+  alignas(64) std::int32_t order[max_lanes];        ///< scattering events so far
+  alignas(64) std::int32_t reflections[max_lanes];  ///< at boundaries inside, if needed
+  alignas(64) float path[max_lanes];                ///< length so far [mm], if tallied
   alignas(64) std::uint32_t random[4][max_lanes];
   std::uint64_t birth[max_lanes];  ///< step of the group at which the photon started
   float entered[max_lanes];        ///< weight when the photon came into its layer
   bool met_facets[max_lanes];      ///< has been at a rough boundary, which scatters too
+  bool met_ground[max_lanes];      ///< has been thrown back by the ground
 };
 
 /// Follows one batch.
@@ -112,11 +114,13 @@ class Walker {
     p.albedo[i] = 1.0f;
     p.g[i] = 0.0f;
     p.order[i] = 0;
+    p.reflections[i] = 0;
     p.path[i] = 0.0f;
     for (auto& word : p.random) word[i] = 1;
     p.birth[i] = no_photon;
     p.entered[i] = 1.0f;
     p.met_facets[i] = false;
+    p.met_ground[i] = false;
   }
 
   /// A boundary met by light in direction (ux, uy, uz), which it changes; whether it goes through.
@@ -193,9 +197,11 @@ class Walker {
       p.z[i] = 0.0f;
       set_layer(p, i, scene_.first_layer);
       p.order[i] = 0;
+      p.reflections[i] = 0;
       p.path[i] = 0.0f;
       p.birth[i] = step_;
       p.met_facets[i] = false;
+      p.met_ground[i] = false;
       if (scene_.enters_at_random && !enter_at_random(p, i)) continue;
       p.entered[i] = p.w[i];
       return true;
@@ -235,6 +241,7 @@ class Walker {
     const float eta = scene_.eta[2 * bottom + 1];  // from below: index of the layer over outside
     while (uniform_lane(p, i) < scene_.ground) {
       ++p.order[i];
+      p.met_ground[i] = true;
       for (std::size_t k = 0; k < scene_.views.size(); ++k)
         seen_[(group * max_lanes + i) * scene_.views.size() + k] +=
             p.w[i] * scene_.views[k].from_ground;
@@ -344,6 +351,12 @@ class Walker {
     return p.order[i] == 0 && !p.met_facets[i];
   }
 
+  /// Whether log_r leaves it out.
+  static bool is_known(const PhotonLanes& p, std::size_t i, const KnownLight& known) {
+    if (p.met_ground[i] || p.met_facets[i] || p.order[i] > 1) return false;
+    return p.reflections[i] <= (p.order[i] == 0 ? known.unscattered : known.once);
+  }
+
   void tally_bsdf(const PhotonLanes& p, std::size_t i, std::size_t side) {
     const PhotonLayout& layout = plan_.layout;
     const PhotonTallies& t = plan_.tallies;
@@ -365,7 +378,7 @@ class Walker {
     const PhotonTallies& t = plan_.tallies;
     const float w = p.w[i];
     const int order = std::min(p.order[i], photon_orders - 1);
-    if (layout.log_r_size > 0) {
+    if (layout.log_r_size > 0 && !is_known(p, i, side == 0 ? t.known_above : t.known_below)) {
       const float k = (std::log(std::max(r, 1e-30f)) - plan_.log_low) * plan_.inverse_dlog;
       add(layout.log_r + side * layout.log_r_size +
               static_cast<std::size_t>(bin(std::max(k + 1.0f, 0.0f), 1.0f, t.log_r.count + 2)),

@@ -211,6 +211,8 @@ TallyPlan make_tally_plan(const PhotonTallies& tallies, std::size_t layers, doub
   plan.path_unit = static_cast<float>(std::ldexp(1.0 / length_unit, -path_scale));
   plan.fluence_unit = static_cast<float>(std::ldexp(1.0 / length_unit, fluence_scale));
   plan.needs_path = tallies.mean_path_length || tallies.path_length.count > 0;
+  plan.needs_reflections =
+      tallies.known_above != KnownLight{} || tallies.known_below != KnownLight{};
   plan.has_rare_exits = plan.needs_path || tallies.log_r.count > 0 || tallies.bsdf_cosines > 0 ||
                         tallies.orders || !tallies.detectors.empty();
   return plan;

@@ -76,9 +76,10 @@ struct TallyPlan {
   float inverse_dr = 0.0f, inverse_dz = 0.0f, inverse_da = 0.0f, inverse_dl = 0.0f;
   float log_low = 0.0f, inverse_dlog = 0.0f;
   bool needs_path = false;
-  bool has_rare_exits = false;  ///< tallies of exits besides r and angle
-  float path_unit = 1.0f;       ///< paths are counted in 65536 units of length [1/mm]
-  float fluence_unit = 1.0f;    ///< fixed point of the fluence, which keeps its sums small [1/mm]
+  bool needs_reflections = false;  ///< photons count them
+  bool has_rare_exits = false;     ///< tallies of exits besides r and angle
+  float path_unit = 1.0f;          ///< paths are counted in 65536 units of length [1/mm]
+  float fluence_unit = 1.0f;  ///< fixed point of the fluence, which keeps its sums small [1/mm]
 };
 
 /// Radiance in exit directions is counted in units of 2^direction_scale, as it may be large.
