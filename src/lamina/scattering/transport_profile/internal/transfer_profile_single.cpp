@@ -158,30 +158,31 @@ double from_way(const OnceScattered& light, const WayOut& way, double r) {
       sum += (high - low) * slope * panel_rule().weights[i] * density(low + (high - low) * share);
     }
   };
+  std::vector<double> cuts{from, to};
   if (is_straight) {
     // The light of small r comes from small angles: panels in a geometric series from the first.
     constexpr int panels = 16;
-    double low = from;
-    for (int panel = 0; panel < panels; ++panel) {
-      const double high =
-          from + (to - from) * std::pow(10.0, -5.0 * (panels - 1 - panel) / (panels - 1));
-      add_panel(low, high, false);
-      low = high;
-    }
+    for (int panel = 0; panel + 1 < panels; ++panel)
+      cuts.push_back(from +
+                     (to - from) * std::pow(10.0, -5.0 * (panels - 1 - panel) / (panels - 1)));
   } else {
-    // Cut at the critical angles that it meets, and where the light from deep inside is gone.
-    std::vector<double> cuts{from, to};
+    // Cut at the critical angles that it meets.
     for (const double ior : stack.ior)
       if (ior < widest) cuts.push_back(std::asin(ior / widest));
-    if (d * layer.sigma_t > 4.0)
-      cuts.push_back(angle_where(
-          [&](double p) { return near_edge(p) + 3.0 / layer.sigma_t * tangent(p, layer.ior); },
-          widest, r));
-    std::sort(cuts.begin(), cuts.end());
-    for (std::size_t c = 1; c < cuts.size(); ++c)
-      if (cuts[c - 1] >= from && cuts[c] <= to && cuts[c] > cuts[c - 1])
-        add_panel(cuts[c - 1], cuts[c], true);
   }
+  // Cut where the light from deep inside is gone: below other layers it all comes in within a
+  // narrow range of angles.
+  const bool is_buried = std::ranges::any_of(way.crossings, [](int n) { return n > 0; });
+  if (is_buried || !is_straight)
+    for (const double depth : {0.75, 3.0, 9.0, 27.0})
+      if (d * layer.sigma_t > depth)
+        cuts.push_back(angle_where(
+            [&](double p) { return near_edge(p) + depth / layer.sigma_t * tangent(p, layer.ior); },
+            widest, r));
+  std::sort(cuts.begin(), cuts.end());
+  for (std::size_t c = 1; c < cuts.size(); ++c)
+    if (cuts[c - 1] >= from && cuts[c] <= to && cuts[c] > cuts[c - 1])
+      add_panel(cuts[c - 1], cuts[c], !is_straight);
   // Over azimuth the phase function, a density over the sphere, counts 2 pi times.
   return sum * light.sigma_s[way.source] * 2.0 * std::numbers::pi / (2.0 * std::numbers::pi * r);
 }
