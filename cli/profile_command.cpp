@@ -70,19 +70,24 @@ ProfileResult profile_by_radiative_transfer(const std::vector<LayerStack>& stack
   auto [result, was_cached] =
       cached_transfer_profile(options.no_cache ? std::nullopt : user_cache(), stacks, options.grid,
                               transfer_options(options));
-  refuse_doubtful(result.estimated_error,
+  refuse_doubtful(result.mean_error,
                   options.from == "below"          ? "lamina photons of the layers turned over"
                   : options.incidence == "diffuse" ? "lamina photons --incidence diffuse"
                                                    : "--method monte_carlo");
   std::vector<std::string> remarks;
   for (std::size_t band = 0; band < stacks.size(); ++band)
     if (result.estimated_error[band] > options.accuracy)
-      remarks.push_back(fmt::format("band {}: accurate to {:.1f} % only", band,
-                                    100.0 * result.estimated_error[band]));
+      remarks.push_back(fmt::format(
+          "band {}: accurate to {:.1f} % on average{}", band, 100.0 * result.mean_error[band],
+          result.estimated_error[band] < 1.0
+              ? fmt::format(", to {:.1f} % where it is worst", 100.0 * result.estimated_error[band])
+              : ", less where there is little light"));
   JsonOutput more = {
       {"accuracy", table_json(result.relative_error, stacks.size())},
       {"transmittance_accuracy", table_json(result.transmittance_error, stacks.size())},
       {"estimated_error", result.estimated_error},
+      {"mean_error", result.mean_error},
+      {"photons", result.photons},
       {"from_cache", was_cached}};
   return {std::move(result.profile), std::move(remarks), std::move(more)};
 }

@@ -26,10 +26,10 @@ JsonOutput moments_json(std::span<const double> table, std::size_t moments, std:
 
 void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out) {
   for (std::size_t band = 0; band < errors.size(); ++band)
-    if (!(errors[band] <= 1.0))
+    if (!(errors[band] <= 0.2))
       throw InvalidInput(fmt::format(
-          "band {}: the profile is wrong by {} of its value somewhere from .01 to 6 mm, by "
-          "its own estimate, and must be by less than 100 %; {} takes such layers",
+          "band {}: the profile is wrong by {} on average, by its own estimate, and must be by "
+          "less than 20 %; {} takes such layers",
           band, errors[band] < 100.0 ? fmt::format("{:.0f} %", 100.0 * errors[band]) : "many times",
           way_out));
 }
@@ -40,7 +40,7 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
   const ObliqueProfile profile =
       oblique_profile(stacks, degrees * std::numbers::pi / 180.0, grid, moments,
                       make_progress("radiative transfer", Keeps::nothing));
-  refuse_doubtful(profile.largest_error,
+  refuse_doubtful(profile.mean_error,
                   fmt::format("lamina photons --incidence {} --tally log_r", degrees));
   const std::size_t bands = profile.bands, size = profile.r.size();
   std::string text = "R(r, phi) = sum of R_m(r) cos(m phi), phi from where the beam goes on\n";
@@ -75,6 +75,7 @@ void run_profile_oblique(const Material& material, const std::vector<LayerStack>
   json["accuracy"] = table_json(profile.estimated_error, bands);
   json["transmittance_accuracy"] = table_json(profile.transmittance_error, bands);
   json["estimated_error"] = profile.largest_error;
+  json["mean_error"] = profile.mean_error;
   write_json(json, common);
   print(common, text + "\n");
 }

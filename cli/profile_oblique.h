@@ -11,9 +11,9 @@
 
 namespace lamina::cli {
 
-/// No numbers are printed that may be wrong by more than all of their value.
+/// No profile is printed that may be wrong by over a fifth on average.
 ///
-/// @param errors   [band], estimated, relative.
+/// @param errors   [band], estimated, relative, weighted by flux.
 /// @param way_out  the command that takes such a stack.
 /// @throws InvalidInput naming the band, its error and the way out.
 void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out);

@@ -76,7 +76,7 @@ TEST(ObliqueProfile, IsTheNormalOneAtZeroDegrees) {
   const TransferProfile exact = transfer_profile(stack, grid, {.accuracy = 0.002});
   for (std::size_t i = 0; i < grid.size; ++i) {
     const double mean = oblique.reflectance_moments[3 * i];
-    EXPECT_NEAR(mean / exact.profile.reflectance_at(i, 0), 1.0, 0.01) << i;
+    EXPECT_NEAR(mean / exact.profile.reflectance_at(i, 0), 1.0, 0.02) << i;
     EXPECT_NEAR(oblique.reflectance_moments[3 * i + 1] / mean, 0.0, 1e-6) << i;
     EXPECT_NEAR(reflectance_at(oblique, i, 1.0, 0) / mean, 1.0, 1e-6) << i;
   }

@@ -32,7 +32,8 @@ TEST(DiffuseResponse, IsTheTotalAtZeroFrequency) {
   for (const char* name : {"skin, red", "glass slab", "Giovanelli half-space", "denser below"}) {
     const auto solver = detail::make_frequency_solver(reference::find_stack(name), 8, 1);
     const auto wave = detail::diffuse_response(solver, 0.0);
-    const auto totals = adding_doubling(reference::find_stack(name), {.is_diffuse = true}, {.max_nodes = 8}).totals;
+    const auto totals =
+        adding_doubling(reference::find_stack(name), {.is_diffuse = true}, {.max_nodes = 8}).totals;
     EXPECT_NEAR(wave.reflectance, totals.diffuse_reflectance, 1e-10) << name;
     EXPECT_NEAR(wave.transmittance, totals.transmittance, 1e-10) << name;
   }
@@ -109,15 +110,17 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
     }
     return sum;
   };
-  const double reflected = nearest * detail::diffuse_single_at_contact(stack, fine.stack, fine.top) +
-                           over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
+  const double reflected =
+      nearest * detail::diffuse_single_at_contact(stack, fine.stack, fine.top) +
+      over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
   const double transmitted = over_rays(&detail::SingleScatteringProfile::transmittance, widest);
   EXPECT_NEAR(reflected / wave.reflectance, 1.0, 5e-3);
   EXPECT_NEAR(transmitted / wave.transmittance, 1.0, 5e-3);
 }
 
 TEST(DiffuseProfile, RingsAddUpToTheTotal) {
-  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"), reference::find_stack("Giovanelli half-space")};
+  const std::vector<LayerStack> bands = {reference::find_stack("skin, red"),
+                                         reference::find_stack("Giovanelli half-space")};
   const TransferProfile exact = transfer_profile(bands, {.first = 1e-4, .last = 50.0, .size = 200},
                                                  {.illumination = Illumination::diffuse});
   EXPECT_TRUE(exact.is_accurate);
@@ -182,7 +185,8 @@ TEST(DiffuseProfile, AgreesWithMonteCarloRingByRing) {
 }
 
 TEST(TransferProfile, DoesNotDependOnThreads) {
-  const std::vector<LayerStack> bands = {reference::find_stack("glass slab"), reference::find_stack("skin, red")};
+  const std::vector<LayerStack> bands = {reference::find_stack("glass slab"),
+                                         reference::find_stack("skin, red")};
   for (const Illumination illumination : {Illumination::normal_beam, Illumination::diffuse}) {
     const auto solved = [&](int threads) {
       set_thread_count(threads);

@@ -13,6 +13,7 @@ namespace {
 constexpr double beam_per_sigma_t = 8.0;
 constexpr double highest_by_thickness = 12.0;  ///< times the thickness of a scattering slab
 constexpr double most_per_sigma_t = 250.0;
+constexpr double least_per_sigma_t = 8e-4;  ///< of the grid's scale, by the layer's own sigma_t
 constexpr double tail_start = 0.35;  ///< fraction of the highest frequency from which to fit
 constexpr double handover = 0.6;     ///< where both forms count alike
 constexpr double bend = 0.25;        ///< k0 over the highest frequency
@@ -96,7 +97,7 @@ double beam_frequencies_per_sigma_t(const GridStack& stack) {
 }
 
 FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double highest_per_sigma_t) {
-  double slowest = std::numeric_limits<double>::infinity();
+  double scale = std::numeric_limits<double>::infinity();
   for (const GridLayer& layer : stack.layers) {
     const double mean_cosine = layer.moments.size() > 1 ? layer.moments[1] : 0.0;
     const double transport = layer.sigma_a + layer.sigma_s * (1.0 - mean_cosine);
@@ -106,13 +107,12 @@ FrequencyGrid make_frequency_grid(const GridStack& stack, int count, double high
       const double depth = layer.thickness + 2.0 / transport;
       rate += 1.0 / (depth * depth);
     }
-    slowest = std::min(slowest, rate);
+    // Without any absorption and bottom the light spreads without limit: a thousandth is the start.
+    scale = std::min(scale, std::max(0.5 * std::sqrt(rate), least_per_sigma_t * layer.sigma_t));
   }
   FrequencyGrid grid;
   grid.highest = highest_per_sigma_t * densest_layer(stack);
-  // Without any absorption and bottom the light spreads without limit: a thousandth is the start.
-  grid.scale = std::max(0.5 * std::sqrt(slowest), 1e-4 * grid.highest);
-  if (!std::isfinite(slowest)) grid.scale = 0.1 * grid.highest;
+  grid.scale = std::isfinite(scale) ? scale : 0.1 * grid.highest;
   place_frequencies(grid, count);
   return grid;
 }

@@ -17,6 +17,7 @@
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
 
 namespace lamina {
 namespace {
@@ -24,6 +25,8 @@ namespace {
 using std::numbers::pi;
 
 constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
+constexpr double accuracy = 0.005;   ///< of moment 0; where waves do not reach it, photons help
+constexpr double most_change = 3.0;  ///< by photons, with which higher moments go along
 constexpr int coarse_modes = 5, fine_modes = 7;
 /// Where spectra are ended for a look at what their tails are worth. All of the change counts as
 /// error, twice what it does in transfer_profile_band.cpp: there are fewer frequencies.
@@ -83,6 +86,7 @@ struct HigherOrders {
   std::array<std::vector<double>, 2> moments;  ///< [side][i][m]
   /// [side][i] what changes of moment 0 where the tail of the spectrum begins earlier.
   std::array<std::vector<double>, 2> change_by_tail;
+  double highest = 0.0;  ///< frequency [1/mm]
 };
 
 /// What is not scattered once and straight, m up to the modes.
@@ -102,7 +106,7 @@ HigherOrders higher_orders(const LayerStack& stack, const GridDirection& beam, i
     }
   };
   parallel_for(grid.k.size(), respond, progress);
-  HigherOrders result;
+  HigherOrders result{.moments = {}, .change_by_tail = {}, .highest = grid.highest};
   for (auto& side : result.moments) side.resize(r.size() * count);
   for (auto& side : result.change_by_tail) side.resize(r.size());
   for (std::size_t side = 0; side < (is_semi_infinite(stack) ? 1u : 2u); ++side) {
@@ -113,17 +117,22 @@ HigherOrders higher_orders(const LayerStack& stack, const GridDirection& beam, i
     const auto earlier =
         transforms({{detail::ended_at(spectra[0].even, earlier_end)}}, r, grid.scale);
     for (std::size_t i = 0; i < r.size(); ++i)
-      result.change_by_tail[side][i] = std::abs(result.moments[side][i * count] - earlier[i]);
+      result.change_by_tail[side][i] = result.moments[side][i * count] - earlier[i];
   }
   return result;
 }
 
+/// Which extinction weakens light that is scattered once.
+enum class Extinction { on_grid, by_medium };
+
 /// Light scattered once and straight, [side][i][m].
 std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
-                                                  const GridDirection& beam,
+                                                  const GridDirection& beam, Extinction extinction,
                                                   std::span<const double> r, std::size_t count,
                                                   const Progress& progress) {
-  const auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{beam}).stack;
+  auto on_grid = detail::make_frequency_solver(stack, nodes, 1, std::array{beam}).stack;
+  if (extinction == Extinction::by_medium)
+    for (detail::GridLayer& layer : on_grid.layers) layer.sigma_t = layer.extinction;
   const double p = beam.ior * beam.sin;
   const std::size_t points = std::max(azimuths, 2 * count);
   std::array<std::vector<double>, 2> sides;
@@ -158,13 +167,41 @@ void add_estimates(ObliqueProfile& profile, std::size_t side, std::size_t band,
     double most = 0.0;
     for (std::size_t j = 0; j < r.size() && r[j] <= nearby * r[i]; ++j) {
       if (r[j] * nearby < r[i]) continue;
-      const bool is_known = mean[j] > 0.0 && std::isfinite(left[j]);
-      most = std::max(most, is_known ? left[j] / mean[j] : std::numeric_limits<double>::infinity());
+      const double value = std::max(mean[i], mean[j]);
+      const bool is_known = value > 0.0 && mean[j] >= 0.0 && std::isfinite(left[j]);
+      most = std::max(most, is_known ? left[j] / value : std::numeric_limits<double>::infinity());
     }
     error[i * profile.bands + band] = std::min(1.0, most);
     const bool counts = r_lowest <= r[i] && r[i] <= r_highest &&
                         !(r[i] * r[i] * std::abs(mean[i]) <= least_ring * fullest);
     if (counts) profile.largest_error[band] = std::max(profile.largest_error[band], most);
+  }
+}
+
+std::vector<double>& moments_of(ObliqueProfile& profile, std::size_t side) {
+  return side == 0 ? profile.reflectance_moments : profile.transmittance_moments;
+}
+
+std::vector<double> detail::ProfileCurves::*curve_of(std::size_t side) {
+  return side == 0 ? &detail::ProfileCurves::reflectance : &detail::ProfileCurves::transmittance;
+}
+
+void set_estimates(ObliqueProfile& profile, std::size_t band, const detail::ProfileCurves& mean,
+                   const detail::ProfileCurves& left) {
+  profile.largest_error[band] = profile.mean_error[band] = 0.0;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto curve = curve_of(side);
+    add_estimates(profile, side, band, left.*curve, mean.*curve);
+    double wrong = 0.0, all = 0.0;
+    for (std::size_t i = 0; i < profile.r.size(); ++i) {
+      const double area = profile.r[i] * profile.r[i], value = (mean.*curve)[i];
+      wrong += area * ((left.*curve)[i] + std::max(0.0, -value));
+      all += area * std::max(0.0, value);
+    }
+    if (wrong > 0.0)
+      profile.mean_error[band] =
+          std::max(profile.mean_error[band],
+                   all > 0.0 ? wrong / all : std::numeric_limits<double>::infinity());
   }
 }
 
@@ -192,11 +229,13 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
   const std::size_t bands = stacks.size(), count = static_cast<std::size_t>(moments);
   ObliqueProfile profile{.bands = bands, .moments = count, .r = radii(grid)};
   const std::size_t size = profile.r.size();
+  const HankelPlan plan = make_hankel_plan(grid);
   profile.reflectance_moments.resize(size * count * bands);
   profile.transmittance_moments.resize(size * count * bands);
   profile.estimated_error.resize(size * bands);
   profile.transmittance_error.resize(size * bands);
   profile.largest_error.resize(bands);
+  profile.mean_error.resize(bands);
   for (const auto& totals :
        adding_doubling(stacks, {.theta = theta}, {.accuracy = 1e-6, .progress = progress})) {
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
@@ -208,17 +247,20 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
       return part_of(progress, (static_cast<double>(b) + begin) / static_cast<double>(bands),
                      (static_cast<double>(b) + end) / static_cast<double>(bands));
     };
-    const auto once = single_moments(stacks[b], beam, profile.r, count, part(0.0, 0.2));
+    const auto once =
+        single_moments(stacks[b], beam, Extinction::on_grid, profile.r, count, part(0.0, 0.2));
     const auto by_fewer =
         higher_orders(stacks[b], beam, fewer_nodes, coarse_modes, profile.r, part(0.2, 0.3));
     const auto coarse =
         higher_orders(stacks[b], beam, nodes, coarse_modes, profile.r, part(0.3, 0.5));
     const auto fine = higher_orders(stacks[b], beam, nodes, fine_modes, profile.r, part(0.5, 1.0));
     constexpr std::size_t few = coarse_modes + 1, many = fine_modes + 1;
+    const std::vector<double> none(size, 0.0);
+    detail::WaveProfile mean{
+        {none, none}, {none, none}, {3, {none, none}}, fine.highest};  // moment 0
     for (std::size_t side = 0; side < 2; ++side) {
-      std::vector<double>& values =
-          side == 0 ? profile.reflectance_moments : profile.transmittance_moments;
-      std::vector<double> left(size), mean(size);  // of moment 0
+      std::vector<double>& values = moments_of(profile, side);
+      const auto curve = curve_of(side);
       for (std::size_t i = 0; i < size; ++i) {
         const auto step = [&](std::size_t m) {
           return fine.moments[side][i * many + m] - coarse.moments[side][i * few + m];
@@ -229,13 +271,37 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
           if (m < few) value += step_to_come * step(m);
           values[(i * count + m) * bands + b] = value;
         }
-        mean[i] = values[i * count * bands + b];
-        left[i] = error_per_step * std::abs(step(0)) +
-                  std::abs(coarse.moments[side][i * few] - by_fewer.moments[side][i * few]) +
-                  fine.change_by_tail[side][i];
+        (mean.profile.*curve)[i] = values[i * count * bands + b];
+        const double changes[] = {error_per_step * step(0),
+                                  coarse.moments[side][i * few] - by_fewer.moments[side][i * few],
+                                  fine.change_by_tail[side][i]};
+        for (std::size_t c = 0; c < 3; ++c) {
+          (mean.changes[c].*curve)[i] = changes[c];
+          (mean.error.*curve)[i] += std::abs(changes[c]);
+        }
       }
-      add_estimates(profile, side, b, left, mean);
     }
+    set_estimates(profile, b, mean.profile, mean.error);
+    if (profile.largest_error[b] <= accuracy) continue;
+    // Behind the stack light scattered once crowds where the beam meets the bottom: photons see it.
+    auto of_medium =
+        single_moments(stacks[b], beam, Extinction::by_medium, profile.r, 1, part(1.0, 1.0));
+    const detail::LowestOrders known{.curves = {std::move(of_medium[0]), none},
+                                     .above = {.unscattered = KnownLight::all, .once = 0},
+                                     .below = {.unscattered = KnownLight::all}};
+    const auto refined = detail::refine_by_photons(stacks[b], {.theta = theta}, plan, mean, known,
+                                                   detail::events_for(accuracy), part(1.0, 1.0));
+    // Higher moments keep their ratio to the mean, by which their errors are its.
+    for (std::size_t side = 0; side < 2; ++side)
+      for (std::size_t i = 0; i < size; ++i) {
+        const double before = (mean.profile.*curve_of(side))[i];
+        const double after = (refined.profile.*curve_of(side))[i];
+        double* const of_radius = &moments_of(profile, side)[i * count * bands + b];
+        of_radius[0] = after;
+        if (!(before > 0.0 && after > 0.0 && after < most_change * before)) continue;
+        for (std::size_t m = 1; m < count; ++m) of_radius[m * bands] *= after / before;
+      }
+    set_estimates(profile, b, refined.profile, refined.error);
   }
   return profile;
 }

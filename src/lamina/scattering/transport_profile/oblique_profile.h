@@ -27,6 +27,7 @@ struct ObliqueProfile {
   /// [band], the largest of both from .01 to 6 mm where there is light; infinite where a value is
   /// negative.
   std::vector<double> largest_error;
+  std::vector<double> mean_error;  ///< [band], of the side where it is larger, weighted by flux
 };
 
 /// By radiative transfer, as `transfer_profile`, with eight azimuthal modes: light scattered once

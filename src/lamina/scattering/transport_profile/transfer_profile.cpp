@@ -51,11 +51,12 @@ detail::FrequencyResponse flux_of_profile(const AddingDoublingTotals& solved,
 }
 
 /// A plate that neither scatters nor absorbs much throws rings of light far out by its reflections,
-/// of which frequencies show little: errors of 70 % and more, at any thickness.
+/// of which frequencies show little: errors of 70 % and more, at any thickness. Photons put that
+/// right, but not under rough tops.
 /// @throws InvalidInput naming the layer.
-void refuse_clear_plates(std::span<const LayerStack> stacks) {
+void refuse_clear_plates_under_rough_tops(std::span<const LayerStack> stacks) {
   for (std::size_t b = 0; b < stacks.size(); ++b)
-    for (std::size_t l = 0; l < stacks[b].layers().size(); ++l) {
+    for (std::size_t l = 0; l < stacks[b].layers().size() && !is_smooth(stacks[b]); ++l) {
       const Layer& layer = stacks[b].layers()[l];
       const double optical_thickness = layer.medium.sigma_a * layer.thickness;
       const bool has_bottom = std::isfinite(layer.thickness);  // else nothing comes back
@@ -63,13 +64,42 @@ void refuse_clear_plates(std::span<const LayerStack> stacks) {
         continue;
       throw InvalidInput("band " + std::to_string(b) + ", layer " + std::to_string(l) +
                          ": does not scatter, so its sigma_a times thickness must be at least 3 "
-                         "for a profile by radiative transfer, but is " +
+                         "for a profile by radiative transfer under a rough top, but is " +
                          number_text(optical_thickness) + "; monte_carlo takes such plates");
     }
 }
 
+/// Responses on a grid of a few directions, which know less well how much light leaves than how it
+/// spreads: times what makes them right without waves.
+class ScaledSolver {
+ public:
+  ScaledSolver(const LayerStack& stack, int nodes, int modes, bool is_diffuse,
+               const detail::FrequencyResponse& flux)
+      : solver_(detail::make_frequency_solver(stack, nodes, modes)), is_diffuse_(is_diffuse) {
+    const detail::FrequencyResponse without_waves = at(0.0);
+    const auto factor = [](double known, double found) {
+      return known > 0.0 && found > 0.0 ? known / found : 1.0;
+    };
+    scale_ = {factor(flux.reflectance, without_waves.reflectance),
+              factor(flux.transmittance, without_waves.transmittance)};
+  }
+
+  [[nodiscard]] detail::FrequencyResponse at(double k) const {
+    const auto found =
+        is_diffuse_ ? detail::diffuse_response(solver_, k) : detail::response(solver_, k);
+    return {scale_.reflectance * found.reflectance, scale_.transmittance * found.transmittance};
+  }
+
+ private:
+  detail::FrequencySolver solver_;
+  bool is_diffuse_;
+  detail::FrequencyResponse scale_{1.0, 1.0};
+};
+
 /// 1 where an error is no smaller than its value.
-double relative(double error, double value) { return error < value ? error / value : 1.0; }
+double relative(double error, double value) {
+  return error >= 0.0 && error < value ? error / value : 1.0;
+}
 
 }  // namespace
 
@@ -90,7 +120,7 @@ std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
 TransferProfile transfer_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
                                  const TransferProfileOptions& options) {
   check(stacks, options);
-  refuse_clear_plates(stacks);
+  refuse_clear_plates_under_rough_tops(stacks);
   if (options.is_from_below) {
     TransferProfileOptions from_above = options;
     from_above.is_from_below = false;
@@ -124,8 +154,10 @@ TransferProfile transfer_profile(std::span<const LayerStack> stacks, const Radia
   for (std::size_t b = 0; b < bands; ++b) {
     const detail::BandProfile& band = solved[b];
     result.estimated_error[b] = band.estimated_error;
+    result.mean_error.push_back(band.mean_error);
     result.nodes.push_back(band.nodes);
     result.modes.push_back(band.modes);
+    result.photons.push_back(band.photons);
     for (std::size_t i = 0; i < count; ++i) {
       profile.reflectance_profile[i * bands + b] = band.profile.reflectance[i];
       profile.transmittance_profile[i * bands + b] = band.profile.transmittance[i];
@@ -159,17 +191,16 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
                                   .transmittance = std::vector<double>(k.size() * bands),
                                   .reflectance_error = std::vector<double>(k.size() * bands),
                                   .transmittance_error = std::vector<double>(k.size() * bands)};
+  const bool is_diffuse = options.illumination == Illumination::diffuse;
+  const std::vector<AddingDoublingTotals> totals =
+      adding_doubling(stacks, {.is_diffuse = is_diffuse}, {.accuracy = 1e-6});
   for (std::size_t b = 0; b < bands; ++b) {
-    const auto solver =
-        detail::make_frequency_solver(stacks[b], nodes_of_responses, modes_of_responses);
-    const auto coarse = detail::make_frequency_solver(stacks[b], fewer_nodes_of_responses,
-                                                      fewer_modes_of_responses);
+    const auto flux = flux_of_profile(totals[b], stacks[b], options.illumination);
+    const ScaledSolver solver(stacks[b], nodes_of_responses, modes_of_responses, is_diffuse, flux);
+    const ScaledSolver coarse(stacks[b], fewer_nodes_of_responses, fewer_modes_of_responses,
+                              is_diffuse, flux);
     const auto respond = [&](std::size_t i) {
-      const auto by = [&](const detail::FrequencySolver& each) {
-        return options.illumination == Illumination::diffuse ? detail::diffuse_response(each, k[i])
-                                                             : detail::response(each, k[i]);
-      };
-      const auto all = by(solver), by_fewer = by(coarse);
+      const auto all = solver.at(k[i]), by_fewer = coarse.at(k[i]);
       const std::size_t at = i * bands + b;
       result.reflectance[at] = all.reflectance;
       result.transmittance[at] = all.transmittance;

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,9 @@ struct TransferProfile {
   std::vector<double> relative_error;       ///< [i][band], estimated, of the reflectance profile
   std::vector<double> transmittance_error;  ///< [i][band], the same of the transmittance profile
   std::vector<double> estimated_error;      ///< [band], largest within the radii asked
+  std::vector<double> mean_error;           ///< [band], weighted by flux, relative
   std::vector<int> nodes, modes;            ///< [band], of the last solution
+  std::vector<std::uint64_t> photons;       ///< [band] that took part, 0 if none
   bool is_accurate = false;                 ///< every estimate is within the accuracy asked
 };
 
@@ -49,9 +52,10 @@ struct TransferProfile {
 /// The top may be rough. What it throws back by itself is not in R(r), as a smooth top's mirror
 /// light is not.
 ///
+/// Where waves do not reach the accuracy, photons refine the profile; boundaries must be smooth.
+///
 /// @throws InvalidInput naming a rough boundary below the top, a wrong grid, a stack without a
-/// lower side, or a plate that neither scatters nor absorbs nine tenths: its reflections throw
-/// rings far out, which frequencies do not resolve.
+/// lower side, or under a rough top a plate that neither scatters nor absorbs nine tenths.
 /// @throws Interrupted if progress asks to stop.
 ///
 /// Source: docs/radiative_transfer_profiles.md.
@@ -64,7 +68,7 @@ struct TransferProfile {
 [[nodiscard]] std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks);
 
 /// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
-/// domain imaging measures. Always by 10 nodes and 6 azimuthal modes: no accuracy can be asked.
+/// domain imaging measures, at k = 0 what adding-doubling finds. Always by 10 nodes and 6 azimuthal modes: no accuracy can be asked.
 /// The errors are what changes from 7 nodes and 4 modes: some 1e-3 of the value up to the largest
 /// sigma_t of a layer, all of it where a forward peak is sharp and waves are short.
 struct SpatialFrequencyResponse {

@@ -105,7 +105,7 @@ void put(Writer& writer, const LayerStack& stack) {
 std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
                    const TransferProfileOptions& options) {
   Writer writer;
-  writer.put_text("transfer profile, format 2, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
+  writer.put_text("transfer profile, format 3, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);
@@ -122,14 +122,14 @@ std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
 /// Calls `act` for every member of a result, for writing as for reading.
 template <class Result, class Act>
 void for_each_member(Result& result, const Act& act) {
-  auto& [profile, relative_error, transmittance_error, estimated_error, nodes, modes, is_accurate] =
-      result;
+  auto& [profile, relative_error, transmittance_error, estimated_error, mean_error, nodes, modes,
+         photons, is_accurate] = result;
   auto& [per, bands, r, reflectance, transmittance, total_reflectance, total_transmittance] =
       profile;
   act(per), act(bands), act(r), act(reflectance), act(transmittance);
   act(total_reflectance), act(total_transmittance);
-  act(relative_error), act(transmittance_error), act(estimated_error), act(nodes), act(modes),
-      act(is_accurate);
+  act(relative_error), act(transmittance_error), act(estimated_error), act(mean_error), act(nodes),
+      act(modes), act(photons), act(is_accurate);
 }
 
 std::string packed(const TransferProfile& result) {

@@ -14,7 +14,9 @@
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 
@@ -28,6 +30,8 @@ constexpr std::array<int, 8> frequency_steps = {20, 24, 28, 33, 40, 48, 58, 70};
 constexpr int fewest_modes = 3, most_modes = 8;
 
 /// Most nodes while modes are chosen.
+/// Photons refine what waves leave wrong by more than this, of the accuracy asked.
+constexpr double too_much = 2.0;
 constexpr std::size_t probe_node_step = 2;
 
 /// What is left of the last step's change: with more modes or frequencies it falls to a fourth or
@@ -58,6 +62,10 @@ constexpr double frequency_share = 0.15, node_share = 0.5, mode_share = 0.35;
 /// Rings of equal width in log r that hold less than this of the fullest ring's flux do not count.
 constexpr double least_ring = 1e-4;
 
+/// Where photons can take over, waves are given up beyond this time in all [CPU-s], as the cost of
+/// a solution is foreseen.
+constexpr double most_seconds_of_waves = 1.0;
+
 struct Resolution {
   std::size_t node_step = 0;
   int modes = fewest_modes;
@@ -79,12 +87,13 @@ class BandSolver {
         options_(options),
         progress_(of_unknown_length(options.progress)),
         is_diffuse_(options.illumination == Illumination::diffuse),
-        is_spread_(is_diffuse_ || has_rough_top(make_grid_stack(stack, node_steps[0], {}))) {}
+        is_spread_(is_diffuse_ || has_rough_top(make_grid_stack(stack, node_steps[0], {}))),
+        has_photons_(can_refine_by_photons(stack)) {}
 
   BandProfile solve(const FrequencyResponse& flux);
 
  private:
-  [[nodiscard]] const Curves& lowest_orders(std::size_t node_step);
+  [[nodiscard]] const Curves& lowest_curves(std::size_t node_step);
   [[nodiscard]] const Curves& all(const Resolution& resolution) {
     return solution(resolution).curves;
   }
@@ -97,6 +106,9 @@ class BandSolver {
   [[nodiscard]] Curves finest(const Resolution& chosen, const Resolution& probe, Curves& error);
   [[nodiscard]] double largest(const std::vector<double>& error,
                                const std::vector<double>& value) const;
+
+  [[nodiscard]] double mean(const std::vector<double>& error,
+                            const std::vector<double>& value) const;
 
   /// Refines in one dimension until the largest error left is within `bound`, which is returned
   /// or what is reached, or until a step changes more than `give_up` of what the last one did. The
@@ -114,21 +126,30 @@ class BandSolver {
   /// Scattering by the forward peak that the nodes do not see, the largest of all layers [1/mm].
   [[nodiscard]] double unseen_peak(std::size_t node_step) const;
 
+  /// Whether there is time to solve once more; if so it counts as spent.
+  [[nodiscard]] bool has_time_for(const Resolution& resolution);
+  void refine_by_photons(const Resolution& chosen, BandProfile& result);
+  [[nodiscard]] Curves difference(const Curves& fine, const Curves& coarse, double share) const;
+
   const LayerStack& stack_;
   const HankelPlan& plan_;
   const TransferProfileOptions& options_;
   Progress progress_;
   bool is_diffuse_;
-  bool is_spread_;       ///< over directions inside, by a rough top if not diffuse before
-  double budget_ = 0.0;  ///< of the accuracy asked, for nodes, modes and frequencies
-  std::map<std::size_t, Curves> lowest_orders_;  ///< [node step]
+  bool is_spread_;  ///< over directions inside, by a rough top if not diffuse before
+  bool has_photons_;
+  FrequencyResponse flux_;              ///< what the profile adds up to
+  double seconds_ = 0.0;                ///< of waves, foreseen
+  std::vector<ProfileCurves> changes_;  ///< by the last step of each refinement, what is left of it
+  double budget_ = 0.0;                 ///< of the accuracy asked, for nodes, modes and frequencies
+  std::map<std::size_t, Curves> lowest_curves_;  ///< [node step]
   std::map<Resolution, Solution> all_;
 };
 
 /// Light scattered once and, if diffuse, not at all: exactly. It depends on the nodes by their
 /// extinction only.
-const Curves& BandSolver::lowest_orders(std::size_t node_step) {
-  const auto [place, is_new] = lowest_orders_.try_emplace(node_step);
+const Curves& BandSolver::lowest_curves(std::size_t node_step) {
+  const auto [place, is_new] = lowest_curves_.try_emplace(node_step);
   if (!is_new) return place->second;
   const FrequencySolver solver = make_frequency_solver(
       stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
@@ -195,7 +216,7 @@ Curves BandSolver::over_radius(std::size_t node_step, const Spectrum& reflected,
     spectra.push_back(transmits ? evaluate(transmitted, k) : 0.0);
   }
   const std::vector<double> multiple = inverse_hankel(plan_, spectra, 2);
-  Curves curves = lowest_orders(node_step);
+  Curves curves = lowest_curves(node_step);
   for (std::size_t i = 0; i < plan_.r.size(); ++i) {
     curves.reflectance[i] += multiple[2 * i];
     curves.transmittance[i] += multiple[2 * i + 1];
@@ -248,7 +269,7 @@ void BandSolver::add_error_of_straight_rays(std::size_t node_step, Curves& error
       stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
   const Curves fewer = diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_,
                                              fewer_nodes_of_rays);
-  const Curves& known = lowest_orders(node_step);
+  const Curves& known = lowest_curves(node_step);
   const auto add = [](const std::vector<double>& a, const std::vector<double>& b,
                       std::vector<double>& to) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += std::abs(a[i] - b[i]);
@@ -269,6 +290,27 @@ double BandSolver::largest(const std::vector<double>& error,
     if (counts) worst = std::max(worst, error[i] / value[i]);
   }
   return worst;
+}
+
+bool BandSolver::has_time_for(const Resolution& resolution) {
+  if (!has_photons_ || all_.contains(resolution)) return true;
+  const double cost = solution_cost({&stack_, 1}, node_steps[resolution.node_step],
+                                    resolution.modes, frequency_steps[resolution.frequency_step])
+                          .seconds;
+  if (seconds_ + cost > most_seconds_of_waves) return false;
+  seconds_ += cost;
+  return true;
+}
+
+/// Relative error, weighted by the flux of rings.
+double BandSolver::mean(const std::vector<double>& error, const std::vector<double>& value) const {
+  double wrong = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const double area = plan_.r[i] * plan_.r[i];
+    wrong += area * error[i];
+    all += area * std::max(0.0, value[i]);
+  }
+  return all > 0.0 ? wrong / all : 0.0;
 }
 
 double BandSolver::unseen_peak(std::size_t node_step) const {
@@ -305,11 +347,18 @@ template <class StepUp, class Before, class Left>
 double BandSolver::refine(Resolution& resolution, double bound, Curves& error, double give_up,
                           const StepUp& step_up, const Before& before, const Left& left_of) {
   const std::size_t radii = plan_.r.size();
-  Curves left, before_it;  ///< the latter of nodes alone, whose errors stand out as rays
+  Curves left{std::vector<double>(radii), std::vector<double>(radii)};
+  Curves before_it;      ///< of nodes alone, whose errors stand out as rays
+  Curves signed_change;  ///< what is left of it
   double worst = 0.0, worst_change = std::numeric_limits<double>::infinity();
   while (true) {
     const Resolution last = resolution;
     if (!step_up(resolution)) break;
+    const bool knows_a_step = !signed_change.reflectance.empty();
+    if (!has_time_for(resolution) && knows_a_step) {
+      resolution = last;
+      break;
+    }
     const Curves& fine = all(resolution);
     const Curves coarse = before(last, resolution);
     Curves change{std::vector<double>(radii), std::vector<double>(radii)};
@@ -318,6 +367,7 @@ double BandSolver::refine(Resolution& resolution, double bound, Curves& error, d
       change.transmittance[i] = std::abs(fine.transmittance[i] - coarse.transmittance[i]);
     }
     const double share = left_of(resolution);
+    signed_change = difference(fine, coarse, share);
     left.reflectance = left_after(change.reflectance, before_it.reflectance, share);
     left.transmittance = left_after(change.transmittance, before_it.transmittance, share);
     worst = std::max(largest(left.reflectance, fine.reflectance),
@@ -332,6 +382,7 @@ double BandSolver::refine(Resolution& resolution, double bound, Curves& error, d
     error.reflectance[i] += left.reflectance[i];
     error.transmittance[i] += left.transmittance[i];
   }
+  if (!signed_change.reflectance.empty()) changes_.push_back(std::move(signed_change));
   return worst;
 }
 
@@ -355,9 +406,9 @@ Curves BandSolver::finest(const Resolution& chosen, const Resolution& probe, Cur
   add(sum.transmittance, sum_error.transmittance, start.transmittance, more_modes.transmittance);
   sum.total_reflectance += more_modes.total_reflectance - start.total_reflectance;
   sum.total_transmittance += more_modes.total_transmittance - start.total_transmittance;
-  if (largest(sum_error.reflectance, sum.reflectance) > budget_ ||
-      largest(sum_error.transmittance, sum.transmittance) > budget_)
-    return all(chosen);
+  const bool is_too_rough = largest(sum_error.reflectance, sum.reflectance) > budget_ ||
+                            largest(sum_error.transmittance, sum.transmittance) > budget_;
+  if (is_too_rough && has_time_for(chosen)) return all(chosen);
   error = std::move(sum_error);
   return sum;
 }
@@ -369,12 +420,47 @@ void conserve(double flux, double total, std::vector<double>& curve, std::vector
   const double factor = flux / total;
   for (std::size_t i = 0; i < curve.size(); ++i) {
     curve[i] *= factor;
-    error[i] += std::abs(factor - 1.0) * curve[i];
+    error[i] += std::abs((factor - 1.0) * curve[i]);
   }
+}
+
+/// What a step changed, times a share of it, where both curves are made to add up to what is known.
+Curves BandSolver::difference(const Curves& fine, const Curves& coarse, double share) const {
+  const auto between = [&](const std::vector<double>& a, double total_a,
+                           const std::vector<double>& b, double total_b, double flux) {
+    const bool has_flux = flux > 0.0 && total_a > 0.0 && total_b > 0.0;
+    const double of_a = has_flux ? flux / total_a : 1.0, of_b = has_flux ? flux / total_b : 1.0;
+    std::vector<double> change(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) change[i] = share * (of_a * a[i] - of_b * b[i]);
+    return change;
+  };
+  return {between(fine.reflectance, fine.total_reflectance, coarse.reflectance,
+                  coarse.total_reflectance, flux_.reflectance),
+          between(fine.transmittance, fine.total_transmittance, coarse.transmittance,
+                  coarse.total_transmittance, flux_.transmittance)};
+}
+
+void BandSolver::refine_by_photons(const Resolution& chosen, BandProfile& result) {
+  const Resolution few_modes{chosen.node_step, fewest_modes, chosen.frequency_step};
+  const Solution& known = solution(few_modes);
+  changes_.push_back(
+      difference(known.curves,
+                 over_radius(chosen.node_step, ended_at(known.reflected, earlier_end),
+                             ended_at(known.transmitted, earlier_end)),
+                 left_of_tail));
+  PhotonRefinement refined = detail::refine_by_photons(
+      stack_, {.is_diffuse = is_diffuse_}, plan_,
+      {result.profile, result.error, changes_, known.reflected.grid.highest},
+      detail::lowest_orders(stack_, options_.illumination, plan_), events_for(options_.accuracy),
+      progress_);
+  result.profile = std::move(refined.profile);
+  result.error = std::move(refined.error);
+  result.photons = refined.photons;
 }
 
 BandProfile BandSolver::solve(const FrequencyResponse& flux) {
   const std::size_t radii = plan_.r.size();
+  flux_ = flux;
   BandProfile result;
   result.error = {std::vector<double>(radii), std::vector<double>(radii)};
   Resolution at;
@@ -420,11 +506,19 @@ BandProfile BandSolver::solve(const FrequencyResponse& flux) {
            result.error.reflectance);
   conserve(flux.transmittance, result.profile.total_transmittance, result.profile.transmittance,
            result.error.transmittance);
-  result.estimated_error =
-      std::max(largest(result.error.reflectance, result.profile.reflectance),
-               largest(result.error.transmittance, result.profile.transmittance));
+  const auto estimate = [&] {
+    return std::max(largest(result.error.reflectance, result.profile.reflectance),
+                    largest(result.error.transmittance, result.profile.transmittance));
+  };
+  result.estimated_error = estimate();
+  if (has_photons_ && result.estimated_error > too_much * asked) {
+    refine_by_photons(chosen, result);
+    result.estimated_error = estimate();
+  }
   for (double& value : result.profile.reflectance) value = std::max(0.0, value);
   for (double& value : result.profile.transmittance) value = std::max(0.0, value);
+  result.mean_error = std::max(mean(result.error.reflectance, result.profile.reflectance),
+                               mean(result.error.transmittance, result.profile.transmittance));
   result.nodes = node_steps[chosen.node_step];
   result.modes = chosen.modes;
   result.frequencies = frequency_steps[chosen.frequency_step];

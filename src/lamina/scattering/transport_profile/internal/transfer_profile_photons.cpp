@@ -1,0 +1,153 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/scattering/monte_carlo/ring_density.h"
+#include "lamina/scattering/transport_profile/internal/straight_ray.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
+#include "lamina/scattering/transport_profile/internal/wave_photon_blend.h"
+
+namespace lamina::detail {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double ring_width = 0.02;               ///< of photons' rings, in log r
+constexpr std::uint64_t first_photons = 1 << 14;  ///< that tell how many events a photon has
+constexpr double fewest_photons = 1e4, most_photons = 1e9;
+constexpr int nodes_of_lowest_orders = 24;
+constexpr int reflections_of_paths = 3;  ///< most of `unscattered_paths`
+
+/// Above, light scattered once is known, which grows as 1/r near the point where light enters.
+/// Behind the stack it is smooth, and photons see all of it.
+LowestOrders of_diffuse_light(const LayerStack& stack, const HankelPlan& plan) {
+  FrequencySolver solver = make_frequency_solver(stack, nodes_of_lowest_orders, 1);
+  LowestOrders lowest;
+  lowest.above = {.unscattered = reflections_of_paths, .once = 0};
+  for (const GridLayer& layer : solver.stack.layers)
+    if (layer.extinction > 0.0)
+      lowest.unseen = std::max(lowest.unseen, 1.0 - layer.sigma_t / layer.extinction);
+  lowest.curves = diffuse_lowest_orders(stack, solver.stack, Illumination::diffuse, plan);
+  std::ranges::fill(lowest.curves.transmittance, 0.0);
+  if (!has_open_bottom(solver.stack)) return lowest;
+  lowest.below = {.unscattered = reflections_of_paths};
+  for (GridLayer& layer : solver.stack.layers) layer.sigma_t = layer.extinction;
+  const auto paths = unscattered_paths(solver.stack);
+  for (std::size_t i = 0; i < plan.r.size(); ++i)
+    lowest.curves.transmittance[i] = unscattered_profile(solver, paths, plan.r[i]).transmittance;
+  return lowest;
+}
+
+LowestOrders of_normal_beam(const LayerStack& stack, const HankelPlan& plan) {
+  const std::vector<GridDirection> beams{direction_in(stack.ior_above(), 0.0)};
+  GridStack grid = make_grid_stack(stack, nodes_of_lowest_orders, beams);
+  const bool is_black = stack.ground().reflectance == 0.0;
+  LowestOrders lowest;
+  for (GridLayer& layer : grid.layers) layer.sigma_t = layer.extinction;
+  lowest.above = {.unscattered = KnownLight::all, .once = KnownLight::all};
+  lowest.below = {.unscattered = KnownLight::all,
+                  .once = is_black ? KnownLight::all : KnownLight::none};
+  const OnceScattered light = make_once_scattered(stack, std::move(grid));
+  for (const double r : plan.r) {
+    const SingleScatteringProfile at = single_scattering_profile(light, r);
+    lowest.curves.reflectance.push_back(at.reflectance);
+    lowest.curves.transmittance.push_back(at.transmittance);
+  }
+  return lowest;
+}
+
+struct CountedRings {
+  RingFlux above, below;
+  double photons = 0.0;
+};
+
+RingFlux read_rings(const PhotonTallies& tallies, const std::vector<Estimate>& density,
+                    const std::vector<Estimate>& beside) {
+  RingFlux rings{
+      .first_radius = tallies.log_r.low,
+      .log_width = std::log(tallies.log_r.high / tallies.log_r.low) / tallies.log_r.count,
+      .nearer = beside[0],
+      .farther = beside[1]};
+  for (std::size_t i = 0; i < density.size(); ++i) {
+    const double begin = rings.begin_of(i);
+    const double area = pi * begin * begin * std::expm1(2.0 * rings.log_width);
+    rings.flux.push_back({density[i].value * area, density[i].standard_error * area});
+  }
+  return rings;
+}
+
+CountedRings count_rings(const LayerStack& stack, const Incidence& incidence,
+                         const HankelPlan& plan, const LowestOrders& lowest, double events,
+                         const Progress& progress) {
+  MonteCarloOptions options{.photons = first_photons, .seed = 1, .incidence = incidence};
+  options.progress = progress;
+  const double low = std::max(0.5 * plan.r.front(), 1e-9),
+               high = std::min(2.0 * plan.r.back(), 1e9);
+  options.tallies.log_r = {.count = static_cast<int>(std::ceil(std::log(high / low) / ring_width)),
+                           .low = low,
+                           .high = high};
+  options.tallies.known_above = lowest.above;
+  options.tallies.known_below = lowest.below;
+  const PhotonCounts first = count_photons(stack, options);
+  if (first.was_stopped) throw Interrupted();
+  const double each = std::max(1.0, static_cast<double>(first.events) / first_photons);
+  options.photons =
+      static_cast<std::uint64_t>(std::clamp(events / each, fewest_photons, most_photons));
+  options.seed = 2;
+  const PhotonCounts counts = count_photons(stack, options);
+  if (counts.was_stopped) throw Interrupted();
+  const MonteCarloResult result = summarize(counts);
+  return {read_rings(options.tallies, result.log_radial.reflection,
+                     result.log_radial_outside.reflection),
+          read_rings(options.tallies, result.log_radial.transmission,
+                     result.log_radial_outside.transmission),
+          static_cast<double>(counts.photons)};
+}
+
+}  // namespace
+
+double events_for(double accuracy) {
+  constexpr double usual = 1e8, usual_accuracy = 0.005, fewest = 2e7, most = 1e9;
+  return std::clamp(usual * std::pow(usual_accuracy / accuracy, 2.0), fewest, most);
+}
+
+LowestOrders lowest_orders(const LayerStack& stack, Illumination illumination,
+                           const HankelPlan& plan) {
+  return illumination == Illumination::diffuse ? of_diffuse_light(stack, plan)
+                                               : of_normal_beam(stack, plan);
+}
+
+bool can_refine_by_photons(const LayerStack& stack) { return is_smooth(stack); }
+
+PhotonRefinement refine_by_photons(const LayerStack& stack, const Incidence& incidence,
+                                   const HankelPlan& plan, const WaveProfile& waves,
+                                   const LowestOrders& lowest, double events,
+                                   const Progress& progress) {
+  const CountedRings counted = count_rings(stack, incidence, plan, lowest, events, progress);
+  const auto refine_side = [&](std::vector<double> ProfileCurves::*side, const RingFlux& rings) {
+    WaveCurve curve{.density = waves.profile.*side,
+                    .error = waves.error.*side,
+                    .changes = {},
+                    .highest = waves.highest};
+    for (const ProfileCurves& change : waves.changes) curve.changes.emplace_back(change.*side);
+    return blend(plan.r, curve, lowest.curves.*side, lowest.unseen, rings, counted.photons);
+  };
+  PhotonRefinement refined{.profile = waves.profile, .error = waves.error};
+  refined.photons = static_cast<std::uint64_t>(counted.photons);
+  BlendedCurve above = refine_side(&ProfileCurves::reflectance, counted.above);
+  refined.profile.reflectance = std::move(above.density);
+  refined.error.reflectance = std::move(above.error);
+  if (is_semi_infinite(stack)) return refined;
+  BlendedCurve below = refine_side(&ProfileCurves::transmittance, counted.below);
+  refined.profile.transmittance = std::move(below.density);
+  refined.error.transmittance = std::move(below.error);
+  return refined;
+}
+
+}  // namespace lamina::detail
