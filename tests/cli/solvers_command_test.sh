@@ -109,9 +109,19 @@ cat > "$folder/glow.json" <<'JSON'
   "layers": [ { "thickness": 0.1, "ior": 1.4, "sigma_a": 0.05, "sigma_s": 4.95, "g": 0.8 } ], "ior_below": 1,
   "ground": { "reflectance": 1 } }
 JSON
-refused profile "$folder/glow.json" --accuracy .1
+"$lamina" profile "$folder/glow.json" --no-cache --accuracy .05 --json - > "$folder/glow" 2> /dev/null || fail "photons refine thin slabs on white"
+python3 - "$folder/glow" <<'PYTHON' || fail "and say so"
+import json, sys
+glow = json.load(open(sys.argv[1]))
+assert glow["photons"][0] > 10000 and 0 < glow["mean_error"][0] < .05, glow["mean_error"]
+PYTHON
+cat > "$folder/dark.json" <<'JSON'
+{ "lamina": "material", "version": 1, "name": "dark and forward", "source": "a test", "length_unit": "mm", "bands": [600],
+  "layers": [ { "thickness": 0.1, "ior": 1.4, "sigma_a": 2000, "sigma_s": 200, "g": 0.995 } ], "ior_below": 1 }
+JSON
+refused profile "$folder/dark.json" --no-cache --accuracy .1
 grep -q "monte_carlo" "$folder/error" || fail "a doubtful profile names the way out"
-"$lamina" profile "$folder/glow.json" --method monte_carlo --photons 1e4 > /dev/null 2>&1 || fail "photons take thin slabs on white"
+"$lamina" profile "$folder/dark.json" --method monte_carlo --photons 1e4 > /dev/null 2>&1 || fail "photons take dark layers"
 refused slab
 refused slab no_such_material
 refused slab leaf --method diffusion --incidence 90
