@@ -14,7 +14,8 @@ namespace {
 /// Made before main, so that constants of tests see it, too.
 const struct ScratchEnvironment {
   ScratchEnvironment() {
-    std::string name = (std::filesystem::temp_directory_path() / "lamina_test.XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "lamina_test.").string();
+    name.append(6, 'X');                // what mkdtemp fills
     if (!mkdtemp(name.data())) return;  // then all share the common folder
     folder = name;
     setenv("TMPDIR", name.c_str(), 1);

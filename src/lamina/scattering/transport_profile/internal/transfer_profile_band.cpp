@@ -29,9 +29,10 @@ constexpr std::array<int, 8> node_steps = {4, 6, 8, 11, 15, 20, 27, 36};
 constexpr std::array<int, 8> frequency_steps = {20, 24, 28, 33, 40, 48, 58, 70};
 constexpr int fewest_modes = 3, most_modes = 8;
 
-/// Most nodes while modes are chosen.
 /// Photons refine what waves leave wrong by more than this, of the accuracy asked.
 constexpr double too_much = 2.0;
+
+/// Most nodes while modes are chosen.
 constexpr std::size_t probe_node_step = 2;
 
 /// What is left of the last step's change: with more modes or frequencies it falls to a fourth or
