@@ -110,27 +110,36 @@ struct Curve {
 struct RingOf {
   double flux = 0.0, stated = 0.0;
 };
+
+/// The ring that begins at `begin`: two radii of the curve, each in the middle of its half, for
+/// which it stands; in a steep tail the curve goes on as a power of r between radii.
 RingOf ring_of(const Curve& curve, double begin, double end) {
-  constexpr int parts = 8;
+  constexpr int parts = 4;
+  constexpr double steep = 0.2, bent = 0.1;  // of log density from radius to radius
   RingOf ring;
-  double stated = 0.0;
-  for (int q = 0; q < parts; ++q) {
-    const double step = std::log(end / begin) / parts, r = begin * std::exp((q + 0.5) * step);
-    const auto above = std::ranges::upper_bound(curve.r, r);
-    const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
-        above - curve.r.begin(), 1, static_cast<std::ptrdiff_t>(curve.r.size()) - 1));
-    const double share = std::log(r / curve.r[i - 1]) / std::log(curve.r[i] / curve.r[i - 1]);
-    const auto mixed = [&](const std::vector<double>& of) {
-      return (1.0 - share) * of[i - 1] + share * of[i];
-    };
-    const double low = curve.density[i - 1], high = curve.density[i];
-    const double density =
-        low > 0.0 && high > 0.0 ? low * std::pow(high / low, share) : mixed(curve.density);
-    const double flux = 2.0 * pi * r * r * step * density;
-    ring.flux += flux;
-    stated += flux * mixed(curve.error);
+  const double half = 0.5 * std::log(end / begin);
+  const auto first = static_cast<std::size_t>(
+      std::lround(std::log(begin * std::exp(0.5 * half) / curve.r[0]) / half));
+  for (std::size_t i = first; i < first + 2 && i < curve.r.size(); ++i) {
+    const double low = curve.r[i] * std::exp(-0.5 * half), here = curve.density[i];
+    const double before = i > 0 ? curve.density[i - 1] : here;
+    const double after = i + 1 < curve.r.size() ? curve.density[i + 1] : here;
+    const double fall = std::log(before / here), next_fall = std::log(here / after);
+    const bool is_tail = here > 0.0 && before > 0.0 && after > 0.0 &&
+                         std::min(fall, next_fall) > steep && std::abs(fall - next_fall) < bent;
+    double flux = 0.0;
+    for (int q = 0; q < parts; ++q) {
+      const double place = (q + 0.5) / parts, r = low * std::exp(place * half);
+      const double ratio = !is_tail      ? 1.0
+                           : place < 0.5 ? std::pow(before / here, 0.5 - place)
+                                         : std::pow(after / here, place - 0.5);
+      flux += r * r * ratio;
+    }
+    const double area = pi * low * low * std::expm1(2.0 * half);
+    const double of_cell = is_tail ? 2.0 * pi * half / parts * flux * here : area * here;
+    ring.flux += of_cell;
+    ring.stated += std::abs(of_cell) * curve.error[i];
   }
-  ring.stated = stated;
   return ring;
 }
 
@@ -183,8 +192,26 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
+/// The rings that photons are counted in.
+LogBins rings_of(const Case& of) {
+  const double low = 0.01 * of.scale, high = 100.0;
+  return {.count = static_cast<int>(std::ceil(rings_per_decade * std::log10(high / low))),
+          .low = low,
+          .high = high};
+}
+
+/// Two radii for each ring, and some nearer.
+RadialGrid radii_of(const Case& of) {
+  const LogBins rings = rings_of(of);
+  const double half = 0.5 * std::log(rings.high / rings.low) / rings.count;
+  constexpr int nearer = 12;
+  return {.first = rings.low * std::exp((0.5 - nearer) * half),
+          .last = rings.high * std::exp(-0.5 * half),
+          .size = static_cast<std::size_t>(2 * rings.count + nearer)};
+}
+
 Solved solve(const Case& of) {
-  const RadialGrid radii{.first = std::max(1e-6, 0.005 * of.scale), .last = 100.0, .size = 300};
+  const RadialGrid radii = radii_of(of);
   Solved solved;
   const double start = cpu_seconds();
   if (of.light == Light::oblique) {
@@ -210,10 +237,7 @@ Solved solve(const Case& of) {
 
 MonteCarloResult count(const Case& of, double events, PhotonTallies& tallies) {
   MonteCarloOptions options{.photons = 10'000, .seed = 77, .incidence = incidence_of(of)};
-  const double low = 0.01 * of.scale, high = 100.0;
-  tallies.log_r = {.count = static_cast<int>(std::ceil(rings_per_decade * std::log10(high / low))),
-                   .low = low,
-                   .high = high};
+  tallies.log_r = rings_of(of);
   // What never scattered is in profiles of diffuse light alone.
   if (of.light != Light::diffuse)
     tallies.known_above = tallies.known_below = {.unscattered = KnownLight::all};

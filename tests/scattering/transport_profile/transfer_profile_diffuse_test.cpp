@@ -111,11 +111,42 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
     return sum;
   };
   const double reflected =
-      nearest * detail::diffuse_single_at_contact(stack, fine.stack, fine.top) +
+      nearest * detail::single_at_contact(stack, fine.stack, fine.top) +
       over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
   const double transmitted = over_rays(&detail::SingleScatteringProfile::transmittance, widest);
   EXPECT_NEAR(reflected / wave.reflectance, 1.0, 5e-3);
   EXPECT_NEAR(transmitted / wave.transmittance, 1.0, 5e-3);
+}
+
+// Between equal indices isotropic light has a closed form: every depth sends sigma_s / 2 over r.
+TEST(DiffuseSingle, GrowsAsItsClosedFormAtContact) {
+  for (const double sigma_s : {1.0, 5.0}) {
+    const LayerStack stack({layer(3.0, sigma_s, 0.0, 1.33, infinite)}, 1.33, 1.33);
+    const auto solver = detail::make_frequency_solver(stack, 8, 1);
+    EXPECT_NEAR(detail::single_at_contact(stack, solver.stack, solver.top), 0.5 * sigma_s,
+                1e-4 * sigma_s);
+  }
+}
+
+// The mean over a ring is that of its densities; a ring in which the light ends has what is left.
+TEST(UnscatteredProfile, RingsHoldTheFluxBetweenRadii) {
+  const LayerStack& stack = reference::find_stack("glass slab");
+  const auto solver = detail::make_frequency_solver(stack, 8, 1);
+  const auto paths = detail::unscattered_paths(solver.stack);
+  const double end = stack.layers()[0].thickness * std::tan(std::asin(1.0 / 1.5));
+  const auto flux = [&](double from, double to, int parts) {
+    double sum = 0.0;
+    for (int q = 0; q < parts; ++q) {
+      const double r = from + (to - from) * (q + 0.5) / parts;
+      sum += 2.0 * std::numbers::pi * r * (to - from) / parts *
+             detail::unscattered_profile(solver, paths, r).transmittance;
+    }
+    return sum;
+  };
+  for (const auto& [from, to] : {std::pair{0.3 * end, 0.5 * end}, std::pair{0.95 * end, 1.1 * end}})
+    EXPECT_NEAR(detail::unscattered_ring(solver, paths, from, to).transmittance *
+                    std::numbers::pi * (to * to - from * from) / flux(from, to, 20000),
+                1.0, 1e-3);
 }
 
 TEST(DiffuseProfile, RingsAddUpToTheTotal) {

@@ -336,16 +336,23 @@ SpectralReflection spectral_reflection(const FrequencySolver& solver, double k) 
   return {stack_at_frequency(solver, k).reflection, std::move(states.mode), std::move(states.node)};
 }
 
-std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, double k) {
-  const StackAtFrequency at = stack_at_frequency(solver, k);
+std::vector<std::vector<FrequencyResponse>> oblique_responses(const FrequencySolver& solver,
+                                                              std::span<const double> frequencies) {
   const States outside = make_states(solver, solver.stack.ior.front());
-  std::vector<FrequencyResponse> modes;
-  for (int m = 0; m <= solver.modes; ++m) {
-    std::vector<double> state(at.reflection.rows, 0.0);
-    state[place(outside, m, solver.stack.grid.extra[1])] = 1.0 / std::sqrt(extra_node_etendue);
-    modes.push_back(leaving_flux(solver, at, std::move(state)));
+  std::vector<std::vector<FrequencyResponse>> result;
+  for (const StackAtFrequency& at : stacks_at(solver, frequencies)) {
+    std::vector<FrequencyResponse>& modes = result.emplace_back();
+    for (int m = 0; m <= solver.modes; ++m) {
+      std::vector<double> state(at.reflection.rows, 0.0);
+      state[place(outside, m, solver.stack.grid.extra[1])] = 1.0 / std::sqrt(extra_node_etendue);
+      modes.push_back(leaving_flux(solver, at, std::move(state)));
+    }
   }
-  return modes;
+  return result;
+}
+
+std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver, double k) {
+  return oblique_responses(solver, {&k, 1}).front();
 }
 
 std::vector<FrequencyResponse> diffuse_responses(const FrequencySolver& solver,

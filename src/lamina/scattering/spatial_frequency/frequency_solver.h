@@ -66,6 +66,9 @@ struct FrequencyResponse {
 /// averaged.
 [[nodiscard]] std::vector<FrequencyResponse> oblique_response(const FrequencySolver& solver,
                                                               double k);
+/// [frequency][mode]
+[[nodiscard]] std::vector<std::vector<FrequencyResponse>> oblique_responses(
+    const FrequencySolver& solver, std::span<const double> frequencies);
 
 /// Reflection of the whole stack between the states outside above: the spectral BSSRDF on the grid
 /// and its beams. Columns hold flux over the square root of the node's etendue, in which

@@ -15,6 +15,7 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/profile/bessel.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
+#include "lamina/scattering/transport_profile/internal/straight_ray.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
@@ -25,16 +26,17 @@ namespace {
 using std::numbers::pi;
 
 constexpr int nodes = 8, fewer_nodes = 6, frequencies = 28;
-constexpr double accuracy = 0.005;   ///< of moment 0; where waves do not reach it, photons help
-constexpr double most_change = 3.0;  ///< by photons, with which higher moments go along
+constexpr double accuracy = 0.005;      ///< of moment 0; where waves do not reach it, photons help
+constexpr double events_of_mean = 1.5;  ///< of photons: waves know less here than of normal beams
+constexpr double most_change = 3.0;     ///< by photons, with which higher moments go along
 constexpr int coarse_modes = 5, fine_modes = 7;
 /// Where spectra are ended for a look at what their tails are worth. All of the change counts as
 /// error, twice what it does in transfer_profile_band.cpp: there are fewer frequencies.
 constexpr double earlier_end = 0.7;
 constexpr double step_to_come = 0.4, error_per_step = 0.4;  ///< as in transfer_profile.cpp
-constexpr std::size_t azimuths = 32;  ///< over half a circle, at least, for light scattered once
-constexpr double group = 3.0;         ///< ratio of radii that share frequencies
-constexpr double last_kr = 80.0;      ///< at the least radius of a group, where the taper ends
+constexpr int azimuths = 20;      ///< over half a circle, at least, for light scattered once
+constexpr double group = 3.0;     ///< ratio of radii that share frequencies
+constexpr double last_kr = 80.0;  ///< at the least radius of a group, where the taper ends
 
 /// One moment on one side as a function of k: odd ones fall with k, and become even without that.
 struct MomentSpectrum {
@@ -96,16 +98,22 @@ HigherOrders higher_orders(const LayerStack& stack, const GridDirection& beam, i
   const auto grid = detail::make_frequency_grid(solver.stack, frequencies);
   const auto count = static_cast<std::size_t>(modes) + 1;
   std::vector<std::vector<double>> values(2 * count, std::vector<double>(grid.k.size()));
-  const auto respond = [&](std::size_t i) {
-    const auto all = detail::oblique_response(solver, grid.k[i]);
-    const auto once = detail::oblique_single_on_grid(solver, grid.k[i]);
-    for (std::size_t m = 0; m < count; ++m) {
-      const double factor = (m == 0 ? 1.0 : std::numbers::sqrt2) * (m % 2 == 0 ? 1.0 : -1.0);
-      values[m][i] = factor * (all[m].reflectance - once[m].reflectance);
-      values[count + m][i] = factor * (all[m].transmittance - once[m].transmittance);
+  // Neighbours share the lanes of the processor.
+  const auto lanes = detail::slabs_at_once();
+  const auto respond = [&](std::size_t batch) {
+    const std::size_t first = batch * lanes, here = std::min(lanes, grid.k.size() - first);
+    const auto every = detail::oblique_responses(solver, std::span(grid.k).subspan(first, here));
+    for (std::size_t i = first; i < first + here; ++i) {
+      const auto& all = every[i - first];
+      const auto once = detail::oblique_single_on_grid(solver, grid.k[i]);
+      for (std::size_t m = 0; m < count; ++m) {
+        const double factor = (m == 0 ? 1.0 : std::numbers::sqrt2) * (m % 2 == 0 ? 1.0 : -1.0);
+        values[m][i] = factor * (all[m].reflectance - once[m].reflectance);
+        values[count + m][i] = factor * (all[m].transmittance - once[m].transmittance);
+      }
     }
   };
-  parallel_for(grid.k.size(), respond, progress);
+  parallel_for((grid.k.size() + lanes - 1) / lanes, respond, progress);
   HigherOrders result{.moments = {}, .change_by_tail = {}, .highest = grid.highest};
   for (auto& side : result.moments) side.resize(r.size() * count);
   for (auto& side : result.change_by_tail) side.resize(r.size());
@@ -134,21 +142,38 @@ std::array<std::vector<double>, 2> single_moments(const LayerStack& stack,
   if (extinction == Extinction::by_medium)
     for (detail::GridLayer& layer : on_grid.layers) layer.sigma_t = layer.extinction;
   const double p = beam.ior * beam.sin;
-  const std::size_t points = std::max(azimuths, 2 * count);
+  // Where the beam meets the bottom the light grows without bound: on the way there azimuths crowd.
+  const Quadrature rule = gauss_legendre(std::max(azimuths, 5 * static_cast<int>(count)), 0.0, 1.0);
   std::array<std::vector<double>, 2> sides;
   for (auto& side : sides) side.resize(r.size() * count);
+  // In the ring of the grid that holds that place, the mean over the ring.
+  const detail::Leg whole{&on_grid, on_grid.layers.size() - 1, true,
+                          on_grid.layers.back().thickness};
+  const double place = p < whole.widest() && !on_grid.is_semi_infinite ? whole.aside(p) : 0.0;
+  const double half_step = r.size() > 1 ? std::sqrt(r[1] / r[0]) : 1.0;
+  static const Quadrature part = gauss_legendre(6, 0.0, 1.0);
   const auto average = [&](std::size_t i) {
-    for (std::size_t q = 0; q < points; ++q) {
-      const double phi = (static_cast<double>(q) + 0.5) * pi / static_cast<double>(points);
-      const auto once = detail::oblique_single_profile(stack, on_grid, p, r[i] * std::cos(phi),
-                                                       r[i] * std::sin(phi));
-      for (std::size_t m = 0; m < count; ++m) {
-        const double weight = (m == 0 ? 1.0 : 2.0) / static_cast<double>(points) *
-                              std::cos(static_cast<double>(m) * phi);
-        sides[0][i * count + m] += weight * once.reflectance;
-        sides[1][i * count + m] += weight * once.transmittance;
+    const auto add_ring = [&](double radius, double share_of_ring) {
+      for (std::size_t q = 0; q < rule.nodes.size(); ++q) {
+        const double t = rule.nodes[q], phi = pi * t * t, share = 2.0 * t * rule.weights[q];
+        const auto once = detail::oblique_single_profile(stack, on_grid, p, radius * std::cos(phi),
+                                                         radius * std::sin(phi));
+        for (std::size_t m = 0; m < count; ++m) {
+          const double weight =
+              (m == 0 ? 1.0 : 2.0) * share * share_of_ring * std::cos(static_cast<double>(m) * phi);
+          sides[0][i * count + m] += weight * once.reflectance;
+          sides[1][i * count + m] += weight * once.transmittance;
+        }
       }
-    }
+    };
+    const double begin = r[i] / half_step, end = r[i] * half_step;
+    if (!(begin < place && place < end)) return add_ring(r[i], 1.0);
+    const double area = 0.5 * (end - begin) * (end + begin);
+    for (const auto& [from, to] : {std::pair{begin, place}, std::pair{place, end}})
+      for (std::size_t q = 0; q < part.nodes.size(); ++q) {
+        const double radius = from + (to - from) * part.nodes[q];
+        add_ring(radius, (to - from) * part.weights[q] * radius / area);
+      }
   };
   parallel_for(r.size(), average, progress);
   return sides;
@@ -283,23 +308,32 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
     }
     set_estimates(profile, b, mean.profile, mean.error);
     if (profile.largest_error[b] <= accuracy) continue;
-    // Behind the stack light scattered once crowds where the beam meets the bottom: photons see it.
-    auto of_medium =
-        single_moments(stacks[b], beam, Extinction::by_medium, profile.r, 1, part(1.0, 1.0));
-    const detail::LowestOrders known{.curves = {std::move(of_medium[0]), none},
-                                     .above = {.unscattered = KnownLight::all, .once = 0},
-                                     .below = {.unscattered = KnownLight::all}};
-    const auto refined = detail::refine_by_photons(stacks[b], {.theta = theta}, plan, mean, known,
-                                                   detail::events_for(accuracy), part(1.0, 1.0));
-    // Higher moments keep their ratio to the mean, by which their errors are its.
+    const auto of_medium =
+        single_moments(stacks[b], beam, Extinction::by_medium, profile.r, count, part(1.0, 1.0));
+    const bool is_black = stacks[b].ground().reflectance == 0.0;
+    detail::LowestOrders known{
+        .curves = {none, none},
+        .above = {.unscattered = KnownLight::all, .once = 0},
+        .below = {.unscattered = KnownLight::all, .once = is_black ? 0 : KnownLight::none}};
+    for (std::size_t side = 0; side < 2; ++side)
+      for (std::size_t i = 0; i < size; ++i)
+        (known.curves.*curve_of(side))[i] = of_medium[side][i * count];
+    const auto refined =
+        detail::refine_by_photons(stacks[b], {.theta = theta}, plan, mean, known,
+                                  events_of_mean * detail::events_for(accuracy), part(1.0, 1.0));
+    // What of higher moments is not scattered once keeps its ratio to the mean.
     for (std::size_t side = 0; side < 2; ++side)
       for (std::size_t i = 0; i < size; ++i) {
-        const double before = (mean.profile.*curve_of(side))[i];
-        const double after = (refined.profile.*curve_of(side))[i];
+        const double* const was = &once[side][i * count];
+        const double* const is = &of_medium[side][i * count];
+        const double before = (mean.profile.*curve_of(side))[i] - was[0];
+        const double after = (refined.profile.*curve_of(side))[i] - is[0];
         double* const of_radius = &moments_of(profile, side)[i * count * bands + b];
-        of_radius[0] = after;
-        if (!(before > 0.0 && after > 0.0 && after < most_change * before)) continue;
-        for (std::size_t m = 1; m < count; ++m) of_radius[m * bands] *= after / before;
+        of_radius[0] = after + is[0];
+        const bool is_alike = before > 0.0 && after > 0.0 && after < most_change * before;
+        for (std::size_t m = 1; m < count; ++m)
+          of_radius[m * bands] =
+              is[m] + (of_radius[m * bands] - was[m]) * (is_alike ? after / before : 1.0);
       }
     set_estimates(profile, b, refined.profile, refined.error);
   }

@@ -50,6 +50,9 @@ constexpr double product_of_changes = 20.0;
 /// .9: errors of 1 to 60 % are .2 to 1 of the estimate.
 constexpr double earlier_end = 0.7, left_of_tail = 0.5;
 
+/// Extinctions that differ by less than this part weaken light alike.
+constexpr double same_extinction = 1e-6;
+
 /// Nodes of a second look at straight rays under a rough top, where the first has 24.
 constexpr int fewer_nodes_of_rays = 17;
 
@@ -65,7 +68,7 @@ constexpr double least_ring = 1e-4;
 
 /// Where photons can take over, waves are given up beyond this time in all [CPU-s], as the cost of
 /// a solution is foreseen.
-constexpr double most_seconds_of_waves = 1.0;
+constexpr double most_seconds_of_waves = 0.7;
 
 struct Resolution {
   std::size_t node_step = 0;
@@ -124,6 +127,9 @@ class BandSolver {
                                                const std::vector<double>& before,
                                                double share) const;
 
+  /// By what part extinctions differ from those of one step of nodes fewer, the most of all layers.
+  [[nodiscard]] double extinction_change(std::size_t node_step) const;
+
   /// Scattering by the forward peak that the nodes do not see, the largest of all layers [1/mm].
   [[nodiscard]] double unseen_peak(std::size_t node_step) const;
 
@@ -152,12 +158,14 @@ class BandSolver {
 const Curves& BandSolver::lowest_curves(std::size_t node_step) {
   const auto [place, is_new] = lowest_curves_.try_emplace(node_step);
   if (!is_new) return place->second;
-  const FrequencySolver solver = make_frequency_solver(
-      stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
+  const std::vector<GridDirection> beams{direction_in(stack_.ior_above(), 0.0)};
+  GridStack on_grid = make_grid_stack(stack_, node_steps[node_step], beams);
+  if (node_step > 0 && lowest_curves_.contains(node_step - 1) &&
+      extinction_change(node_step) < same_extinction)
+    return place->second = lowest_curves_.at(node_step - 1);
   if (is_spread_)
-    return place->second =
-               diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_);
-  const OnceScattered light = make_once_scattered(stack_, solver.stack);
+    return place->second = diffuse_lowest_orders(stack_, on_grid, options_.illumination, plan_);
+  const OnceScattered light = make_once_scattered(stack_, std::move(on_grid));
   const std::size_t radii = plan_.r.size();
   const SingleScatteringTotals totals = single_scattering_totals(light);
   Curves curves{std::vector<double>(radii), std::vector<double>(radii), totals.reflectance,
@@ -269,7 +277,7 @@ void BandSolver::add_error_of_straight_rays(std::size_t node_step, Curves& error
   const FrequencySolver solver = make_frequency_solver(
       stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
   const Curves fewer = diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_,
-                                             fewer_nodes_of_rays);
+                                             {.nodes = fewer_nodes_of_rays});
   const Curves& known = lowest_curves(node_step);
   const auto add = [](const std::vector<double>& a, const std::vector<double>& b,
                       std::vector<double>& to) {
@@ -312,6 +320,16 @@ double BandSolver::mean(const std::vector<double>& error, const std::vector<doub
     all += area * std::max(0.0, value[i]);
   }
   return all > 0.0 ? wrong / all : 0.0;
+}
+
+double BandSolver::extinction_change(std::size_t node_step) const {
+  const auto few = make_grid_stack(stack_, node_steps[node_step - 1], {}).layers;
+  const auto many = make_grid_stack(stack_, node_steps[node_step], {}).layers;
+  double most = 0.0;
+  for (std::size_t l = 0; l < many.size(); ++l)
+    if (many[l].extinction > 0.0)
+      most = std::max(most, std::abs(many[l].sigma_t - few[l].sigma_t) / many[l].extinction);
+  return most;
 }
 
 double BandSolver::unseen_peak(std::size_t node_step) const {

@@ -20,18 +20,20 @@ constexpr double highest_per_sigma_t = 24.0;
 }  // namespace
 
 ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on_grid,
-                                    Illumination illumination, const HankelPlan& plan, int nodes) {
-  const auto fine =
-      make_frequency_solver(stack, nodes, fine_modes, {}, illumination, RoughModes::first);
+                                    Illumination illumination, const HankelPlan& plan,
+                                    const StraightLight& light) {
+  auto fine =
+      make_frequency_solver(stack, light.nodes, fine_modes, {}, illumination, RoughModes::first);
   std::vector<double> extinction;
-  for (const GridLayer& layer : on_grid.layers) extinction.push_back(layer.sigma_t);
+  for (std::size_t l = 0; l < on_grid.layers.size(); ++l) {
+    extinction.push_back(on_grid.layers[l].sigma_t);
+    fine.stack.layers[l].sigma_t = extinction.back();
+  }
   const auto single = make_diffuse_single(fine, extinction);
   const auto grid = make_frequency_grid(on_grid, frequencies, highest_per_sigma_t);
   // Light scattered once grows as 1/r near the point: a part that does the same and has the same
   // total is put in over radius, the rest over frequency.
-  const bool spreads_beam = fine.top.is_rough && illumination == Illumination::normal_beam;
-  const double contact = spreads_beam ? beam_single_at_contact(stack, on_grid, fine.top)
-                                      : diffuse_single_at_contact(stack, on_grid, fine.top);
+  const double contact = single_at_contact(stack, on_grid, fine.top);
   const double decay =
       std::max(contact / single_response(single, 0.0).reflectance, 1e-3 * grid.highest);
   std::vector<double> reflected, transmitted;
@@ -48,14 +50,15 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
     spectra.push_back(is_semi_infinite(stack) ? 0.0 : evaluate(transmittance, k));
   }
   const std::vector<double> rest = inverse_hankel(plan, spectra, 2);
-  const auto paths = unscattered_paths(fine.stack);
+  const auto paths = unscattered_paths(fine.stack, light.mirrors);
   const auto straight = unscattered_response(fine, paths, 0.0);
   ProfileCurves curves;
   curves.total_reflectance = straight.reflectance + contact / decay + evaluate(reflectance, 0.0);
   curves.total_transmittance = straight.transmittance + evaluate(transmittance, 0.0);
+  const double half_step = std::sqrt(plan.r[1] / plan.r[0]);
   for (std::size_t i = 0; i < plan.r.size(); ++i) {
     const double r = plan.r[i];
-    const auto unscattered = unscattered_profile(fine, paths, r);
+    const auto unscattered = unscattered_ring(fine, paths, r / half_step, r * half_step);
     const double near = contact * std::exp(-decay * r) / (2.0 * std::numbers::pi * r);
     curves.reflectance.push_back(unscattered.reflectance + near + rest[2 * i]);
     curves.transmittance.push_back(unscattered.transmittance + rest[2 * i + 1]);

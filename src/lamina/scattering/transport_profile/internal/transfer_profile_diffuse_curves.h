@@ -14,16 +14,20 @@ struct ProfileCurves {
   double total_reflectance = 0.0, total_transmittance = 0.0;  ///< integrals over the plane
 };
 
+struct StraightLight {
+  int nodes = 24;  ///< that do for diffuse light; a beam that a top of little roughness spreads may
+                   ///< want more behind a slab, and fewer show by how much they are wrong
+  int mirrors = 3;  ///< most reflections of what is not scattered
+};
+
 /// Of diffuse light from above on one point, or of a beam that a rough top spreads, what is not
 /// scattered or scattered once and otherwise not reflected, over the plan's radii: all that
 /// `diffuse_response` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on top.
 ///
 /// @param on_grid  the same stack on the grid of those.
-/// @param nodes    for straight rays: 24 do for diffuse light; a beam that a top of little
-/// roughness
-///                 spreads may want more behind a slab, and fewer show by how much they are wrong.
+/// @param light    straight rays and how often they may be reflected.
 [[nodiscard]] ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on_grid,
                                                   Illumination illumination, const HankelPlan& plan,
-                                                  int nodes = 24);
+                                                  const StraightLight& light = {});
 
 }  // namespace lamina::detail

@@ -155,18 +155,13 @@ SingleScatteringProfile diffuse_single_profile(const LayerStack& stack, const Gr
   return profile;
 }
 
-double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
-                                 const TopPassage& top) {
-  if (on_grid.layers[0].sigma_s == 0.0) return 0.0;
-  const double r = 1e-6 / on_grid.layers[0].sigma_t;
-  return 2.0 * pi * r * diffuse_single_profile(stack, on_grid, top, r).reflectance;
-}
-
-double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
-                              const TopPassage& top) {
-  const double sigma_s = stack.layers()[0].medium.sigma_s;
+double single_at_contact(const LayerStack& stack, const GridStack& on_grid, const TopPassage& top) {
+  const double sigma_s = stack.layers()[0].medium.sigma_s, ior = on_grid.ior[1];
   if (sigma_s == 0.0) return 0.0;
   const PhaseFunction phase = phase_function(stack.layers()[0]);
+  const auto smooth = [&](double p) { return 1.0 - interface_reflectance(on_grid, 0, p); };
+  const auto in_at = [&](double p) { return top.is_rough ? top.in_at(p) : smooth(p); };
+  const auto out_at = [&](double p) { return top.is_rough ? top.out_at(p) : smooth(p); };
   // Rays of one direction in and one out make a distance that grows with depth by the sum of their
   // slopes: 1 over its length counts. Where it vanishes, for slopes that are alike and opposite,
   // panels are short.
@@ -181,22 +176,28 @@ double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
       }
     return all;
   };
-  constexpr double right = 0.5 * pi;
-  std::vector<double> edges_in{0.0, right};  // angles inside
-  const double lobe = top.boundary.facets.alpha * std::abs(1.0 - on_grid.ior[0] / top.ior);
-  for (double angle = right; angle > 0.05 * lobe;) edges_in.push_back(angle *= 0.5);
+  // The widest angle inside that light passes at; near it Fresnel's law has a square root.
+  const double widest = top.is_rough ? 0.5 * pi : std::asin(std::min(1.0, on_grid.ior[0] / ior));
+  std::vector<double> edges_in{0.0, widest};
+  if (top.is_rough) {
+    const double lobe = top.boundary.facets.alpha * std::abs(1.0 - on_grid.ior[0] / ior);
+    for (double angle = widest; angle > 0.05 * lobe;) edges_in.push_back(angle *= 0.5);
+  } else {
+    for (double step = 0.5; step > 1e-3; step *= 0.25) edges_in.push_back(widest * (1.0 - step));
+  }
   std::vector<double> edges_turn{0.0, pi};
-  for (double angle = pi; angle > 1e-3;) edges_turn.push_back(angle *= 0.4);
+  for (double angle = pi; angle > 1e-2;) edges_turn.push_back(angle *= 0.4);
   const Quadrature in = panels(edges_in), turns = panels(edges_turn);
   double sum = 0.0;
   for (std::size_t i = 0; i < in.nodes.size(); ++i) {
     const double sine = std::sin(in.nodes[i]), cos = std::cos(in.nodes[i]), slope = sine / cos;
-    const double light = top.in_at(top.ior * sine) * 2.0 * top.ior * top.ior * sine;  // over cos
+    const double light = in_at(ior * sine) * 2.0 * ior * ior * sine;  // over cos
     if (!(std::abs(light) > 0.0)) continue;
-    std::vector<double> edges_out{0.0, in.nodes[i], right};
-    for (double step = 0.4; step > 1e-4; step *= 0.4)
+    std::vector<double> edges_out{0.0, in.nodes[i], widest};
+    for (double step = 0.4; step > 1e-3; step *= 0.4)
       for (const double edge :
-           {in.nodes[i] * (1.0 - step), in.nodes[i] + (right - in.nodes[i]) * step})
+           {in.nodes[i] * (1.0 - step), in.nodes[i] + (widest - in.nodes[i]) * step,
+            widest - (widest - in.nodes[i]) * step})
         edges_out.push_back(edge);
     const Quadrature out = panels(edges_out);
     double scattered = 0.0;
@@ -212,7 +213,7 @@ double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
         ring += 2.0 * turns.weights[t] * evaluate(phase, std::clamp(cos_theta, -1.0, 1.0)) /
                 std::max(apart, 1e-12);
       }
-      scattered += out.weights[o] * out_sine * top.out_at(top.ior * out_sine) * ring;
+      scattered += out.weights[o] * out_sine * out_at(ior * out_sine) * ring;
     }
     sum += in.weights[i] * light * scattered;
   }

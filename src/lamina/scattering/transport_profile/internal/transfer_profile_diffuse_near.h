@@ -17,12 +17,9 @@ namespace lamina::detail {
                                                              const GridStack& on_grid,
                                                              const TopPassage& top, double r);
 
-/// What 2 pi r times the reflectance above goes to at r = 0 [1/mm].
-[[nodiscard]] double diffuse_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
-                                               const TopPassage& top);
-
-/// The same of a beam that a rough top spreads.
-[[nodiscard]] double beam_single_at_contact(const LayerStack& stack, const GridStack& on_grid,
-                                            const TopPassage& top);
+/// What 2 pi r times that reflectance goes to at r = 0 [1/mm], of a beam that a rough top spreads,
+/// too, if `top` is of one: an integral over directions alone, which no extinction changes.
+[[nodiscard]] double single_at_contact(const LayerStack& stack, const GridStack& on_grid,
+                                       const TopPassage& top);
 
 }  // namespace lamina::detail

@@ -21,26 +21,33 @@ using std::numbers::pi;
 constexpr double ring_width = 0.02;               ///< of photons' rings, in log r
 constexpr std::uint64_t first_photons = 1 << 14;  ///< that tell how many events a photon has
 constexpr double fewest_photons = 1e4, most_photons = 1e9;
+constexpr double events_of_start = 2.0;  ///< that starting a photon and counting it is worth
 constexpr int nodes_of_lowest_orders = 24;
-constexpr int reflections_of_paths = 3;  ///< most of `unscattered_paths`
+
+/// How often unscattered light of stacks of one, two, more layers is reflected, to be known: its
+/// ways multiply.
+int known_reflections(const LayerStack& stack) {
+  const std::size_t layers = stack.layers().size();
+  return layers == 1 ? 15 : layers == 2 ? 7 : 5;
+}
 
 /// Above, light scattered once is known, which grows as 1/r near the point where light enters.
 /// Behind the stack it is smooth, and photons see all of it.
 LowestOrders of_diffuse_light(const LayerStack& stack, const HankelPlan& plan) {
   FrequencySolver solver = make_frequency_solver(stack, nodes_of_lowest_orders, 1);
   LowestOrders lowest;
-  lowest.above = {.unscattered = reflections_of_paths, .once = 0};
-  for (const GridLayer& layer : solver.stack.layers)
-    if (layer.extinction > 0.0)
-      lowest.unseen = std::max(lowest.unseen, 1.0 - layer.sigma_t / layer.extinction);
-  lowest.curves = diffuse_lowest_orders(stack, solver.stack, Illumination::diffuse, plan);
+  lowest.above = {.unscattered = known_reflections(stack), .once = 0};
+  for (GridLayer& layer : solver.stack.layers) layer.sigma_t = layer.extinction;
+  lowest.curves = diffuse_lowest_orders(stack, solver.stack, Illumination::diffuse, plan,
+                                        {.mirrors = known_reflections(stack)});
   std::ranges::fill(lowest.curves.transmittance, 0.0);
   if (!has_open_bottom(solver.stack)) return lowest;
-  lowest.below = {.unscattered = reflections_of_paths};
-  for (GridLayer& layer : solver.stack.layers) layer.sigma_t = layer.extinction;
-  const auto paths = unscattered_paths(solver.stack);
+  lowest.below = {.unscattered = known_reflections(stack)};
+  const auto paths = unscattered_paths(solver.stack, known_reflections(stack));
+  const double half_step = std::sqrt(plan.r[1] / plan.r[0]);
   for (std::size_t i = 0; i < plan.r.size(); ++i)
-    lowest.curves.transmittance[i] = unscattered_profile(solver, paths, plan.r[i]).transmittance;
+    lowest.curves.transmittance[i] =
+        unscattered_ring(solver, paths, plan.r[i] / half_step, plan.r[i] * half_step).transmittance;
   return lowest;
 }
 
@@ -96,7 +103,7 @@ CountedRings count_rings(const LayerStack& stack, const Incidence& incidence,
   options.tallies.known_below = lowest.below;
   const PhotonCounts first = count_photons(stack, options);
   if (first.was_stopped) throw Interrupted();
-  const double each = std::max(1.0, static_cast<double>(first.events) / first_photons);
+  const double each = events_of_start + static_cast<double>(first.events) / first_photons;
   options.photons =
       static_cast<std::uint64_t>(std::clamp(events / each, fewest_photons, most_photons));
   options.seed = 2;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "lamina/core/quadrature.h"
 #include "lamina/scattering/transport_profile/internal/straight_ray.h"
 
 namespace lamina::detail {
@@ -13,7 +14,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int most_mirrors = 3;
 constexpr double least_path = 1e-7;
 
 /// The widest p that is in every medium, under a rough top in every one below.
@@ -76,22 +76,50 @@ double p_where(const Distance& distance, double highest, double x) {
   return highest * std::sin(0.5 * (low + high));
 }
 
+/// Flux per p of light that goes along a path.
+double flux_per_p(const FrequencySolver& solver, const UnscatteredPath& path, double p) {
+  const GridStack& stack = solver.stack;
+  double flux = fresnel_factor(stack, path, p) * std::exp(-depth_along(stack, path, p));
+  if (solver.top.is_rough)
+    flux *= solver.top.in_at(p) * (path.crossings[0] > 1 ? solver.top.out_at(p) : 1.0);
+  return flux * 2.0 * p / (stack.ior[0] * stack.ior[0]);
+}
+
 double unscattered_density(const FrequencySolver& solver, const UnscatteredPath& path, double r) {
   const GridStack& stack = solver.stack;
   const double highest = widest(stack);
   const auto distance = [&](double p) { return aside(stack, path, p); };
   if (distance(highest) <= r) return 0.0;
   const double p = p_where(distance, highest, r);
-  double flux = fresnel_factor(stack, path, p) * std::exp(-depth_along(stack, path, p));
-  if (solver.top.is_rough)
-    flux *= solver.top.in_at(p) * (path.crossings[0] > 1 ? solver.top.out_at(p) : 1.0);
-  return flux * 2.0 * p / (stack.ior[0] * stack.ior[0] * aside_slope(stack, path, p)) /
-         (2.0 * pi * r);
+  return flux_per_p(solver, path, p) / aside_slope(stack, path, p) / (2.0 * pi * r);
+}
+
+/// Mean density between two radii.
+double unscattered_mean(const FrequencySolver& solver, const UnscatteredPath& path, double begin,
+                        double end) {
+  static const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
+  const GridStack& stack = solver.stack;
+  const double highest = widest(stack);
+  const auto angle_at = [&](double r) {
+    const auto distance = [&](double p) { return aside(stack, path, p); };
+    return distance(highest) <= r
+               ? 0.5 * pi
+               : std::asin(std::min(1.0, p_where(distance, highest, r) / highest));
+  };
+  const double from = angle_at(begin), to = angle_at(end);
+  if (!(to > from)) return 0.0;
+  double flux = 0.0;
+  for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+    const double angle = from + (to - from) * rule.nodes[i];
+    flux += rule.weights[i] * (to - from) * highest * std::cos(angle) *
+            flux_per_p(solver, path, highest * std::sin(angle));
+  }
+  return flux / (pi * (end - begin) * (end + begin));
 }
 
 }  // namespace
 
-std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack) {
+std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack, int most_mirrors) {
   struct Ray {
     UnscatteredPath path;
     std::size_t medium;  ///< 0 is above
@@ -187,6 +215,16 @@ SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
   for (const UnscatteredPath& path : paths)
     (path.is_up ? profile.reflectance : profile.transmittance) +=
         unscattered_density(solver, path, r);
+  return profile;
+}
+
+SingleScatteringProfile unscattered_ring(const FrequencySolver& solver,
+                                         const std::vector<UnscatteredPath>& paths, double begin,
+                                         double end) {
+  SingleScatteringProfile profile;
+  for (const UnscatteredPath& path : paths)
+    (path.is_up ? profile.reflectance : profile.transmittance) +=
+        unscattered_mean(solver, path, begin, end);
   return profile;
 }
 

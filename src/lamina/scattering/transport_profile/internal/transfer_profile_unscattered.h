@@ -17,9 +17,10 @@ struct UnscatteredPath {
   bool is_up = false;          ///< whether it ends above
 };
 
-/// All ways from above with at most three reflections that carry more than 1e-7 of the light; none
-/// of them by a rough top.
-[[nodiscard]] std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack);
+/// All ways from above with at most so many reflections that carry more than 1e-7 of the light;
+/// none of them by a rough top.
+[[nodiscard]] std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack,
+                                                             int most_mirrors = 3);
 
 /// Diffuse light from above on one point, or a beam that a rough top spreads, that leaves along
 /// these paths, over its flux; what the top surface mirrors is not among them. At spatial frequency
@@ -32,5 +33,11 @@ struct UnscatteredPath {
 [[nodiscard]] SingleScatteringProfile unscattered_profile(const FrequencySolver& solver,
                                                           const std::vector<UnscatteredPath>& paths,
                                                           double r);
+
+/// The mean of that between two radii: where light ends at a radius, or crowds before it, radii of
+/// a grid miss it.
+[[nodiscard]] SingleScatteringProfile unscattered_ring(const FrequencySolver& solver,
+                                                       const std::vector<UnscatteredPath>& paths,
+                                                       double begin, double end);
 
 }  // namespace lamina::detail
