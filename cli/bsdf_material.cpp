@@ -16,6 +16,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/plot/plot.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
+#include "material_bands.h"
 
 namespace lamina::cli {
 namespace {
@@ -242,7 +243,8 @@ void run_material_bsdf(const BsdfOptions& options) {
   if (!(0.0 <= options.theta_i_deg && options.theta_i_deg < 90.0))
     throw InvalidInput(
         fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));
-  const Material material = find_material(options.material, options.common.memory);
+  const Material material =
+      find_material_at(options.material, options.bands, options.common.memory);
   const Angles angles = make_angles(options.step_deg);
   if (options.compare) return compare_methods(options, material, angles);
   const NamedBsdf result = solve(options, material, angles, method);

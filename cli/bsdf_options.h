@@ -12,6 +12,7 @@ namespace lamina::cli {
 struct BsdfOptions {
   CommonOptions common;
   std::string material;  ///< file or built-in; "" if a model is asked for
+  std::string bands;     ///< of --bands
   std::string model;     ///< "rough_transmission" or ""
   std::string method;    ///< of the model; "" for its default
   double theta_i_deg = 30.0;

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "lamina/core/error.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "material_bands.h"
@@ -16,7 +17,7 @@ namespace {
 
 struct MaterialsOptions {
   CommonOptions common;
-  std::string name;
+  std::string name, bands;
 };
 
 std::string bands_text(const BandSet& bands) {
@@ -49,11 +50,13 @@ void list_materials(const CommonOptions& options) {
   print(options, text);
 }
 
-void show_material(const std::string& name, const CommonOptions& options) {
-  const Material material = find_material(name, options.memory);
+void show_material(const std::string& name, const std::string& bands,
+                   const CommonOptions& options) {
+  const Material material = find_material_at(name, bands, options.memory);
   const auto& names = builtin_material_names();
   const bool is_builtin = std::ranges::find(names, name) != names.end();
-  const std::string text = is_builtin ? builtin_material_text(name) : format_material(material);
+  const std::string text =
+      is_builtin && bands.empty() ? builtin_material_text(name) : format_material(material);
   JsonOutput result = make_result("materials");
   result["material"] = JsonOutput(parse_json(text, name).root());
   write_json(result, options);
@@ -70,15 +73,18 @@ void add_materials_command(CLI::App& app) {
                   "a built-in material, or a file to check and print in mm; without it, all "
                   "built-in materials are listed")
       .type_name("NAME");
+  add_bands_option(command, options->bands);
   add_common_options(command, options->common);
   command.footer(
       "Example: a material of your own, starting from a built-in one\n"
       "  lamina materials jade > my_jade.json");
   command.callback([options] {
+    if (options->name.empty() && !options->bands.empty())
+      throw InvalidInput("--bands: must be left out without a material");
     if (options->name.empty())
       list_materials(options->common);
     else
-      show_material(options->name, options->common);
+      show_material(options->name, options->bands, options->common);
   });
 }
 

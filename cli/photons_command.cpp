@@ -15,6 +15,7 @@
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/materials/material.h"
+#include "material_bands.h"
 #include "photons_options.h"
 
 namespace lamina::cli {
@@ -83,7 +84,8 @@ void check_options(const Command& command, const PhotonsOptions& options) {
     if (is_given(name)) throw InvalidInput(name + ": " + reason);
   };
   if (is_mcml(options))
-    for (const char* name : {"--tally", "--incidence", "--beam", "--detector", "--direction"})
+    for (const char* name :
+         {"--tally", "--incidence", "--beam", "--detector", "--direction", "--bands"})
       refuse(name, "must be left out for a .mci file, which says what to count");
   else
     refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
@@ -113,7 +115,8 @@ void check_options(const Command& command, const PhotonsOptions& options) {
 
 /// The bands of a material, one after the other.
 void trace_material(const PhotonsOptions& options, PhotonWork& work) {
-  const Material material = find_material(options.material, options.common.memory);
+  const Material material =
+      find_material_at(options.material, options.bands, options.common.memory);
   const std::size_t bands = material.bands.size();
   const PhotonTallies tallies = read_options(options, 0).tallies;
   require_readable(options, checked_product("the sums of all bands",
@@ -160,6 +163,7 @@ void add_photons_command(CLI::App& app) {
       .add_option("material", options->material, "built-in material, material file or MCML's .mci")
       .required()
       .type_name("MATERIAL|FILE.mci");
+  add_bands_option(command, options->bands);
   add_effort_options(command, options->effort);
   command.add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
       .type_name("I/N");

@@ -13,7 +13,7 @@ namespace lamina::cli {
 /// What `lamina photons` was asked for.
 struct PhotonsOptions {
   CommonOptions common;
-  std::string material;
+  std::string material, bands;
   MonteCarloEffort effort;
   std::string shard = "0/1";
   std::string incidence = "normal";

@@ -30,7 +30,7 @@ namespace {
 
 struct ProfileOptions {
   CommonOptions common;
-  std::string material, method, plot;
+  std::string material, bands, method, plot;
   bool compare = false;
   std::string domain = "radius";
   int gaussians = 0;  ///< 0: not asked for
@@ -325,7 +325,8 @@ void require_radiative_transfer_for_illumination(const ProfileOptions& options) 
 }
 
 void run_profile(const ProfileOptions& options) {
-  const Material material = find_material(options.material, options.common.memory);
+  const Material material =
+      find_material_at(options.material, options.bands, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   require_radiative_transfer_for_illumination(options);
   const JsonOutput head = {{"material", material.name},
@@ -392,6 +393,7 @@ void add_profile_command(CLI::App& app) {
   command.add_option("material", options->material, "a material file or a built-in material")
       .type_name("MATERIAL")
       .required();
+  add_bands_option(command, options->bands);
   std::vector<std::string> names;
   for (const ProfileMethod& method : profile_methods()) names.push_back(method.name);
   options->method = names[0];

@@ -25,7 +25,7 @@ namespace {
 
 struct SlabOptions {
   CommonOptions common;
-  std::string material, method, incidence = "normal";
+  std::string material, bands, method, incidence = "normal";
   AddingDoublingOptions adding_doubling;
   Interreflections interreflections = Interreflections::all;  ///< of diffusion
   std::int64_t compared_photons = 0;                          ///< of --compare; 0 if not asked for
@@ -149,7 +149,8 @@ std::string slab_text(const Material& material, const SlabResult& result) {
 
 void run_slab(const SlabOptions& options) {
   const Incidence incidence = parse_incidence(options.incidence);
-  const Material material = find_material(options.material, options.common.memory);
+  const Material material =
+      find_material_at(options.material, options.bands, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   if (options.compared_photons > 0)
     return run_slab_comparison(material, stacks, incidence, options.compared_photons,
@@ -179,6 +180,7 @@ void add_slab_command(CLI::App& app) {
   command.add_option("material", options->material, "a material file or a built-in material")
       .type_name("MATERIAL")
       .required();
+  add_bands_option(command, options->bands);
   std::vector<std::string> names;
   for (const SlabMethod& method : slab_methods()) names.push_back(method.name);
   options->method = names[0];
@@ -213,7 +215,9 @@ void add_slab_command(CLI::App& app) {
       "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"
       "all other light that leaves at the top is diffuse.\n\n"
       "Example: where the light goes in skin, lit from all sides\n"
-      "  lamina slab donner_jensen_skin --incidence diffuse");
+      "  lamina slab donner_jensen_skin --incidence diffuse\n"
+      "A spectrum\n"
+      "  lamina slab skin_type_2 --bands 400:700:10 --json spectrum.json");
   command.callback([options, command] {
     const bool is_comparison = options->compared_photons > 0;
     if (is_comparison && command.is_given("--method"))

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-# `lamina materials`: what it prints, and how it ends.   command_test.sh LAMINA PYTHON
+# `lamina materials`: what it prints, and how it ends.   command_test.sh LAMINA PYTHON SOURCE
 set -euo pipefail
-lamina=$1 python=$2
+lamina=$1 python=$2 source=$3
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -44,3 +44,26 @@ assert skin["layers"] == ["epidermis", "upper dermis", "bloody dermis"]'
 "$python" -c '
 import json
 assert json.load(open("jade_result.json"))["material"]["layers"][0]["ior"] == 1.61'
+
+# Other wavelengths: of a table, a law and a recipe; every command that takes --bands has the same ones.
+cp -r "$source/tests/inputs/material/good/." .
+expect 0 '"bands": [450, 575, 700]' spectra.json --bands 450:700:125
+expect 0 '"bands": [540.5]' skin_type_1 --bands 540.5
+expect 2 '"bands" has 710' spectra.json --bands 700,710
+expect 2 'must be ascending wavelengths in [200, 3000] nm as in 400:700:10' spectra.json --bands 700,450
+for bands in 450,450 '450,,500' 450:700 450:700:0 700:450:10 450:700:nan 100:700:10 450nm '450,5;' ' '; do
+  expect 2 '--bands: must be ascending' spectra.json --bands "$bands"
+done
+expect 2 'cannot be had at other wavelengths' jade --bands 450,550,650
+expect 2 '--bands: must be left out without a material' --bands 450
+"$lamina" slab spectra.json --bands 500,600 --json slab.json >/dev/null
+"$lamina" photons spectra.json --bands 500,600 --photons 20000 --threads 1 --json photons.json >/dev/null
+"$lamina" profile spectra.json --bands 500,600 --method diffusion --radii 8 --json profile.json >/dev/null
+"$lamina" bsdf spectra.json --bands 500,600 --method first_order --step 45 --json bsdf.json >/dev/null
+"$python" -c '
+import json
+slab, *others = (json.load(open(name + ".json")) for name in ("slab", "photons", "profile", "bsdf"))
+assert all(result["bands"] == [500, 600] for result in (slab, *others))
+photons, profile = others[:2]  # the bands are not only called so: both methods find the same there
+for band in range(2):
+    assert abs(profile["total_reflectance"][band] / slab["diffuse_reflectance"][band] - 1) < .3'

@@ -5,7 +5,7 @@ file, link and source that they mention exists. Comments name files and sources 
 usage: docs_test.py LAMINA ROOT COMPILER [unittest's arguments]
 
 Commands run page by page, in order, in a scratch folder that sees the folders of the checkout; a
-block whose first line is "// NAME.json" or "# NAME.obj" is that file there. They run small: see SMALL. What
+block whose first line is "// NAME.json" or "# NAME.obj", or .csv, is that file there. They run small: see SMALL. What
 cannot run here is named, with its reason, in NOT_RUN; its options are checked all the same.
 """
 import functools
@@ -82,7 +82,7 @@ def where(page, line):
 def steps(page):
     """What a reader does, in order: ("file", name, text) and ("command", words, place)."""
     for language, text, line in fences(page):
-        name = re.match(r"(?://|#) ([\w-]+\.(?:json|obj))\n", text)
+        name = re.match(r"(?://|#) ([\w-]+\.(?:json|obj|csv))\n", text)
         if name:
             yield "file", name.group(1), text
         if language in ("", "sh", "bash", "console"):

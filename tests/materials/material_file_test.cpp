@@ -14,6 +14,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
+#include "lamina/spectrum/spectrum_table.h"
 
 namespace lamina {
 namespace {
@@ -62,8 +63,11 @@ TEST(MaterialFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
     listed.insert(file);
     const fs::path path = inputs / "material/bad" / file;
     const std::string message = message_of([&] { (void)load_material(path); });
-    EXPECT_TRUE(message.starts_with(path.string() + ":" + text))
-        << "expected  " << path.string() << ":" << text << "\ngot       " << message;
+    const std::size_t table = text.find(".csv:");
+    const bool is_of_table = table != std::string::npos && text.find(' ') > table;
+    const std::string start =
+        is_of_table ? (path.parent_path() / text).string() : path.string() + ":" + text;
+    EXPECT_TRUE(message.starts_with(start)) << "expected  " << start << "\ngot       " << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
   for (const fs::path& file : files_in(inputs / "material/bad"))
@@ -234,9 +238,10 @@ Page read_page() {
 
 TEST(MaterialPage, ExamplesAreMaterials) {
   const Page page = read_page();
-  ASSERT_EQ(page.examples.size(), 7U);
+  ASSERT_EQ(page.examples.size(), 8U);
+  const fs::path beside_tables = inputs / "material/good/page.json";
   for (const std::string& example : page.examples) {
-    const Material material = parse_material(example, "docs/materials.md");
+    const Material material = parse_material(example, beside_tables.string());
     for (std::size_t band = 0; band < material.bands.size(); ++band)
       EXPECT_NO_THROW((void)layer_stack(material, band)) << material.name;
   }
@@ -254,6 +259,22 @@ TEST(MaterialPage, MessagesAreThoseOfTheDecoder) {
   };
   for (const std::string& message :
        {message_after("7.5", "-7.5"), message_after("\"sigma_s\"", "\"sigma_S\"")}) {
+    EXPECT_NE(message, "");
+    EXPECT_NE(page.text.find("    " + message + "\n"), std::string::npos) << message;
+  }
+  const std::size_t table = page.text.find("# dye.csv\n");
+  const auto message_of_table = [&](const std::string& from, const std::string& to) {
+    std::string text = page.text.substr(table, page.text.find("```", table) - table);
+    text.replace(text.find(from), from.size(), to);
+    MemoryBudget memory;
+    return message_of([&] {
+      (void)read_spectrum(parse_csv(text, "dye.csv", memory), "sigma_a_per_cm",
+                          closed_interval(0.0, 1e10, "1/cm"));
+    });
+  };
+  for (const std::string& message :
+       {message_of_table("700,", "490,"), message_of_table(",6,", ",-6,"),
+        message_of_table(",6,", ",6,5,")}) {
     EXPECT_NE(message, "");
     EXPECT_NE(page.text.find("    " + message + "\n"), std::string::npos) << message;
   }

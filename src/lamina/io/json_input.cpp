@@ -11,6 +11,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/internal/json_changes.h"
 #include "lamina/io/internal/json_tree.h"
+#include "lamina/io/internal/range_rule.h"
 #include "lamina/io/nearest_name.h"
 
 namespace lamina {
@@ -21,24 +22,6 @@ using json_detail::Kind;
 using json_detail::Node;
 using json_detail::none;
 using json_detail::Tree;
-
-bool contains(const NumberRange& range, double value) {
-  return std::isfinite(value) && (range.includes_low ? value >= range.low : value > range.low) &&
-         (range.includes_high ? value <= range.high : value < range.high);
-}
-
-/// "must be >= 0 [1/mm]", "must lie in (0, 180) deg".
-std::string rule(const NumberRange& range) {
-  const std::string unit = range.unit.empty() ? "" : " [" + std::string(range.unit) + "]";
-  if (std::isinf(range.low) && std::isinf(range.high)) return "must be a number" + unit;
-  if (std::isinf(range.high))
-    return (range.includes_low ? "must be >= " : "must be > ") + number_text(range.low) + unit;
-  if (std::isinf(range.low))
-    return (range.includes_high ? "must be <= " : "must be < ") + number_text(range.high) + unit;
-  return std::string("must lie in ") + (range.includes_low ? "[" : "(") + number_text(range.low) +
-         ", " + number_text(range.high) + (range.includes_high ? "]" : ")") +
-         (range.unit.empty() ? "" : " " + std::string(range.unit));
-}
 
 /// `"mm", "cm" or "m"`.
 std::string listed(std::span<const std::string_view> names) {
@@ -61,6 +44,27 @@ std::string read_json_text(const std::filesystem::path& file, std::size_t most) 
 
 }  // namespace
 
+namespace input_detail {
+
+bool contains(const NumberRange& range, double value) {
+  return std::isfinite(value) && (range.includes_low ? value >= range.low : value > range.low) &&
+         (range.includes_high ? value <= range.high : value < range.high);
+}
+
+std::string rule_of(const NumberRange& range) {
+  const std::string unit = range.unit.empty() ? "" : " [" + std::string(range.unit) + "]";
+  if (std::isinf(range.low) && std::isinf(range.high)) return "must be a number" + unit;
+  if (std::isinf(range.high))
+    return (range.includes_low ? "must be >= " : "must be > ") + number_text(range.low) + unit;
+  if (std::isinf(range.low))
+    return (range.includes_high ? "must be <= " : "must be < ") + number_text(range.high) + unit;
+  return std::string("must lie in ") + (range.includes_low ? "[" : "(") + number_text(range.low) +
+         ", " + number_text(range.high) + (range.includes_high ? "]" : ")") +
+         (range.unit.empty() ? "" : " " + std::string(range.unit));
+}
+
+}  // namespace input_detail
+
 bool JsonInput::is_null() const { return tree_->nodes[node_].kind == Kind::null; }
 bool JsonInput::is_boolean() const { return tree_->nodes[node_].kind == Kind::boolean; }
 bool JsonInput::is_number() const { return tree_->nodes[node_].kind == Kind::number; }
@@ -71,7 +75,7 @@ bool JsonInput::is_object() const { return tree_->nodes[node_].kind == Kind::obj
 
 double JsonInput::number(const NumberRange& range) const {
   const double value = tree_->nodes[node_].number;
-  if (!is_number() || !contains(range, value)) refuse(rule(range));
+  if (!is_number() || !input_detail::contains(range, value)) refuse(input_detail::rule_of(range));
   return value;
 }
 

@@ -7,6 +7,7 @@
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/internal/jensen2001.h"
 #include "lamina/materials/material.h"
+#include "lamina/materials/material_file.h"
 
 namespace lamina {
 namespace {
@@ -63,12 +64,21 @@ std::string builtin_material_text(const std::string& name) {
 }
 
 Material find_material(const std::string& name_or_path, MemoryBudget memory) {
-  if (const auto material = find_builtin(name_or_path)) return *material;
+  return find_sampled_material(name_or_path, {}, memory);
+}
+
+Material find_sampled_material(const std::string& name_or_path, std::span<const double> wavelengths,
+                               MemoryBudget memory) {
+  if (const auto material = find_builtin(name_or_path)) {
+    if (wavelengths.empty()) return *material;
+    const JsonDocument document = parse_json(builtin_material_text(name_or_path), name_or_path);
+    return decode_material(document.root(), {}, wavelengths);
+  }
   std::error_code ignored;
   const bool looks_like_a_file =
       name_or_path == "-" || name_or_path.find_first_of("./\\") != std::string::npos;
   if (looks_like_a_file || std::filesystem::exists(name_or_path, ignored))
-    return load_material(name_or_path, memory);
+    return decode_material(load_json(name_or_path, memory).root(), {}, wavelengths);
   throw InvalidInput("there is no built-in material and no file \"" + name_or_path + "\"" +
                      nearest_builtin(name_or_path));
 }

@@ -26,11 +26,15 @@ std::vector<double> means_of_map(const JsonInput& value, const MappableNumber& n
 /// Coefficients of `value` in the file's unit, turned to 1/mm.
 std::vector<double> decode_coefficients(const JsonInput& value, MappableNumber number,
                                         const Context& context) {
+  if (is_spectral(value)) return decode_spectral_coefficients(value, context);
   if (is_map(value, context)) {
     number.high = largest_number;
     number.unit = 1.0 / context.mm_per_unit;
     return means_of_map(value, number, context);
   }
+  if (value.is_object())
+    value.fail("must have \"spectrum\", \"chromophore\", \"a\" and \"b\", or \"sum\"");
+  require_own_bands(value, context);
   const std::string unit = "1/" + context.length_unit;
   const double largest = largest_number * context.mm_per_unit;
   std::vector<double> values = value.number_or_numbers(context.bands, at_least(0.0, unit));
@@ -39,7 +43,8 @@ std::vector<double> decode_coefficients(const JsonInput& value, MappableNumber n
   return values;
 }
 
-/// The keys "sigma_a", "sigma_s", "g" and "phase" of a MaterialLayer or a MixturePart.
+/// The keys "sigma_a", "sigma_s" or "sigma_s_prime", "g" and "phase" of a MaterialLayer or a
+/// MixturePart.
 ///
 /// @param layer  of which coefficients may be maps; of parts they may not
 void decode_substance(const JsonObject& object, const Context& context,
@@ -55,8 +60,10 @@ void decode_substance(const JsonObject& object, const Context& context,
   using Of = MappableNumber::Of;
   substance.sigma_a =
       decode_coefficients(object.required("sigma_a"), number(Of::sigma_a, "sigma_a"), own);
-  substance.sigma_s =
-      decode_coefficients(object.required("sigma_s"), number(Of::sigma_s, "sigma_s"), own);
+  const auto reduced = object.optional("sigma_s_prime");
+  if (!reduced)
+    substance.sigma_s =
+        decode_coefficients(object.required("sigma_s"), number(Of::sigma_s, "sigma_s"), own);
   if (const auto phase = object.optional("phase")) substance.phase = phase->choice<ParticlePhase>();
   if (substance.phase == ParticlePhase::rayleigh) {
     substance.g.assign(context.bands, 0.0);
@@ -67,9 +74,19 @@ void decode_substance(const JsonObject& object, const Context& context,
     const JsonInput g = object.required("g");
     MappableNumber mapped = number(Of::g, "g");
     mapped.low = -0.999, mapped.high = 0.999;
-    substance.g = is_map(g, own) ? means_of_map(g, mapped, own)
-                                 : g.number_or_numbers(context.bands, open_interval(-1.0, 1.0));
+    substance.g = !is_spectral(g) && is_map(g, own)
+                      ? means_of_map(g, mapped, own)
+                      : decode_numbers(g, open_interval(-1.0, 1.0), context);
   }
+  if (!reduced) return;
+  if (const auto other = object.optional("sigma_s"))
+    other->fail("there is \"sigma_s_prime\" already; a layer has one of the two");
+  for (const auto& given : {reduced, object.optional("g")})
+    if (given && !is_spectral(*given) && is_map(*given, own))
+      given->fail("cannot be a map where there is \"sigma_s_prime\"; \"sigma_s\" and \"g\" can");
+  substance.sigma_s = decode_coefficients(*reduced, number(Of::sigma_s, "sigma_s_prime"), own);
+  for (std::size_t band = 0; band < context.bands; ++band)
+    substance.sigma_s[band] /= 1.0 - substance.g[band];
 }
 
 std::vector<MixturePart> decode_mixture(const JsonInput& value, std::size_t layer, bool has_base,
@@ -78,7 +95,7 @@ std::vector<MixturePart> decode_mixture(const JsonInput& value, std::size_t laye
   double sum = 0.0;
   for (const JsonInput& element : value.array(1)) {
     const JsonObject object =
-        element.object({"name", "fraction", "sigma_a", "sigma_s", "g", "phase"});
+        element.object({"name", "fraction", "sigma_a", "sigma_s", "sigma_s_prime", "g", "phase"});
     MixturePart& part = parts.emplace_back();
     if (const auto name = object.optional("name")) part.name = name->string();
     const JsonInput fraction = object.required("fraction");
@@ -125,13 +142,14 @@ double decode_thickness(const JsonInput& value, std::size_t layer, const Context
 MaterialLayer decode_layer(const JsonInput& value, std::size_t index, bool is_bottom,
                            const Context& context) {
   const bool is_top = index == 0;
-  const JsonObject object = value.object({"name", "sigma_a", "sigma_s", "g", "phase", "ior",
-                                          "thickness", "mixture", "roughness", "distribution"});
+  const JsonObject object =
+      value.object({"name", "sigma_a", "sigma_s", "sigma_s_prime", "g", "phase", "ior", "thickness",
+                    "mixture", "roughness", "distribution"});
   MaterialLayer layer;
   if (const auto name = object.optional("name")) layer.name = name->string();
   const auto mixture = object.optional("mixture");
   const bool has_base = !mixture || object.has("sigma_a") || object.has("sigma_s") ||
-                        object.has("g") || object.has("phase");
+                        object.has("sigma_s_prime") || object.has("g") || object.has("phase");
   if (has_base) decode_substance(object, context, index, layer);
   if (mixture) layer.mixture = decode_mixture(*mixture, index, has_base, context);
   layer.ior = decode_ior(object.required("ior"), context);
@@ -167,7 +185,7 @@ Interface decode_interface(const JsonObject& object, const Context* context) {
 }
 
 std::vector<double> decode_ior(const JsonInput& value, const Context& context) {
-  return value.number_or_numbers(context.bands, closed_interval(0.1, 10.0));
+  return decode_numbers(value, closed_interval(0.1, 10.0), context);
 }
 
 std::vector<MaterialLayer> decode_layers(const JsonInput& layers, const Context& context) {

@@ -36,7 +36,7 @@ std::vector<std::complex<double>> own_ior(const JsonObject& object, const Contex
   const std::vector<double> n = decode_ior(object.required("ior"), context);
   std::vector<double> k(context.bands, 0.0);
   if (const auto given = object.optional("k"))
-    k = given->number_or_numbers(context.bands, closed_interval(0.0, 10.0));
+    k = decode_numbers(*given, closed_interval(0.0, 10.0), context);
   std::vector<std::complex<double>> ior;
   for (std::size_t band = 0; band < context.bands; ++band) ior.emplace_back(n[band], k[band]);
   return ior;
@@ -109,7 +109,7 @@ void decode_paint(const JsonInput& recipe, const Context& context, Material& mat
                       .g = std::vector(context.bands, 0.0),
                       .ior = std::vector(context.bands, 1.5)};
   if (const auto ior = object.optional("binder_ior"))
-    paint.ior = ior->number_or_numbers(context.bands, closed_interval(1.0, 3.0));
+    paint.ior = decode_numbers(*ior, closed_interval(1.0, 3.0), context);
   const JsonInput thickness = object.required("thickness");
   const bool is_infinite = thickness.is_string() && thickness.string() == "infinite";
   if (!is_infinite)

@@ -15,12 +15,32 @@ JsonObject skin_object(const JsonInput& recipe) {
                         "oiliness", "constants"});
 }
 
-/// Pairs of a wavelength and a factor.
-std::vector<std::array<double, 2>> decode_spectrum(const JsonInput& given) {
+constexpr double shortest = 350.0, longest = 1000.0;  // wavelengths of the recipe [nm]
+constexpr std::size_t most_points = 1000;
+
+/// The part of a table that the recipe has wavelengths for.
+std::vector<std::array<double, 2>> points_of_table(const JsonInput& given) {
+  const SpectrumTable table = decode_table(given, closed_interval(0.0, 1.0));
+  std::vector<double> wavelengths = {shortest};
+  for (const double nm : table.wavelengths)
+    if (shortest < nm && nm < longest) wavelengths.push_back(nm);
+  wavelengths.push_back(longest);
   std::vector<std::array<double, 2>> points;
-  for (const JsonInput& pair : given.array(1, 1000)) {
+  for (const double nm : wavelengths)
+    if (table.covers(nm)) points.push_back({nm, interpolate(table, nm)});
+  if (points.empty() || points.size() > most_points)
+    given.fail("the file must have 1 to 1000 wavelengths in [350, 1000] nm, but has " +
+               std::to_string(points.size()));
+  return points;
+}
+
+/// Pairs of a wavelength and a factor, or the file that holds them.
+std::vector<std::array<double, 2>> decode_ink_spectrum(const JsonInput& given) {
+  if (given.is_object()) return points_of_table(given);
+  std::vector<std::array<double, 2>> points;
+  for (const JsonInput& pair : given.array(1, most_points)) {
     const std::vector<JsonInput> both = pair.array(2, 2);
-    const double nm = both[0].number(closed_interval(350.0, 1000.0, "nm"));
+    const double nm = both[0].number(closed_interval(shortest, longest, "nm"));
     if (!points.empty() && nm <= points.back()[0])
       both[0].refuse("must be greater than the wavelength before it");
     points.push_back({nm, both[1].number(closed_interval(0.0, 1.0))});
@@ -49,7 +69,7 @@ std::vector<SkinInk> decode_inks(const JsonInput& given, const Context& context)
                          .high = largest_absorbance},
                         context);
     if (const auto spectrum = object.optional("spectrum"))
-      ink.spectrum = decode_spectrum(*spectrum);
+      ink.spectrum = decode_ink_spectrum(*spectrum);
     inks.push_back(std::move(ink));
   }
   return inks;
@@ -65,7 +85,7 @@ DecodedSkin decode_skin_recipe(const JsonInput& recipe, const Context& context) 
   SkinParameters& skin = decoded.recipe.skin;
   skin = with_constants({}, decoded.recipe.constants);
   if (const auto spectrum = object.optional("junction_spectrum"))
-    skin.junction_spectrum = decode_spectrum(*spectrum);
+    skin.junction_spectrum = decode_ink_spectrum(*spectrum);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
     const auto value = object.optional(range.name);
     if (!value) continue;
@@ -89,7 +109,7 @@ DecodedSkin decode_skin_recipe(const JsonInput& recipe, const Context& context) 
 
 void decode_skin(const JsonInput& recipe, const Context& context, Material& material) {
   DecodedSkin decoded = decode_skin_recipe(recipe, context);
-  require_wavelengths(recipe, context, 350.0, 1000.0);
+  require_wavelengths(recipe, context, shortest, longest);
   material.oiliness = decoded.oiliness;
   material.layers = skin_layers(decoded.recipe.skin, context.wavelengths);
   add_to_source(material, "melanin: Jacques 1998; constants: " +

@@ -92,7 +92,8 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 
 }  // namespace
 
-Material decode_material(const JsonInput& root, const MaterialMaps& maps) {
+Material decode_material(const JsonInput& root, const MaterialMaps& maps,
+                         std::span<const double> wavelengths) {
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",
@@ -103,15 +104,18 @@ Material decode_material(const JsonInput& root, const MaterialMaps& maps) {
   if (const auto source = file.optional("source")) material.source = source->string();
   material.bands = recipe != nullptr ? decode_recipe_bands(file, recipe->key)
                                      : decode_bands(file.required("bands"));
+  if (!wavelengths.empty())
+    material.bands = BandSet(std::vector(wavelengths.begin(), wavelengths.end()));
   const JsonInput unit = file.required("length_unit");
-  const auto wavelengths = material.bands.wavelengths();
   std::vector<std::string> channels;
   for (std::size_t b = 0; b < material.bands.size(); ++b)
     channels.push_back(band_name(material.bands, b) + (material.bands.is_rgb() ? "" : "nm"));
+  const auto nm = material.bands.wavelengths();
   const Context context{.bands = material.bands.size(),
+                        .has_own_bands = wavelengths.empty(),
                         .length_unit = unit.string(),
                         .mm_per_unit = mm_per_unit(unit),
-                        .wavelengths = {wavelengths.begin(), wavelengths.end()},
+                        .wavelengths = {nm.begin(), nm.end()},
                         .channels = std::move(channels),
                         .maps = maps};
   material.ior_above.assign(context.bands, 1.0);

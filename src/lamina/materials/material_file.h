@@ -10,6 +10,7 @@
 #include "lamina/io/json_input.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
+#include "lamina/spectrum/spectrum_table.h"
 
 // What the decoders of a material file share: one for `layers`, one per recipe.
 
@@ -17,7 +18,15 @@ namespace lamina {
 
 /// A material file as a value, as in a scene that holds the whole of it.
 /// @throws InvalidInput as parse_material.
-[[nodiscard]] Material decode_material(const JsonInput& root, const MaterialMaps& maps = {});
+/// @param wavelengths  [nm], in place of the bands of the file; empty: those
+[[nodiscard]] Material decode_material(const JsonInput& root, const MaterialMaps& maps = {},
+                                       std::span<const double> wavelengths = {});
+
+/// As find_material, at these wavelengths [nm] in place of the bands of its file; empty: at those.
+/// @throws as find_material; InvalidInput if the material has arrays of numbers for its own bands.
+[[nodiscard]] Material find_sampled_material(const std::string& name_or_path,
+                                             std::span<const double> wavelengths,
+                                             MemoryBudget memory = {});
 
 }  // namespace lamina
 
@@ -26,6 +35,7 @@ namespace lamina::material_file {
 /// What the rest of the file says about its numbers.
 struct Context {
   std::size_t bands = 0;              ///< how many numbers stand for a quantity per band
+  bool has_own_bands = true;          ///< those of the file, which arrays of numbers are for
   std::string length_unit;            ///< as written: "mm", "cm", "um" or "m"
   double mm_per_unit = 1.0;           ///< the length of that unit
   std::vector<double> wavelengths;    ///< [nm]; empty for RGB, which recipes do not get
@@ -59,6 +69,24 @@ void decode_snow(const JsonInput& recipe, const Context& context, Material& mate
 
 /// Whether a map stands for a value. @throws InvalidInput if maps are not for here.
 [[nodiscard]] bool is_map(const JsonInput& value, const Context& context);
+
+/// Whether an object gives numbers over wavelengths: by a table in a file, a chromophore, a law, or
+/// as a sum of these.
+[[nodiscard]] bool is_spectral(const JsonInput& value);
+
+/// What it gives as coefficients, [band], in 1/mm. @throws InvalidInput naming file and line.
+[[nodiscard]] std::vector<double> decode_spectral_coefficients(const JsonInput& value,
+                                                               const Context& context);
+
+/// @throws InvalidInput if an array is for the bands of the file, and others are asked for.
+void require_own_bands(const JsonInput& value, const Context& context);
+
+/// Numbers without unit, [band]: one, one per band, or a column of a file.
+[[nodiscard]] std::vector<double> decode_numbers(const JsonInput& value, const NumberRange& range,
+                                                 const Context& context);
+
+/// A column of a file at its own wavelengths, numbers without unit.
+[[nodiscard]] SpectrumTable decode_table(const JsonInput& value, const NumberRange& range);
 
 /// A number of a recipe that cannot be a map.
 [[nodiscard]] double plain_number(const JsonInput& value, const NumberRange& range);
