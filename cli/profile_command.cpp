@@ -475,11 +475,6 @@ void add_profile_command(CLI::App& app) {
                    {"--relative-error", {"monte_carlo"}},
                    {"--time", {"monte_carlo"}},
                    {"--independent-bands", {"monte_carlo"}}});
-    if (options->domain == "frequency" && command.is_given("--accuracy"))
-      throw InvalidInput(
-          "--accuracy: is read by --domain radius only; frequencies come with the error of 10 "
-          "nodes "
-          "and 6 modes");
     if (options->domain == "frequency" && (options->compare || !options->plot.empty()))
       throw InvalidInput("--domain frequency: has neither --compare nor --plot, but one is given");
     run_profile(*options);

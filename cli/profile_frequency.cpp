@@ -49,7 +49,14 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
         error = std::max(error, (*errors)[i * stacks.size() + band]);
     text += fmt::format("  {:9.1e}", error);
   }
+  const double worst = std::ranges::max(response.largest_error);
+  if (worst > options.accuracy)
+    text += fmt::format("\nnote: accurate to {:.2g} % only, where {:.2g} % was asked for",
+                        100.0 * worst, 100.0 * options.accuracy);
   JsonOutput json = result_with(head);
+  json["estimated_error"] = response.largest_error;
+  json["nodes"] = response.nodes;
+  json["modes"] = response.modes;
   json["k_per_mm"] = k;
   json["reflectance"] = table_json(response.reflectance, stacks.size());
   json["transmittance"] = table_json(response.transmittance, stacks.size());

@@ -161,7 +161,11 @@ TEST(TransferProfileError, OfHalfSpacesStaysSmall) {
 TEST(SpatialFrequencyResponse, KnowsItsError) {
   const LayerStack stack = slab(0.2, 3.0, 0.7);
   const std::vector<double> k = {0.0, 1.0, 5.0, 20.0, 60.0};
-  const auto seen = spatial_frequency_response(std::vector{stack}, k);
+  const auto rough = spatial_frequency_response(std::vector{stack}, k, {.accuracy = 0.1});
+  const auto seen = spatial_frequency_response(std::vector{stack}, k, {.accuracy = 0.002});
+  EXPECT_LE(seen.largest_error[0], 0.002);
+  EXPECT_LT(seen.largest_error[0], rough.largest_error[0]);
+  EXPECT_GT(seen.nodes[0], rough.nodes[0]);
   const auto solver = detail::make_frequency_solver(stack, 24, 13);
   const auto still = detail::response(solver, 0.0);
   const AddingDoublingTotals known = adding_doubling(std::vector{stack}, {}, {.accuracy = 1e-6})[0];

@@ -2,7 +2,9 @@
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "lamina/core/error.h"
@@ -10,14 +12,22 @@
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/scaled_solver.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 
 namespace lamina {
 namespace {
 
-constexpr int nodes_of_responses = 10, modes_of_responses = 6;
-constexpr int fewer_nodes_of_responses = 7, fewer_modes_of_responses = 4;
+/// Nodes and modes of responses, step by step.
+struct Directions {
+  int nodes, modes;
+};
+constexpr std::array<Directions, 6> steps_of_responses = {
+    {{7, 4}, {10, 6}, {14, 8}, {19, 10}, {26, 12}, {36, 14}}};
+constexpr double most_seconds_of_responses = 2.0;  ///< of a step, as its cost is foreseen
+/// Of the response without waves: what is less by this factor need not be known better.
+constexpr double least_response = 0.01;
 /// Optical thickness that a layer without scattering must have.
 constexpr double least_of_absorber = 3.0;
 constexpr int fewest_nodes = 6, fewest_modes = 4;  ///< of a profile
@@ -68,33 +78,6 @@ void refuse_clear_plates_under_rough_tops(std::span<const LayerStack> stacks) {
                          number_text(optical_thickness) + "; monte_carlo takes such plates");
     }
 }
-
-/// Responses on a grid of a few directions, which know less well how much light leaves than how it
-/// spreads: times what makes them right without waves.
-class ScaledSolver {
- public:
-  ScaledSolver(const LayerStack& stack, int nodes, int modes, bool is_diffuse,
-               const detail::FrequencyResponse& flux)
-      : solver_(detail::make_frequency_solver(stack, nodes, modes)), is_diffuse_(is_diffuse) {
-    const detail::FrequencyResponse without_waves = at(0.0);
-    const auto factor = [](double known, double found) {
-      return known > 0.0 && found > 0.0 ? known / found : 1.0;
-    };
-    scale_ = {factor(flux.reflectance, without_waves.reflectance),
-              factor(flux.transmittance, without_waves.transmittance)};
-  }
-
-  [[nodiscard]] detail::FrequencyResponse at(double k) const {
-    const auto found =
-        is_diffuse_ ? detail::diffuse_response(solver_, k) : detail::response(solver_, k);
-    return {scale_.reflectance * found.reflectance, scale_.transmittance * found.transmittance};
-  }
-
- private:
-  detail::FrequencySolver solver_;
-  bool is_diffuse_;
-  detail::FrequencyResponse scale_{1.0, 1.0};
-};
 
 /// 1 where an error is no smaller than its value.
 double relative(double error, double value) {
@@ -190,25 +173,59 @@ SpatialFrequencyResponse spatial_frequency_response(std::span<const LayerStack> 
                                   .reflectance = std::vector<double>(k.size() * bands),
                                   .transmittance = std::vector<double>(k.size() * bands),
                                   .reflectance_error = std::vector<double>(k.size() * bands),
-                                  .transmittance_error = std::vector<double>(k.size() * bands)};
+                                  .transmittance_error = std::vector<double>(k.size() * bands),
+                                  .largest_error = std::vector<double>(bands),
+                                  .nodes = std::vector<int>(bands),
+                                  .modes = std::vector<int>(bands)};
+  if (k.empty()) return result;
   const bool is_diffuse = options.illumination == Illumination::diffuse;
   const std::vector<AddingDoublingTotals> totals =
       adding_doubling(stacks, {.is_diffuse = is_diffuse}, {.accuracy = 1e-6});
+  const auto lanes = detail::slabs_at_once();
   for (std::size_t b = 0; b < bands; ++b) {
     const auto flux = flux_of_profile(totals[b], stacks[b], options.illumination);
-    const ScaledSolver solver(stacks[b], nodes_of_responses, modes_of_responses, is_diffuse, flux);
-    const ScaledSolver coarse(stacks[b], fewer_nodes_of_responses, fewer_modes_of_responses,
-                              is_diffuse, flux);
-    const auto respond = [&](std::size_t i) {
-      const auto all = solver.at(k[i]), by_fewer = coarse.at(k[i]);
-      const std::size_t at = i * bands + b;
-      result.reflectance[at] = all.reflectance;
-      result.transmittance[at] = all.transmittance;
-      result.reflectance_error[at] = std::abs(all.reflectance - by_fewer.reflectance);
-      result.transmittance_error[at] = std::abs(all.transmittance - by_fewer.transmittance);
-    };
-    const double part = 1.0 / static_cast<double>(bands), before = part * static_cast<double>(b);
-    parallel_for(k.size(), respond, part_of(options.progress, before, before + part));
+    std::vector<std::size_t> left(k.size());  // frequencies that are not known well enough
+    std::iota(left.begin(), left.end(), std::size_t{0});
+    std::vector<double> wrong(k.size());
+    for (std::size_t step = 0; step < steps_of_responses.size() && !left.empty(); ++step) {
+      const Directions& directions = steps_of_responses[step];
+      const auto cost = detail::solution_cost({&stacks[b], 1}, directions.nodes, directions.modes,
+                                              static_cast<int>(left.size()));
+      if (step > 1 && cost.seconds > most_seconds_of_responses) break;
+      const detail::ScaledSolver solver(stacks[b], directions.nodes, directions.modes,
+                                        options.illumination, flux);
+      const auto respond = [&](std::size_t batch) {
+        const auto here =
+            std::span(left).subspan(batch * lanes, std::min(lanes, left.size() - batch * lanes));
+        std::vector<double> at_k;
+        for (const std::size_t i : here) at_k.push_back(k[i]);
+        const auto found = solver.at(at_k);
+        for (std::size_t j = 0; j < here.size(); ++j) {
+          const std::size_t at = here[j] * bands + b;
+          const auto change = [&](double value, double without_waves, double& known,
+                                  double& error) {
+            error = std::abs(value - known);
+            known = value;
+            const double scale = std::max(std::abs(value), least_response * without_waves);
+            return scale > 0.0 ? error / scale : 0.0;
+          };
+          wrong[here[j]] =
+              std::max(change(found[j].reflectance, flux.reflectance, result.reflectance[at],
+                              result.reflectance_error[at]),
+                       change(found[j].transmittance, flux.transmittance, result.transmittance[at],
+                              result.transmittance_error[at]));
+        }
+      };
+      const double part = 1.0 / static_cast<double>(bands * steps_of_responses.size());
+      const double before = part * static_cast<double>(b * steps_of_responses.size() + step);
+      parallel_for((left.size() + lanes - 1) / lanes, respond,
+                   part_of(options.progress, before, before + part));
+      result.nodes[b] = directions.nodes;
+      result.modes[b] = directions.modes;
+      if (step > 0)
+        std::erase_if(left, [&](std::size_t i) { return wrong[i] <= options.accuracy; });
+    }
+    result.largest_error[b] = std::ranges::max(wrong);
   }
   return result;
 }
