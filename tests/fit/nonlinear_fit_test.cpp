@@ -104,6 +104,21 @@ TEST(NonlinearFit, KnowsErrorsThatGoTogether) {
   EXPECT_NEAR(result.chi_squared, 2.0, 1e-8);
 }
 
+TEST(NonlinearFit, SaysThatItStoppedShortOfASolution) {
+  const FitModel curve{.predict = [](Values p) {
+    return std::vector{std::exp(p[0]), std::exp(2.0 * p[0])};
+  }};
+  const FitData data{.measured = {20.0, 400.0}, .standard_deviation = {1.0, 1.0}};
+  const std::vector<FitParameter> power = {{.name = "p", .start = 0.0}};
+  const FitResult cut = fit_parameters(power, data, curve, {.max_iterations = 2});
+  EXPECT_FALSE(cut.has_converged);
+  EXPECT_EQ(notes_with(cut, "stopped after 2 steps, short of a solution"), 1);
+  const FitResult whole = fit_parameters(power, data, curve);
+  EXPECT_TRUE(whole.has_converged);
+  EXPECT_NEAR(whole.parameters[0].value, std::log(20.0), 1e-9);
+  EXPECT_TRUE(whole.notes.empty());
+}
+
 TEST(NonlinearFit, HoldsParametersAtTheirBounds) {
   const FitResult result = fit_parameters(
       {{.name = "a", .start = 2.0, .low = 1.0, .high = 5.0}, {.name = "b", .start = 0.0}},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "lamina/core/error.h"
@@ -298,6 +299,10 @@ FitResult fit_parameters(const std::vector<FitParameter>& parameters, const FitD
       data.has_known_errors
           ? 1.0
           : result.chi_squared / static_cast<double>(data.measured.size() - without_prior);
+  if (!result.has_converged)
+    result.notes.push_back(
+        "stopped after " + std::to_string(result.iterations) +
+        " steps, short of a solution: values and errors are of where it stopped");
   fit_detail::add_errors(parameters, best.coordinates, slopes, is_held, variance, result);
   return result;
 }
