@@ -438,8 +438,8 @@ void conserve(double flux, double total, std::vector<double>& curve, std::vector
   if (!(flux > 0.0 && total > 0.0)) return;
   const double factor = flux / total;
   for (std::size_t i = 0; i < curve.size(); ++i) {
+    error[i] += std::abs((factor - 1.0) * curve[i]) * std::max(1.0, factor);
     curve[i] *= factor;
-    error[i] += std::abs((factor - 1.0) * curve[i]);
   }
 }
 
