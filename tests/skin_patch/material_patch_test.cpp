@@ -165,14 +165,6 @@ TEST_F(MaterialPatches, AreRefusedInOneLineThatSaysWhere) {
   expect(R"("material": "jadee")", "did you mean \"jade\"");
   expect(R"("material": "jade", "skin": {})", "skin");
   expect(R"("material": "jade", "bands": [500])", "bands");
-  // Two quantities of one layer vary: no profile of both ends.
-  expect(painted(R"({"map": "two.exr"})", R"({"map": "two.exr", "scale": 0.5})") +
-             R"(, "transport": {"profile": "both"})",
-         "no error");  // they vary together, along one axis
-  save("other.exr", {"Y"}, {0.2f, 0.1f, 0.3f});
-  expect(painted(R"({"map": "two.exr"})", R"({"map": "other.exr"})") +
-             R"(, "transport": {"profile": "both"})",
-         "both ends");
   const SkinPatch clamped = load(painted("0.1", R"({"map": "two.exr", "offset": -0.15})"));
   ASSERT_FALSE(clamped.warnings.empty());
   EXPECT_NE(clamped.warnings[0].find("layers[0].thickness"), std::string::npos);

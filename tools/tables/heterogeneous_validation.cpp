@@ -129,8 +129,9 @@ std::vector<double> by_transport(const Scene& scene, const Model& model, bool is
     light.values[i] = static_cast<float>(scene.light[from] * entering(solid));
   }
   const auto layers =
-      make_heterogeneous_layers(model.tables, sigma_a, {make_plane(scene.columns, rows)}, texel);
-  const Plane out = transport(layers, light, {.profile = profile}).reflected;
+      make_heterogeneous_layers(model.tables, sigma_a, {make_plane(scene.columns, rows)}, texel,
+                                profile);
+  const Plane out = transport(layers, light).reflected;
   return {out.values.begin(), out.values.begin() + static_cast<std::ptrdiff_t>(scene.light.size())};
 }
 

@@ -183,10 +183,9 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     std::vector<Plane> absorbance;
     for (const std::vector<float>& sheet : texels.absorbance)
       absorbance.push_back(plane_of(sheet, patch.width, patch.height));
-    const bool is_reciprocal = patch.transport.profile == ProfileAt::both;
-    const HeterogeneousLayers layers = make_heterogeneous_layers(
-        tables, patch.width, patch.height, texels.layers, absorbance, patch.mm_per_texel, 5e-5,
-        is_reciprocal ? BasisKind::powers : BasisKind::any);
+    const HeterogeneousLayers layers =
+        make_heterogeneous_layers(tables, patch.width, patch.height, texels.layers, absorbance,
+                                  patch.mm_per_texel, patch.profile);
     Plane light = arriving;
     const std::vector<float> entering =
         entering_fractions(material, b, patch.theta, texels.layers[0].roughness);

@@ -110,10 +110,10 @@ void decode_albedo(const JsonInput& file, SkinPatch& patch) {
   patch.albedo = resampled(image, patch.width, patch.height);
 }
 
-TransportOptions decode_transport(const JsonInput& value) {
+void decode_transport(const JsonInput& value, SkinPatch& patch) {
   const JsonObject object =
       value.object({"interlayer_bounces", "local_closure", "energy_threshold", "profile"});
-  TransportOptions options;
+  TransportOptions& options = patch.transport;
   if (const auto bounces = object.optional("interlayer_bounces"))
     options.interlayer_bounces = static_cast<int>(bounces->integer(1, 100));
   if (const auto threshold = object.optional("energy_threshold")) {
@@ -122,17 +122,15 @@ TransportOptions decode_transport(const JsonInput& value) {
     options.energy_threshold = threshold->number(closed_interval(0.0, 0.9999));
     options.interlayer_bounces = 0;
   }
-  if (const auto profile = object.optional("profile"))
-    options.profile = profile->choice<ProfileAt>();
+  if (const auto profile = object.optional("profile")) patch.profile = profile->choice<ProfileAt>();
   if (const auto closure = object.optional("local_closure"))
     options.has_local_closure = closure->boolean();
-  return options;
 }
 
 /// What both kinds of constants of skin are for.
 OperatorTotals totals_for(SkinConstants constants) {
   return are_for_transfer_totals(constants) ? OperatorTotals::radiative_transfer_profile
-                                         : OperatorTotals::diffusion;
+                                            : OperatorTotals::diffusion;
 }
 
 /// "skin" and "bands".
@@ -200,8 +198,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
   patch.light = make_image(patch.width, patch.height, {"Y"});
   std::ranges::fill(patch.light.pixels, 1.0f);
   if (const auto light = object.optional("light")) decode_light(*light, patch);
-  if (const auto transport = object.optional("transport"))
-    patch.transport = decode_transport(*transport);
+  if (const auto transport = object.optional("transport")) decode_transport(*transport, patch);
   if (const auto albedo = object.optional("albedo")) decode_albedo(*albedo, patch);
   return patch;
 }

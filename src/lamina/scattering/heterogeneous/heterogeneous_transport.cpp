@@ -10,7 +10,6 @@
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/basis_row.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 
@@ -109,20 +108,18 @@ class PlaneField {
  public:
   using Light = Plane;
 
-  PlaneField(const HeterogeneousLayers& model, ProfileAt profile)
-      : model_(model),
-        apply_(profile == ProfileAt::exit ? apply_operators : apply_operators_reciprocally) {}
+  explicit PlaneField(const HeterogeneousLayers& model) : model_(model) {}
 
   [[nodiscard]] std::size_t junctions() const { return model_.junctions.size(); }
   [[nodiscard]] bool has_bottom() const {
     return model_.layers.back().operators[transmission_down].terms > 0;
   }
   [[nodiscard]] Plane blur(std::size_t layer, LayerOperator which, const Plane& light) const {
-    return std::move(blurs(layer, std::array{which}, light)[0]);
+    return std::move(blurs(layer, std::array<std::size_t, 1>{which}, light)[0]);
   }
   [[nodiscard]] std::array<Plane, 2> blur(std::size_t layer, LayerOperator first,
                                           LayerOperator second, const Plane& light) const {
-    std::vector<Plane> results = blurs(layer, std::array{first, second}, light);
+    std::vector<Plane> results = blurs(layer, std::array<std::size_t, 2>{first, second}, light);
     return {std::move(results[0]), std::move(results[1])};
   }
   void multiply(Plane& light, std::size_t junction) const {
@@ -154,26 +151,47 @@ class PlaneField {
 
  private:
   template <std::size_t K>
-  [[nodiscard]] std::vector<Plane> blurs(std::size_t layer,
-                                         const std::array<LayerOperator, K>& which,
+  [[nodiscard]] std::vector<Plane> blurs(std::size_t layer, const std::array<std::size_t, K>& which,
                                          const Plane& light) const {
-    const TransportLayer& at = model_.layers[layer];
-    std::array<const MappedOperator*, K> operators;
-    for (std::size_t k = 0; k < K; ++k) operators[k] = &at.operators[which[k]];
-    return apply_(model_.pyramid, light, at.basis, operators);
+    return apply_layer(model_.pyramid, light, model_.layers[layer], which);
   }
 
   const HeterogeneousLayers& model_;
-  std::vector<Plane> (*apply_)(const BlurPyramid&, const Plane&, const TexelBasis&,
-                               std::span<const MappedOperator* const>);
 };
+
+/// The texels with absorption as light on its way meets it.
+LayerTexels along_paths(const LayerTexels& texels, const BlurPyramid& pyramid,
+                        double mm_per_texel) {
+  PathAbsorption absorption(texels);
+  const auto width = static_cast<std::size_t>(pyramid.width);
+  const std::size_t size = texels.sigma_a.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    if ((i + 1) % width != 0) absorption.add_neighbors(i, i + 1);
+    if (i + width < size) absorption.add_neighbors(i, i + width);
+  }
+  const double variance = std::pow(absorption.width() / mm_per_texel, 2);
+  if (variance == 0.0) return texels;
+  const std::vector<double> scales = scales_of_gaussians(pyramid, std::array{variance});
+  const MappedOperator blur{
+      .terms = 1, .weights = {scales.begin(), scales.end()}, .totals = {1.0f}};
+  LayerTexels result = texels;
+  result.sigma_a = apply_operators(pyramid, {pyramid.width, pyramid.height, texels.sigma_a},
+                                   {.coordinate = make_plane(pyramid.width, pyramid.height)},
+                                   std::array<const MappedOperator*, 1>{&blur})[0]
+                       .values;
+  // A Gaussian of several scales may undershoot beside a sharp edge.
+  const auto [least, most] = std::ranges::minmax(texels.sigma_a);
+  for (float& value : result.sigma_a) value = std::clamp(value, least, most);
+  return result;
+}
 
 }  // namespace
 
 HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
                                               const std::vector<Plane>& sigma_a,
                                               const std::vector<Plane>& absorbance,
-                                              double mm_per_texel, double tolerance) {
+                                              double mm_per_texel, ProfileAt profile,
+                                              double tolerance) {
   assert(sigma_a.size() == tables.layers.size());
   std::vector<LayerTexels> texels;
   for (std::size_t i = 0; i < sigma_a.size(); ++i) {
@@ -181,14 +199,14 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
     texels.back().sigma_a = sigma_a[i].values;
   }
   return make_heterogeneous_layers(tables, sigma_a[0].width, sigma_a[0].height, texels, absorbance,
-                                   mm_per_texel, tolerance, BasisKind::powers);
+                                   mm_per_texel, profile, tolerance);
 }
 
 HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int width, int height,
                                               const std::vector<LayerTexels>& texels,
                                               const std::vector<Plane>& absorbance,
-                                              double mm_per_texel, double tolerance,
-                                              BasisKind kind) {
+                                              double mm_per_texel, ProfileAt profile,
+                                              double tolerance) {
   assert(texels.size() == tables.layers.size() && absorbance.size() + 1 == texels.size());
   const double texel = mm_per_texel * mm_per_texel;
   HeterogeneousLayers model{
@@ -198,9 +216,12 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
   std::vector<double> variances = tables.variances;
   for (double& v : variances) v /= texel;
   const std::vector<double> scales = scales_of_gaussians(model.pyramid, variances);
-  for (std::size_t i = 0; i < texels.size(); ++i)
-    model.layers.push_back(
-        make_transport_layer(tables, i, texels[i], width, height, scales, tolerance, kind));
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const bool of_both = profile == ProfileAt::both && follows_absorption(texels[i]);
+    model.layers.push_back(make_transport_layer(
+        tables, i, of_both ? along_paths(texels[i], model.pyramid, mm_per_texel) : texels[i], width,
+        height, scales, tolerance, of_both ? ProfileAt::both : ProfileAt::exit));
+  }
   for (const Plane& sheet : absorbance) {
     Plane left = sheet;
     for (float& value : left.values) value = std::exp(-value);
@@ -233,7 +254,7 @@ TransportResult transport(const HeterogeneousLayers& model, const Plane& irradia
                                           : result.last_bounce < 1.0 - options.energy_threshold ||
                                                 result.interlayer_bounces >= most_bounces;
   };
-  auto light = detail::sum_interlayer_bounces(PlaneField(model, options.profile), irradiance,
+  auto light = detail::sum_interlayer_bounces(PlaneField(model), irradiance,
                                               options.has_local_closure, is_last);
   result.reflected = std::move(light.reflected);
   result.transmitted = light.transmitted.values.empty()

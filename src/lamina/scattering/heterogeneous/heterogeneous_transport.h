@@ -1,12 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
 #include "lamina/scattering/heterogeneous/gaussian_blurs.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
+#include "lamina/scattering/heterogeneous/path_absorption.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
@@ -23,35 +22,25 @@ struct HeterogeneousLayers {
 /// @param absorbance     [layer - 1] of the sheets between layers, natural, per crossing: light
 ///                       that crosses is multiplied by exp(-absorbance) [Donner2008] eq. 8.
 /// @param mm_per_texel   > 0.
+/// @param profile        of layers of which only absorption varies; others take that of the exit.
 /// @param tolerance      of each operator, of its largest total.
 [[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
                                                             const std::vector<Plane>& sigma_a,
                                                             const std::vector<Plane>& absorbance,
                                                             double mm_per_texel,
+                                                            ProfileAt profile = ProfileAt::both,
                                                             double tolerance = 5e-5);
 
 /// The same of layers of which anything may vary.
 ///
 /// @param texels  [layer] width * height each, or one.
-/// @param kind    powers, if transport shall take profiles of both ends
-/// @throws InvalidInput as make_transport_layer
+/// @throws InvalidInput if there are too many layers.
 [[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(
     const StackTables& tables, int width, int height, const std::vector<LayerTexels>& texels,
-    const std::vector<Plane>& absorbance, double mm_per_texel, double tolerance = 5e-5,
-    BasisKind kind = BasisKind::any);
-
-/// Whose absorption a profile is that of.
-enum class ProfileAt {
-  exit,  ///< the point where light comes out [Donner2008] eq. 5
-  both   ///< the mean, of square roots, of where it enters and comes out: several times slower
-};
-
-template <>
-inline constexpr auto enum_names<ProfileAt> =
-    std::to_array<EnumName<ProfileAt>>({{"exit", ProfileAt::exit}, {"both", ProfileAt::both}});
+    const std::vector<Plane>& absorbance, double mm_per_texel, ProfileAt profile = ProfileAt::both,
+    double tolerance = 5e-5);
 
 struct TransportOptions {
-  ProfileAt profile = ProfileAt::exit;
   /// Times that light goes down and comes back between layers; 0: as many as `energy_threshold`
   /// asks for
   int interlayer_bounces = 2;
@@ -72,7 +61,8 @@ struct TransportResult {
 ///
 ///     M = R1+[Φ] + T1-[A R2+[A T1+[Φ]]] + T1-[A R2+[A R1-[A R2+[A T1+[Φ]]]]] + ...
 ///
-/// where every operator takes its profile where light comes out. All that comes back is summed
+/// where every operator takes its profile where light comes out, or the mean of that and where it
+/// enters. All that comes back is summed
 /// before one T1-. Before the last R2+, light that goes down becomes that of all further bounces,
 /// as in a uniform skin like the one at the texel: so a uniform skin under uniform light is right
 /// from one bounce on.

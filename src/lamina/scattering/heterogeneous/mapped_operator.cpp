@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/heterogeneous/internal/basis_row.h"
+#include "lamina/scattering/heterogeneous/internal/both_ends.h"
 #include "lamina/scattering/heterogeneous/internal/operator_powers.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"
 
@@ -55,9 +58,37 @@ AbsorptionRange absorption_range(const LayerToMap& from) {
   return {std::clamp<double>(low, least, most), std::clamp<double>(high, least, most)};
 }
 
+/// Profiles of both ends. Stripes of melanin .01 and .06 differ by less than .2 % from those of
+/// four terms.
+void add_both_ends(const LayerToMap& from, const std::function<LatticePlace(double)>& place_at,
+                   TransportLayer& layer) {
+  constexpr std::size_t terms = 2;
+  const auto each = operator_tables(from.tables.layers[from.index]);
+  const detail::BothEnds ends(
+      [&](double x) {
+        std::array<std::vector<double>, 4> weights;
+        for (std::size_t which = 0; which < each.size(); ++which)
+          if (!each[which]->weights.empty())
+            weights[which] = weights_at(from.lattice(), *each[which], place_at(x));
+        return weights;
+      },
+      terms);
+  for (std::size_t t = 0; t < ends.terms(); ++t) {
+    TransportLayer::OfEntry& entry = layer.of_entry.emplace_back();
+    entry.factor = detail::fit_powers([&](double x) { return std::vector{ends.entry(t, x)}; },
+                                      {0.0}, std::array{1.0}, 1e-6)
+                       .weights;
+    for (std::size_t which = 0; which < each.size(); ++which)
+      if (!each[which]->weights.empty())
+        entry.operators[which] =
+            detail::fit_powers([&](double x) { return ends.exit(t, which, x); },
+                               from.tables.variances, from.scales, from.tolerance);
+  }
+}
+
 /// @param most_powers_wanted  if more are needed the layer has no basis
 TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
-                               std::size_t most_powers_wanted) {
+                               std::size_t most_powers_wanted, ProfileAt profile) {
   const StateLattice& lattice = from.lattice();
   const double last = static_cast<double>(lattice.axes[0].nodes - 1);
   const bool varies_in_absorption = from.varies_in_absorption();
@@ -79,6 +110,7 @@ TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
   if (std::ranges::max(layer.operators, {}, terms).terms > most_powers_wanted) return layer;
   if (varies_in_absorption) {
     layer.basis.coordinate = absorption_coordinate({width, height, from.texels.sigma_a}, range);
+    if (profile == ProfileAt::both) add_both_ends(from, place_at, layer);
     return layer;
   }
   layer.basis.coordinate = make_plane(width, height);
@@ -205,19 +237,47 @@ MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTab
 TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
                                     const LayerTexels& texels, int width, int height,
                                     std::span<const double> scales, double tolerance,
-                                    BasisKind kind) {
+                                    ProfileAt profile) {
   const LayerToMap layer{tables, i, texels, scales, tolerance};
   if (is_uniform(texels)) return uniform_layer(layer, width, height);
   if (tables.lattices[i].axes.size() == 1) {
     constexpr std::size_t most_short_powers = 12;
     TransportLayer powers = layer_of_powers(
-        layer, width, height, kind == BasisKind::powers ? detail::most_powers : most_short_powers);
+        layer, width, height,
+        profile == ProfileAt::both && layer.varies_in_absorption() ? detail::most_powers
+                                                                   : most_short_powers,
+        profile);
     if (!powers.basis.coordinate.values.empty()) return powers;
   }
-  if (kind == BasisKind::powers)
-    throw InvalidInput(
-        "profiles of both ends need layers of which one quantity varies: take those of the exit");
   return layer_of_modes(layer, width, height);
+}
+
+std::vector<Plane> apply_layer(const BlurPyramid& pyramid, const Plane& input,
+                               const TransportLayer& layer, std::span<const std::size_t> which) {
+  const auto apply = [&](const Plane& light, const std::array<MappedOperator, 4>& all) {
+    std::vector<const MappedOperator*> operators;
+    for (const std::size_t w : which) operators.push_back(&all[w]);
+    return apply_operators(pyramid, light, layer.basis, operators);
+  };
+  if (layer.of_entry.empty()) return apply(input, layer.operators);
+  std::vector<Plane> sums;
+  detail::BasisRow functions(layer.basis);
+  for (const TransportLayer::OfEntry& entry : layer.of_entry) {
+    Plane light = make_plane(input.width, input.height);
+    for (int y = 0; y < input.height; ++y) {
+      functions.move_to(y);
+      functions.add_times_sum(detail::row_of(input, y), entry.factor, detail::row_of(light, y),
+                              static_cast<std::size_t>(input.width));
+    }
+    std::vector<Plane> parts = apply(light, entry.operators);
+    if (sums.empty()) {
+      sums = std::move(parts);
+      continue;
+    }
+    for (std::size_t o = 0; o < sums.size(); ++o)
+      for (std::size_t i = 0; i < light.values.size(); ++i) sums[o].values[i] += parts[o].values[i];
+  }
+  return sums;
 }
 
 TransportLayer ground_layer(double reflectance, int width, int height, std::size_t scales) {

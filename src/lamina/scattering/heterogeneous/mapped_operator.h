@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
+#include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/path_absorption.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
+#include "lamina/scattering/heterogeneous/texel_operators.h"
 
 namespace lamina {
 
@@ -37,12 +40,19 @@ struct AbsorptionRange {
 struct TransportLayer {
   TexelBasis basis;
   std::array<MappedOperator, 4> operators;  ///< R+, T+, R-, T-; a half-space has the first only
+  /// Where profiles are those of both ends: what becomes of the light times a function of where it
+  /// enters.
+  struct OfEntry {
+    std::vector<float> factor;  ///< [term] of the basis
+    std::array<MappedOperator, 4> operators;
+  };
+  std::vector<OfEntry> of_entry;  ///< empty: profiles of the exit
 };
 
-enum class BasisKind {
-  any,
-  powers  ///< so that profiles of both ends can be had, however many powers it takes
-};
+/// What operators of a layer make of light, [operator].
+[[nodiscard]] std::vector<Plane> apply_layer(const BlurPyramid& pyramid, const Plane& input,
+                                             const TransportLayer& layer,
+                                             std::span<const std::size_t> which);
 
 /// The operators of layer i of a stack as its states vary over texels.
 ///
@@ -55,11 +65,10 @@ enum class BasisKind {
 ///
 /// @param texels  width * height of them, or one where all are the same
 /// @param scales  of the tables' Gaussians, as scales_of_gaussians gives them
-/// @throws InvalidInput where powers are asked for and more than one axis varies.
 [[nodiscard]] TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
                                                   const LayerTexels& texels, int width, int height,
                                                   std::span<const double> scales, double tolerance,
-                                                  BasisKind kind = BasisKind::any);
+                                                  ProfileAt profile = ProfileAt::exit);
 
 /// A ground that returns a part of the light where it arrives.
 /// @param scales  how many there are

@@ -31,18 +31,53 @@ void add_operator(int band, const MappedOperator& from, std::size_t scales, Cell
   }
 }
 
+/// Functions of the basis that a layer's operators use.
+template <class Layer>
+std::size_t terms_of(const Layer& layer) {
+  std::size_t terms = 1;
+  for (const auto& op : layer.operators) terms = std::max(terms, op.terms);
+  for (const auto& entry : layer.of_entry) {
+    terms = std::max(terms, entry.factor.size());
+    for (const auto& op : entry.operators) terms = std::max(terms, op.terms);
+  }
+  return terms;
+}
+
 /// The powers of the coordinate as modes, so that a band that needs modes can stand beside.
 template <int N>
 void turn_to_modes(typename SurfaceLayers<N>::Layer& layer) {
   CellBasis<N>& basis = layer.basis;
-  std::size_t terms = 1;
-  for (const CellOperator<N>& op : layer.operators) terms = std::max(terms, op.terms);
+  const std::size_t terms = terms_of(layer);
   basis.modes.assign(terms, CellField<N>(basis.coordinate.size(), BandValues<N>::filled(1.0f)));
   for (std::size_t p = 1; p < terms; ++p)
     for_cells(basis.coordinate.size(), [&](std::size_t i) {
       basis.modes[p][i] = basis.modes[p - 1][i] * basis.coordinate[i];
     });
   basis.coordinate = {};
+}
+
+/// The operators of both ends of one band. A band without makes do with those of the exit.
+template <int N>
+void add_both_ends(int band, const TransportLayer& from, std::size_t scales,
+                   typename SurfaceLayers<N>::Layer& layer) {
+  if (layer.of_entry.size() < from.of_entry.size()) {
+    // Bands so far have the same profiles at all cells.
+    layer.of_entry.resize(from.of_entry.size());
+    layer.of_entry[0].factor = {BandValues<N>::filled(1.0f)};
+    layer.of_entry[0].operators = layer.operators;
+  }
+  for (std::size_t t = 0; t < layer.of_entry.size(); ++t) {
+    auto& entry = layer.of_entry[t];
+    if (from.of_entry.empty() && t > 0) continue;
+    const std::vector<float> factor =
+        from.of_entry.empty() ? std::vector{1.0f} : from.of_entry[t].factor;
+    entry.factor.resize(std::max(entry.factor.size(), factor.size()));
+    for (std::size_t p = 0; p < factor.size(); ++p) entry.factor[p][band] = factor[p];
+    const auto& operators = from.of_entry.empty() ? from.operators : from.of_entry[t].operators;
+    for (std::size_t which = 0; which < 4; ++which)
+      if (operators[which].terms > 0)
+        add_operator(band, operators[which], scales, entry.operators[which]);
+  }
 }
 
 /// One band of a layer, in the lane of that band.
@@ -52,6 +87,7 @@ void add_layer(int band, const TransportLayer& from, std::size_t cells, std::siz
   CellBasis<N>& basis = layer.basis;
   if (basis.coordinate.empty() && basis.modes.empty()) basis.coordinate.resize(cells);
   if (!from.basis.modes.empty() && basis.modes.empty()) turn_to_modes<N>(layer);
+  add_both_ends<N>(band, from, scales, layer);
   for (std::size_t which = 0; which < 4; ++which)
     if (from.operators[which].terms > 0)
       add_operator(band, from.operators[which], scales, layer.operators[which]);
@@ -60,8 +96,7 @@ void add_layer(int band, const TransportLayer& from, std::size_t cells, std::siz
       basis.coordinate[i][band] = from.basis.coordinate.values[i];
     return;
   }
-  const auto terms = [](const MappedOperator& op) { return op.terms; };
-  const std::size_t count = std::ranges::max(from.operators, {}, terms).terms;
+  const std::size_t count = terms_of(from);
   while (basis.modes.size() < count) basis.modes.emplace_back(cells);
   for (std::size_t i = 0; i < cells; ++i) {
     float power = 1.0f;
@@ -79,6 +114,30 @@ BandValues<N> total_at(const typename SurfaceLayers<N>::Layer& layer, LayerOpera
   const CellOperator<N>& op = layer.operators[which];
   if (op.terms == 0) return {};
   return basis_sum(layer.basis, cell, op.terms, [&](std::size_t p) { return op.totals[p]; });
+}
+
+/// The texels of one band with absorption as light on its way meets it.
+LayerTexels along_paths(const CellGraph& graph, const LayerTexels& texels) {
+  constexpr int lanes = 4;  // of which one is used
+  const CellLevel& level = graph.levels.front();
+  PathAbsorption absorption(texels);
+  for (std::size_t i = 0; i < level.area.size(); ++i)
+    for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k)
+      if (level.neighbors[k].cell > i) absorption.add_neighbors(i, level.neighbors[k].cell);
+  const double variance = std::pow(absorption.width(), 2);
+  if (variance == 0.0) return texels;
+  CellOperator<lanes> blur{.terms = 1, .weights = {}, .totals = {}};
+  for (const double weight : cell_scales_of_gaussians(graph, std::array{variance}))
+    blur.weights.push_back(BandValues<lanes>::filled(static_cast<float>(weight)));
+  CellField<lanes> field(texels.sigma_a.size());
+  for (std::size_t i = 0; i < field.size(); ++i) field[i][0] = texels.sigma_a[i];
+  field = apply_cell_operators<lanes>(graph, field, {.coordinate = CellField<lanes>(field.size())},
+                                      std::array<const CellOperator<lanes>*, 1>{&blur})[0];
+  const auto [least, most] = std::ranges::minmax(texels.sigma_a);
+  LayerTexels result = texels;
+  for (std::size_t i = 0; i < field.size(); ++i)
+    result.sigma_a[i] = std::clamp(field[i][0], least, most);
+  return result;
 }
 
 /// Cells of a surface in all bands, as detail::sum_interlayer_bounces takes them.
@@ -107,10 +166,7 @@ class SurfaceField {
   }
   [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
                                           LayerOperator second, const Light& light) const {
-    const auto& at = layers_.layers[layer];
-    const std::array<const CellOperator<N>*, 2> operators = {&at.operators[first],
-                                                             &at.operators[second]};
-    auto both = apply_cell_operators<N>(*layers_.graph, light, at.basis, operators);
+    auto both = apply(layer, std::array{first, second}, light);
     return {std::move(both[0]), std::move(both[1])};
   }
   void multiply(Light& light, std::size_t junction) const {
@@ -155,9 +211,32 @@ class SurfaceField {
 
  private:
   [[nodiscard]] Light blur_alone(std::size_t layer, LayerOperator which, const Light& light) const {
+    return std::move(apply(layer, std::array{which}, light)[0]);
+  }
+  template <std::size_t K>
+  [[nodiscard]] std::vector<Light> apply(std::size_t layer,
+                                         const std::array<LayerOperator, K>& which,
+                                         const Light& light) const {
     const auto& at = layers_.layers[layer];
-    const std::array<const CellOperator<N>*, 1> operators = {&at.operators[which]};
-    return std::move(apply_cell_operators<N>(*layers_.graph, light, at.basis, operators)[0]);
+    const auto those = [&](const std::array<CellOperator<N>, 4>& all) {
+      std::array<const CellOperator<N>*, K> operators;
+      for (std::size_t k = 0; k < K; ++k) operators[k] = &all[which[k]];
+      return operators;
+    };
+    if (at.of_entry.empty())
+      return apply_cell_operators<N>(*layers_.graph, light, at.basis, those(at.operators));
+    std::vector<Light> sums(K);
+    Light entered(light.size());
+    for (const auto& entry : at.of_entry) {
+      for_cells(light.size(), [&](std::size_t i) {
+        entered[i] = light[i] * basis_sum(at.basis, i, entry.factor.size(),
+                                          [&](std::size_t p) { return entry.factor[p]; });
+      });
+      auto parts =
+          apply_cell_operators<N>(*layers_.graph, entered, at.basis, those(entry.operators));
+      for (std::size_t k = 0; k < K; ++k) add(sums[k], std::move(parts[k]));
+    }
+    return sums;
   }
   static float largest(const Light& field) {
     float most = 0.0f;
@@ -206,11 +285,15 @@ void SurfaceLayers<N>::add_band(int band, const StackTables& tables,
     junctions.assign(layers.size() - 1, CellField<N>(cells, BandValues<N>::filled(1.0f)));
   }
   const std::vector<double> blurs = cell_scales_of_gaussians(*graph, tables.variances);
-  for (std::size_t l = 0; l < texels.size(); ++l)
+  for (std::size_t l = 0; l < texels.size(); ++l) {
+    const bool of_both = follows_absorption(texels[l]);
     add_layer<N>(
         band,
-        make_transport_layer(tables, l, texels[l], static_cast<int>(cells), 1, blurs, tolerance),
+        make_transport_layer(tables, l, of_both ? along_paths(*graph, texels[l]) : texels[l],
+                             static_cast<int>(cells), 1, blurs, tolerance,
+                             of_both ? ProfileAt::both : ProfileAt::exit),
         cells, scales, layers[l]);
+  }
   for (std::size_t j = 0; j < absorbance.size(); ++j)
     for (std::size_t i = 0; i < cells; ++i)
       junctions[j][i][band] = std::exp(-absorbance[j][absorbance[j].size() > 1 ? i : 0]);

@@ -19,6 +19,11 @@ struct SurfaceLayers {
   struct Layer {
     CellBasis<N> basis;
     std::array<CellOperator<N>, 4> operators;  ///< R+, T+, R-, T-; a half-space has R+ only
+    struct OfEntry {
+      std::vector<BandValues<N>> factor;  ///< [term]
+      std::array<CellOperator<N>, 4> operators;
+    };
+    std::vector<OfEntry> of_entry;  ///< as TransportLayer has them, for all bands or none
   };
   std::vector<Layer> layers;            ///< from the lit surface downward; a ground is the last
   std::vector<CellField<N>> junctions;  ///< [layer - 1] what a crossing leaves
@@ -52,7 +57,7 @@ struct SurfaceTransportResult {
 };
 
 /// What becomes of light that has entered: `transport` of heterogeneous_transport.h on a surface,
-/// with the profile of the exit.
+/// with profiles of both ends where only absorption varies.
 ///
 /// @param irradiance  [cell] flux that enters per area.
 /// @param interlayer_bounces  times that light comes back from below before the series is closed

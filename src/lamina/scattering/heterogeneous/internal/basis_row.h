@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/texel_operators.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
 #include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
 
