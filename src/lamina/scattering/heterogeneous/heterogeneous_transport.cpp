@@ -9,7 +9,7 @@
 #include <string>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/heterogeneous/internal/basis_row.h"
+#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 #include "lamina/scattering/heterogeneous/path_absorption.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/heterogeneous/internal/basis_row.h"
+#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/both_ends.h"
 #include "lamina/scattering/heterogeneous/internal/operator_powers.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
 #include "lamina/scattering/heterogeneous/path_absorption.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
-#include "lamina/scattering/heterogeneous/texel_operators.h"
 
 namespace lamina {
 

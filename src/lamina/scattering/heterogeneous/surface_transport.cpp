@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/scattering/heterogeneous/internal/for_cells.h"
+#include "lamina/scattering/heterogeneous/blurs/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"

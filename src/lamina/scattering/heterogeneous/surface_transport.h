@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/cell_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 #include "lamina/scattering/heterogeneous/thin_parts.h"
 

@@ -9,8 +9,8 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/core/parallel_chunks.h"
+#include "lamina/scattering/heterogeneous/blurs/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/facing_cells.h"
-#include "lamina/scattering/heterogeneous/internal/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/scattering/heterogeneous/cell_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {

@@ -8,10 +8,10 @@
 namespace lamina::detail {
 namespace {
 
-constexpr std::size_t nodes = 16;  // Chebyshev points in [-1, 1]
+constexpr std::size_t entry_nodes = 16;  // Chebyshev points in [-1, 1]
 
 double angle_of(std::size_t node) {
-  return std::numbers::pi * (static_cast<double>(node) + 0.5) / nodes;
+  return std::numbers::pi * (static_cast<double>(node) + 0.5) / entry_nodes;
 }
 
 using NodeValues = std::vector<double>;
@@ -26,8 +26,8 @@ std::vector<NodeValues> largest_eigenvectors(const std::vector<NodeValues>& matr
                                              std::size_t count) {
   std::vector<NodeValues> vectors;
   for (std::size_t v = 0; v < count; ++v) {
-    vectors.emplace_back(nodes);
-    for (std::size_t k = 0; k < nodes; ++k)
+    vectors.emplace_back(entry_nodes);
+    for (std::size_t k = 0; k < entry_nodes; ++k)
       vectors[v][k] = std::cos(static_cast<double>(v) * angle_of(k));
   }
   constexpr int iterations = 60;
@@ -37,7 +37,7 @@ std::vector<NodeValues> largest_eigenvectors(const std::vector<NodeValues>& matr
       for (const NodeValues& row : matrix) next.push_back(product(row, vectors[v]));
       for (std::size_t before = 0; before < v; ++before) {
         const double part = product(next, vectors[before]);
-        for (std::size_t k = 0; k < nodes; ++k) next[k] -= part * vectors[before][k];
+        for (std::size_t k = 0; k < entry_nodes; ++k) next[k] -= part * vectors[before][k];
       }
       const double length = std::sqrt(product(next, next));
       if (length == 0.0) return {vectors.begin(), vectors.begin() + static_cast<std::ptrdiff_t>(v)};
@@ -50,13 +50,13 @@ std::vector<NodeValues> largest_eigenvectors(const std::vector<NodeValues>& matr
 }  // namespace
 
 BothEnds::BothEnds(WeightsOfOperators weights, std::size_t terms) : weights_(std::move(weights)) {
-  std::vector<NodeValues> gram(nodes, NodeValues(nodes));
-  for (std::size_t j = 0; j < nodes; ++j) {
+  std::vector<NodeValues> gram(entry_nodes, NodeValues(entry_nodes));
+  for (std::size_t j = 0; j < entry_nodes; ++j) {
     std::vector<std::array<std::vector<double>, 4>> row;
-    for (std::size_t k = 0; k < nodes; ++k)
+    for (std::size_t k = 0; k < entry_nodes; ++k)
       row.push_back(weights_(0.5 * (std::cos(angle_of(j)) + std::cos(angle_of(k)))));
-    for (std::size_t k = 0; k < nodes; ++k)
-      for (std::size_t l = 0; l < nodes; ++l)
+    for (std::size_t k = 0; k < entry_nodes; ++k)
+      for (std::size_t l = 0; l < entry_nodes; ++l)
         for (std::size_t which = 0; which < 4; ++which)
           gram[k][l] += product(row[k][which], row[l][which]);
   }
@@ -66,7 +66,7 @@ BothEnds::BothEnds(WeightsOfOperators weights, std::size_t terms) : weights_(std
 double BothEnds::entry(std::size_t term, double y) const {
   // Interpolation at Chebyshev points, barycentric.
   double above = 0.0, below = 0.0;
-  for (std::size_t k = 0; k < nodes; ++k) {
+  for (std::size_t k = 0; k < entry_nodes; ++k) {
     const double distance = y - std::cos(angle_of(k));
     if (distance == 0.0) return entry_[term][k];
     const double share = (k % 2 == 0 ? 1.0 : -1.0) * std::sin(angle_of(k)) / distance;
@@ -79,7 +79,7 @@ double BothEnds::entry(std::size_t term, double y) const {
 std::vector<double> BothEnds::exit(std::size_t term, std::size_t which, double x) const {
   const auto projection = [&](std::size_t t) {
     std::vector<double> sum;
-    for (std::size_t k = 0; k < nodes; ++k) {
+    for (std::size_t k = 0; k < entry_nodes; ++k) {
       const std::vector<double> at = weights_(0.5 * (x + std::cos(angle_of(k))))[which];
       sum.resize(at.size());
       for (std::size_t i = 0; i < at.size(); ++i) sum[i] += entry_[t][k] * at[i];

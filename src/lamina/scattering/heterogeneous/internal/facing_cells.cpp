@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lamina/core/parallel_chunks.h"
-#include "lamina/scattering/heterogeneous/cell_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 
 namespace lamina::detail {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/scattering/heterogeneous/cell_graph.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 
 namespace lamina::detail {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/texel_operators.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"
 
 namespace lamina::detail {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/scattering/heterogeneous/cell_graph.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/surface_point.h"
 

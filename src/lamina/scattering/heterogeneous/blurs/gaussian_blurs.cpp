@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "lamina/core/dense_matrix.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
 
 namespace lamina {
 namespace {

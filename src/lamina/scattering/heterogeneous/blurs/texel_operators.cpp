@@ -1,13 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/texel_operators.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
 
 #include <array>
 #include <cassert>
 #include <numeric>
 
-#include "lamina/scattering/heterogeneous/internal/basis_row.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
 
 namespace lamina {
 namespace {

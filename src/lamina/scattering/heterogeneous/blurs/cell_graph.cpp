@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/cell_graph.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 
 #include <algorithm>
 #include <cassert>

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 
 // The grids of gaussian_blurs.cpp, each coarser by about two than the one before, and the way
 // between them.

@@ -1,11 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
 
 namespace lamina::detail {
 namespace {

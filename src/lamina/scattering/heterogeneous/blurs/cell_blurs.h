@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/cell_graph.h"
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/cell_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/scattering/heterogeneous/internal/for_cells.h"
+#include "lamina/scattering/heterogeneous/blurs/for_cells.h"
 
 namespace lamina {
 namespace {

@@ -1,8 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.cpp"
+#define HWY_TARGET_INCLUDE \
+  "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 
 namespace lamina {
 

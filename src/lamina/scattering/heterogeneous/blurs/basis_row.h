@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/texel_operators.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_grids.h"
-#include "lamina/scattering/heterogeneous/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
 
 namespace lamina::detail {
 

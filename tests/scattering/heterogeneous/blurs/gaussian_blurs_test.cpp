@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "lamina/scattering/heterogeneous/texel_operators.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
 
 namespace lamina {
 namespace {
