@@ -49,20 +49,25 @@ TruncatedPhase truncate(const PhaseFunction& phase, int count) {
   return truncated;
 }
 
-GridLayer make_grid_layer(const Layer& layer, double ior, double reach, const DirectionGrid& grid) {
+int carried_moments(const DirectionGrid& grid, double ior) {
   const std::size_t n = active_count(grid, ior);
   std::size_t regular = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (grid.etendue[i] > extra_node_etendue) ++regular;
+  // A rule of n nodes carries 2 n moments; pieced together of segments, somewhat less (measured).
+  const bool is_one_piece = grid.segment_ior.front() == grid.segment_ior[n - 1];
+  return 2 *
+         static_cast<int>(std::floor((is_one_piece ? 1.0 : 0.85) * static_cast<double>(regular)));
+}
+
+GridLayer make_grid_layer(const Layer& layer, double ior, double reach, const DirectionGrid& grid) {
+  const std::size_t n = active_count(grid, ior);
   GridLayer made;
   for (std::size_t i = 0; i < n; ++i) {
     made.cos.push_back(cosine(grid, i, ior));
     made.weight.push_back(std::sqrt(grid.etendue[i]) / (ior * made.cos[i]));
-    if (grid.etendue[i] > extra_node_etendue) ++regular;
   }
-  // A rule of n nodes carries 2 n moments; pieced together of segments, somewhat less (measured).
-  const bool is_one_piece = grid.segment_ior.front() == grid.segment_ior[n - 1];
-  const int count =
-      2 * static_cast<int>(std::floor((is_one_piece ? 1.0 : 0.85) * static_cast<double>(regular)));
-  const TruncatedPhase phase = truncate(phase_function(layer), count);
+  const TruncatedPhase phase = truncate(phase_function(layer), carried_moments(grid, ior));
   const double sigma_s = layer.medium.sigma_s;
   made.sigma_t = layer.medium.sigma_a + sigma_s * (1.0 - phase.forward_peak);
   made.sigma_s = sigma_s * (1.0 - phase.forward_peak - phase.backward_peak);
@@ -134,12 +139,11 @@ PhaseMode phase_mode(const std::vector<double>& moments, const std::vector<doubl
   return mode;
 }
 
-LayerOperators layer_operators(const GridLayer& layer, int m) {
+TransferMatrices transfer_matrices(const GridLayer& layer, int m) {
   const std::size_t n = layer.cos.size();
-  if (layer.sigma_s == 0.0 && layer.backward == 0.0) return clear_layer_operators(layer);
   const PhaseMode mode = phase_mode(layer.moments, layer.cos, m);
-  Matrix A(n, n), B(n, n);
-  double fastest = 0.0;
+  TransferMatrices transfer{Matrix(n, n), Matrix(n, n)};
+  auto& [A, B] = transfer;
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t i = 0; i < n; ++i) {
       const double scattering = 0.25 * layer.sigma_s * layer.weight[i] * layer.weight[j];
@@ -148,14 +152,19 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
     }
     A(j, j) -= node_extinction(layer, j) / layer.cos[j];
     B(j, j) += (m % 2 == 0 ? 1.0 : -1.0) * layer.backward / layer.cos[j];
-    fastest = std::max(fastest, layer.sigma_t / layer.cos[j]);
   }
-  const bool has_bottom = std::isfinite(layer.thickness);
-  SlabProblem problem{.size = static_cast<int>(n),
-                      .even = static_cast<int>(n),
-                      .forward = A.values.data(),
-                      .backward = B.values.data()};
-  if (has_bottom) {
+  return transfer;
+}
+
+SlabProblem slab_problem(const GridLayer& layer, const TransferMatrices& transfer) {
+  const int n = static_cast<int>(layer.cos.size());
+  double fastest = 0.0;
+  for (const double cos : layer.cos) fastest = std::max(fastest, layer.sigma_t / cos);
+  SlabProblem problem{.size = n,
+                      .even = n,
+                      .forward = transfer.forward.values.data(),
+                      .backward = transfer.backward.values.data()};
+  if (std::isfinite(layer.thickness)) {
     problem.doublings =
         static_cast<int>(std::ceil(std::max(0.0, std::log2(layer.thickness * fastest))));
     problem.step = std::ldexp(layer.thickness, -problem.doublings);
@@ -164,15 +173,29 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
     problem.step = 1.0 / fastest;
     problem.opaque = opaque_transmission;
   }
-  std::vector<double> root_etendue;
+  return problem;
+}
+
+std::vector<double> root_etendues(const GridLayer& layer) {
+  std::vector<double> roots;
+  for (std::size_t i = 0; i < layer.cos.size(); ++i)
+    roots.push_back(layer.weight[i] * layer.ior * layer.cos[i]);
+  return roots;
+}
+
+LayerOperators layer_operators(const GridLayer& layer, int m) {
+  if (layer.sigma_s == 0.0 && layer.backward == 0.0) return clear_layer_operators(layer);
+  const std::size_t n = layer.cos.size();
+  const TransferMatrices transfer = transfer_matrices(layer, m);
+  SlabProblem problem = slab_problem(layer, transfer);
+  std::vector<double> roots;
   if (m == 0 && layer.sigma_a == 0.0) {
-    for (std::size_t i = 0; i < n; ++i)
-      root_etendue.push_back(layer.weight[i] * layer.ior * layer.cos[i]);
-    problem.conserved = root_etendue.data();
+    roots = root_etendues(layer);
+    problem.conserved = roots.data();
   }
   LayerOperators operators{Matrix(n, n), Matrix(n, n)};
   double_slab(problem, operators.reflection.values.data(), operators.transmission.values.data());
-  if (!has_bottom)
+  if (!std::isfinite(layer.thickness))
     std::fill(operators.transmission.values.begin(), operators.transmission.values.end(), 0.0);
   return operators;
 }

@@ -24,6 +24,9 @@ struct TruncatedPhase {
 /// Keeps at most `count` moments (even, >= 2), fewer where the rest vanishes.
 [[nodiscard]] TruncatedPhase truncate(const PhaseFunction& phase, int count);
 
+/// How many moments the nodes of a medium can carry.
+[[nodiscard]] int carried_moments(const DirectionGrid& grid, double ior);
+
 /// One layer on a direction grid: all that does not depend on the azimuthal mode.
 struct GridLayer {
   double sigma_a = 0.0;     ///< [1/mm]
@@ -70,6 +73,18 @@ struct LayerOperators {
   Matrix reflection, transmission;
 };
 [[nodiscard]] LayerOperators layer_operators(const GridLayer& layer, int m);
+
+/// The equation of transfer on the layer's nodes, as in SlabProblem.
+struct TransferMatrices {
+  Matrix forward, backward;
+};
+[[nodiscard]] TransferMatrices transfer_matrices(const GridLayer& layer, int m);
+
+/// From which thickness, and how often, a layer that scatters is doubled. Points to `transfer`.
+[[nodiscard]] SlabProblem slab_problem(const GridLayer& layer, const TransferMatrices& transfer);
+
+/// Square roots of the nodes' etendues, for SlabProblem::conserved.
+[[nodiscard]] std::vector<double> root_etendues(const GridLayer& layer);
 
 /// For each layer the largest p that outside, a scattering layer or a rough boundary can bring into
 /// it. Directions beyond would be caught in a clear layer for ever.

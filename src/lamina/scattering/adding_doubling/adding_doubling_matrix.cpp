@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <utility>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -12,114 +10,18 @@
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //
-#include "lamina/scattering/adding_doubling/internal/linear_solve-inl.h"
 #include "lamina/scattering/adding_doubling/internal/slab_doubling-inl.h"
+#include "lamina/scattering/adding_doubling/internal/thin_slab-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lamina::detail::HWY_NAMESPACE {
 
 using Batch = Dense<AcrossMatrices>;
 
-Single padded(const double* values, std::size_t rows, std::size_t columns) {
-  Single m(rows, columns);
-  for (std::size_t j = 0; j < columns; ++j) std::copy_n(values + j * rows, rows, m.element(0, j));
-  return m;
-}
-
-void unpad(const Single& m, double* values) {
-  for (std::size_t j = 0; j < m.columns(); ++j)
-    std::copy_n(m.element(0, j), m.rows(), values + j * m.rows());
-}
-
-Single times(const Single& a, const Single& b) {
-  Single out(a.rows(), b.columns());
-  add_product<AlongRows>(target(out), source(a), factors(b), a.vectors(), a.columns(), b.columns(),
-                         replace);
-  return out;
-}
-
-/// A sum of multiples.
-Single combined(std::initializer_list<std::pair<double, const Single*>> terms) {
-  const D d;
-  Single out(terms.begin()->second->rows(), terms.begin()->second->columns());
-  for (std::size_t k = 0; k < out.size(); k += lanes()) {
-    V sum = hn::Zero(d);
-    for (const auto& [factor, m] : terms)
-      sum = hn::MulAdd(hn::Set(d, factor), hn::Load(d, m->data() + k), sum);
-    hn::Store(sum, d, out.data() + k);
-  }
-  return out;
-}
-
-Single transpose(const Single& m) {
-  Single out(m.columns(), m.rows());
-  for (std::size_t j = 0; j < m.rows(); ++j) {
-    double* const column = out.element(0, j);
-    for (std::size_t i = 0; i < m.columns(); ++i) column[i] = *m.element(j, i);
-  }
-  return out;
-}
-
-/// Changes the sign of part of a column.
-void flip(Single& m, std::size_t j, std::size_t first, std::size_t last) {
-  for (double* value = m.element(first, j); value != m.element(last, j); ++value) *value = -*value;
-}
-
-/// The even and odd solutions of a thin layer, which need no matrix of twice the size.
-struct ThinSlab {
-  Single H, K;  ///< reflection and transmission, times the signs and so symmetric
-};
-
-/// With U = A + B, V = A - B, x half the thickness, C = cosh(x sqrt(VU)) and S = U sinh(x
-/// sqrt(VU)) / sqrt(VU), reflection plus transmission is (C + S) (C - S)^-1; the same with U and V
-/// exchanged is transmission minus reflection.
-ThinSlab thin_slab(const SlabProblem& problem) {
+ThinSlab<Single> thin_slab(const SlabProblem& problem) {
   const auto n = static_cast<std::size_t>(problem.size);
-  const auto even = static_cast<std::size_t>(problem.even);
-  const Single A = padded(problem.forward, n, n), B = padded(problem.backward, n, n);
-  const double x = 0.5 * problem.step;
-  const Single plus = combined({{x, &A}, {x, &B}}), minus = combined({{x, &A}, {-x, &B}});
-  const Single G = times(minus, plus), G2 = times(G, G), G3 = times(G2, G);
-  // cosh(y) = sum y^2j / (2j)!, sinh(y) / y = sum y^2j / (2j + 1)! in y^2 = G, up to G^6.
-  const auto series = [&](double c1, double c2, double c3, double c4, double c5, double c6) {
-    Single high = combined({{1.0 / c4, &G}, {1.0 / c5, &G2}, {1.0 / c6, &G3}});
-    add_to_diagonal(high, 1.0 / c3);
-    Single sum = combined({{1.0 / c1, &G}, {1.0 / c2, &G2}});
-    add_product<AlongRows>(target(sum), source(G3), factors(high), sum.vectors(), n, n, add);
-    add_to_diagonal(sum, 1.0);
-    return sum;
-  };
-  const Single cosh_part = series(2.0, 24.0, 720.0, 40320.0, 3628800.0, 479001600.0);
-  const Single sinh_over_y = series(6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0);
-
-  // Solves for the transpose of (C + S)(C - S)^-1, which is it but for the signs.
-  const auto quotient = [&](const Single& C, const Single& S) {
-    Single below = transpose(combined({{1.0, &C}, {-1.0, &S}}));
-    Single above = transpose(combined({{1.0, &C}, {1.0, &S}}));
-    Elimination(below, above).solve();
-    for (std::size_t j = 0; j < n; ++j) flip(above, j, even, n);
-    const Single other = transpose(above);
-    return combined({{0.5, &above}, {0.5, &other}});
-  };
-  const Single sum = quotient(cosh_part, times(plus, sinh_over_y));
-  // Reciprocity: f(UV) is the transpose of f(VU) but for the signs.
-  const auto other_order = [&](const Single& m) {
-    Single turned = transpose(m);
-    for (std::size_t j = 0; j < n; ++j)
-      j < even ? flip(turned, j, even, n) : flip(turned, j, 0, even);
-    return turned;
-  };
-  const Single difference =  // transmission - reflection
-      quotient(other_order(cosh_part), times(minus, other_order(sinh_over_y)));
-  return {.H = combined({{0.5, &sum}, {-0.5, &difference}}),
-          .K = combined({{0.5, &sum}, {0.5, &difference}})};
-}
-
-void restore_energy(const double* root_etendue, const Single& H, Single& K) {
-  const Single root = padded(root_etendue, H.rows(), 1), both = combined({{1.0, &H}, {1.0, &K}});
-  const Single left = times(both, root);  // symmetric: also what leaves per state
-  for (std::size_t j = 0; j < K.columns(); ++j)
-    *K.element(j, j) += 1.0 - *left.element(j, 0) / root_etendue[j];
+  return thin_slab(padded(problem.forward, n, n), padded(problem.backward, n, n),
+                   0.5 * problem.step, static_cast<std::size_t>(problem.even));
 }
 
 int double_slab(const SlabProblem& problem, double* reflection, double* transmission) {
@@ -151,14 +53,15 @@ void double_batch(std::span<const SlabProblem> problems, double* const* reflecti
   const auto even = static_cast<std::size_t>(problems[0].even);
   int doublings = 0;
   for (const SlabProblem& problem : problems) doublings = std::max(doublings, problem.doublings);
-  std::vector<ThinSlab> thin;
+  std::vector<ThinSlab<Single>> thin;
   for (SlabProblem problem : problems) {
     problem.step = std::ldexp(problem.step, problem.doublings - doublings);
     thin.push_back(thin_slab(problem));
   }
   Batch H(n, n), K(n, n);
   for (std::size_t l = 0; l < lanes(); ++l) {
-    const ThinSlab& of_lane = thin[std::min(l, thin.size() - 1)];  // a lane too many repeats it
+    const ThinSlab<Single>& of_lane =
+        thin[std::min(l, thin.size() - 1)];  // a lane too many repeats it
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t i = 0; i < n; ++i) {
         H.element(i, j)[l] = *of_lane.H.element(i, j);

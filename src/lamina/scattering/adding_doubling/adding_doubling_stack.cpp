@@ -10,9 +10,7 @@
 #include "lamina/core/number_text.h"
 
 namespace lamina::detail {
-namespace {
 
-/// What a smooth interface sends back to the side of the first index.
 Matrix mirror(const DirectionGrid& grid, double ior, double ior_beyond) {
   const std::size_t n = active_count(grid, ior), beyond = active_count(grid, ior_beyond);
   Matrix reflection(n, n);
@@ -21,6 +19,8 @@ Matrix mirror(const DirectionGrid& grid, double ior, double ior_beyond) {
   return reflection;
 }
 
+namespace {
+
 Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, double ior_behind,
                                   Matrix below) {
   const std::size_t before = active_count(grid, ior_before), behind = below.rows;
@@ -28,7 +28,7 @@ Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, 
   std::vector<double> r(std::max(before, behind), 1.0);  // total reflection where not common
   for (std::size_t i = 0; i < common; ++i) r[i] = node_fresnel(grid, i, ior_before, ior_behind);
 
-  const Matrix returns = between(mirror(grid, ior_behind, ior_before), below);
+  Matrix returns = between(mirror(grid, ior_behind, ior_before), below);
   const Matrix sent_back = product(below, returns);
   Covered covered{{Matrix(behind, before), std::move(below)}, Matrix(before, before)};
   for (std::size_t j = 0; j < common; ++j) {
@@ -38,6 +38,7 @@ Covered cover_by_smooth_interface(const DirectionGrid& grid, double ior_before, 
       covered.reflection(i, j) = (1.0 - r[i]) * sent_back(i, j) * (1.0 - r[j]);
   }
   for (std::size_t i = 0; i < before; ++i) covered.reflection(i, i) += r[i];
+  covered.crossing.returns = std::move(returns);
   return covered;
 }
 
@@ -67,11 +68,12 @@ Matrix ground_reflection(const GridStack& stack, int m) {
 }  // namespace
 
 Covered cover_by_layer(const LayerOperators& layer, Matrix below) {
-  const Matrix pass = product(between(layer.reflection, below), layer.transmission);
+  Matrix returns = between(layer.reflection, below);
+  Matrix pass = product(returns, layer.transmission);
   Matrix reflection = product(layer.transmission, product(below, pass));
   for (std::size_t k = 0; k < reflection.values.size(); ++k)
     reflection.values[k] += layer.reflection.values[k];
-  return {{pass, std::move(below)}, std::move(reflection)};
+  return {{std::move(pass), std::move(below), std::move(returns)}, std::move(reflection)};
 }
 
 std::vector<double> merged_indices(const LayerStack& stack) {
@@ -153,6 +155,13 @@ StackOperators stack_operators(const GridStack& stack, int m) {
 }
 
 StackOperators stack_operators(const GridStack& stack, int m, const RoughBoundaries& rough) {
+  std::vector<LayerOperators> layers;
+  for (const GridLayer& layer : stack.layers) layers.push_back(layer_operators(layer, m));
+  return stack_operators(stack, m, rough, layers);
+}
+
+StackOperators stack_operators(const GridStack& stack, int m, const RoughBoundaries& rough,
+                               std::span<const LayerOperators> layers) {
   StackOperators operators;
   const auto take = [&](Covered covered) {
     operators.crossings.push_back(std::move(covered.crossing));
@@ -171,7 +180,7 @@ StackOperators stack_operators(const GridStack& stack, int m, const RoughBoundar
   operators.reflection = ground_reflection(stack, m);
   for (std::size_t k = stack.layers.size(); k-- > 0;) {
     cover_by_interface(k + 1);
-    take(cover_by_layer(layer_operators(stack.layers[k], m), std::move(operators.reflection)));
+    take(cover_by_layer(layers[k], std::move(operators.reflection)));
   }
   cover_by_interface(0);
   std::reverse(operators.crossings.begin(), operators.crossings.end());

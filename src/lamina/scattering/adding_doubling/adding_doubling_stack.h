@@ -38,10 +38,14 @@ struct GridStack {
 [[nodiscard]] double node_fresnel(const DirectionGrid& grid, std::size_t node, double ior_a,
                                   double ior_b);
 
+/// What a smooth interface sends back to the side of the first index.
+[[nodiscard]] Matrix mirror(const DirectionGrid& grid, double ior, double ior_beyond);
+
 /// An interface or a layer lying on all that is below it.
 struct Crossing {
   Matrix pass;              ///< flux down behind it per flux down before it, after all returns
   Matrix reflection_below;  ///< of what lies behind it
+  Matrix returns = {};      ///< flux down behind it per flux that first gets there, if smooth
 };
 
 /// The same with the reflection of the whole that it makes.
@@ -80,6 +84,11 @@ using RoughBoundaries = std::vector<RoughBoundary>;
 /// Source: [Plass1973], with an interface as one more layer.
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m,
                                              const RoughBoundaries& rough);
+
+/// The same of given layers, [layer].
+[[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m,
+                                             const RoughBoundaries& rough,
+                                             std::span<const LayerOperators> layers);
 
 /// The same for a stack that is used once.
 [[nodiscard]] StackOperators stack_operators(const GridStack& stack, int m);

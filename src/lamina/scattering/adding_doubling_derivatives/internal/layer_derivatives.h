@@ -1,0 +1,22 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/scattering/adding_doubling/adding_doubling_layer.h"
+
+namespace lamina::detail {
+
+/// Reflection and transmission of a layer for azimuthal mode 0, with their derivatives.
+struct LayerDerivatives {
+  LayerOperators operators;
+  LayerOperators by_sigma_a, by_sigma_s, by_g, by_thickness;
+};
+
+/// The derivatives of what `layer_operators` does on this grid: what delta-M takes out and what
+/// goes straight on for the sake of energy change with g, the thickness of the thin start with that
+/// of the layer. In a layer that does not scatter, `by_sigma_s` is that of its first scattering.
+///
+/// @param on_grid  made from `layer` on this grid.
+[[nodiscard]] LayerDerivatives layer_derivatives(const Layer& layer, const GridLayer& on_grid,
+                                                 const DirectionGrid& grid);
+
+}  // namespace lamina::detail
