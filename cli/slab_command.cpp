@@ -19,6 +19,7 @@
 #include "material_bands.h"
 #include "monte_carlo_method.h"
 #include "slab_comparison.h"
+#include "slab_derivatives.h"
 
 namespace lamina::cli {
 namespace {
@@ -30,6 +31,7 @@ struct SlabOptions {
   Interreflections interreflections = Interreflections::all;  ///< of diffusion
   std::int64_t compared_photons = 0;                          ///< of --compare; 0 if not asked for
   MonteCarloEffort effort;                                    ///< of monte_carlo
+  bool has_derivatives = false;                               ///< of radiative_transfer
 };
 
 /// What a method gives: the totals, [band], and remarks on how far to trust them.
@@ -158,6 +160,12 @@ void run_slab(const SlabOptions& options) {
   for (const SlabMethod& method : slab_methods()) {
     if (method.name != options.method) continue;
     const SlabResult result = method.solve(stacks, incidence, options);
+    std::vector<AddingDoublingDerivatives> derivatives;
+    if (options.has_derivatives) {
+      AddingDoublingOptions effort = options.adding_doubling;
+      effort.progress = make_progress("derivatives", Keeps::nothing);
+      derivatives = slab_derivatives(material, stacks, incidence, effort);
+    }
     for (const std::string& remark : result.remarks) say(fmt::format("note: {}", remark));
     JsonOutput json = make_result("slab");
     json["method"] = method.name;
@@ -166,8 +174,13 @@ void run_slab(const SlabOptions& options) {
     json["incidence"] = options.incidence;
     json.update(slab_json(result));
     json.update(result.more);
+    std::string text = slab_text(material, result);
+    if (options.has_derivatives) {
+      json["derivatives"] = derivatives_json(derivatives);
+      text += derivatives_text(material, stacks, derivatives);
+    }
     write_json(json, options.common);
-    print(options.common, slab_text(material, result));
+    print(options.common, text);
   }
 }
 
@@ -201,6 +214,9 @@ void add_slab_command(CLI::App& app) {
                   "of radiative_transfer: absolute, of each total")
       .range(1e-10, 0.1)
       .show_default();
+  command.add_flag("--derivatives", options->has_derivatives,
+                   "of radiative_transfer: of the totals by sigma_a, sigma_s, g and thickness of "
+                   "each layer");
   command
       .add_option("--incidence", options->incidence,
                   "normal, diffuse, or an angle from the normal in degrees, in [0, 90)")
@@ -224,6 +240,7 @@ void add_slab_command(CLI::App& app) {
       throw InvalidInput("--method: must be left out with --compare, which runs all methods");
     refuse_unused(command, is_comparison ? "compare" : options->method,
                   {{"--accuracy", {"radiative_transfer"}},
+                   {"--derivatives", {"radiative_transfer"}},
                    {"--interreflections", {"diffusion"}},
                    {"--photons", {"monte_carlo"}},
                    {"--relative-error", {"monte_carlo"}},

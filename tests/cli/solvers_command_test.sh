@@ -40,6 +40,26 @@ for r, d in zip(profile["reflectance_profile"], zip(dipole["reflectance_profile"
 PY
 
 "$lamina" slab donner_jensen_skin --json "$folder/slab.json" > /dev/null || fail "slab by adding-doubling"
+"$lamina" slab donner_jensen_skin --derivatives --json "$folder/slopes.json" > "$folder/slopes" || fail "slab --derivatives"
+grep -q "reflectance: epidermis, sigma_a" "$folder/slopes" || fail "slab --derivatives names layers"
+"$lamina" materials donner_jensen_skin > "$folder/made_of.json" || fail "materials prints what skin is made of"
+python3 - "$folder/slopes.json" "$folder/made_of.json" <<'PY'
+import json, sys
+slopes, skin = (json.load(open(file)) for file in sys.argv[1:])
+by = slopes["derivatives"]["diffuse_reflectance"]
+assert len(by["by_g"]) == 3 and set(by) == {"by_sigma_a", "by_sigma_s", "by_g", "by_thickness"}
+# Coefficients times c and thicknesses over c give the same.
+for b in range(3):
+    change = largest = 0
+    for l, layer in enumerate(skin["layers"]):
+        of = lambda key: layer[key][b] if isinstance(layer[key], list) else layer[key]
+        parts = [of("sigma_a") * by["by_sigma_a"][l][b], of("sigma_s") * by["by_sigma_s"][l][b]]
+        if layer["thickness"] != "infinite": parts.append(-layer["thickness"] * by["by_thickness"][l][b])
+        change += sum(parts); largest = max(largest, *map(abs, parts))
+    assert abs(change) < 1e-9 * largest, (change, largest)
+    assert by["by_sigma_a"][0][b] < 0 < by["by_sigma_s"][0][b]
+PY
+
 "$lamina" profile donner_jensen_skin --compare --radii 60 --json "$folder/skin.json" > /dev/null || fail "profile by radiative transfer"
 python3 - "$folder/slab.json" "$folder/skin.json" <<'PY'
 import json, sys
@@ -127,6 +147,9 @@ refused slab no_such_material
 refused slab leaf --method diffusion --incidence 90
 refused slab leaf --method guess
 refused slab leaf --accuracy 0
+refused slab leaf --derivatives --method diffusion
+refused slab marble --derivatives
+grep -q "roughness" "$folder/error" || fail "derivatives say what they cannot do"
 refused slab leaf --compare=0
 refused profile leaf --domain frequency --method dipole
 refused profile leaf --accuracy 2
