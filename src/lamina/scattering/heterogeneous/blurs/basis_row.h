@@ -7,7 +7,7 @@
 
 #include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
 #include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
-#include "lamina/scattering/heterogeneous/blurs/texel_operators.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_basis.h"
 
 namespace lamina::detail {
 

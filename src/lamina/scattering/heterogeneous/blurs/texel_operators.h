@@ -6,15 +6,9 @@
 #include <vector>
 
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
+#include "lamina/scattering/heterogeneous/blurs/texel_basis.h"
 
 namespace lamina {
-
-/// Functions of the texel, of which the weights of operators are sums: the powers of a coordinate
-/// in [-1, 1], or, where there are any, modes.
-struct TexelBasis {
-  Plane coordinate;
-  std::vector<Plane> modes = {};
-};
 
 /// An operator with a profile of its own at each texel where light comes out: the weights of the
 /// scales are sums of the functions of a basis.
