@@ -9,7 +9,6 @@
 #include <string>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
 
@@ -27,13 +26,11 @@ RowTotals row_totals(const HeterogeneousLayers& model, int y) {
   const std::vector<float> ones(width, 1.0f);
   RowTotals totals(model.layers.size());
   for (std::size_t i = 0; i < totals.size(); ++i) {
-    detail::BasisRow functions(model.layers[i].basis);
-    functions.move_to(y);
     for (std::size_t which = 0; which < 4; ++which) {
       const MappedOperator& from = model.layers[i].operators[which];
       if (from.terms == 0) continue;
       totals[i][which].assign(width, 0.0f);
-      functions.add_times_sum(ones.data(), from.totals, totals[i][which].data(), width);
+      add_times_basis(model.layers[i].basis, y, ones, from.totals, totals[i][which]);
     }
   }
   return totals;

@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "lamina/core/error.h"
-#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
 #include "lamina/scattering/heterogeneous/internal/both_ends.h"
 #include "lamina/scattering/heterogeneous/internal/operator_powers.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"
@@ -261,13 +260,13 @@ std::vector<Plane> apply_layer(const BlurPyramid& pyramid, const Plane& input,
   };
   if (layer.of_entry.empty()) return apply(input, layer.operators);
   std::vector<Plane> sums;
-  detail::BasisRow functions(layer.basis);
+  const auto width = static_cast<std::size_t>(input.width);
   for (const TransportLayer::OfEntry& entry : layer.of_entry) {
     Plane light = make_plane(input.width, input.height);
     for (int y = 0; y < input.height; ++y) {
-      functions.move_to(y);
-      functions.add_times_sum(detail::row_of(input, y), entry.factor, detail::row_of(light, y),
-                              static_cast<std::size_t>(input.width));
+      const std::size_t row = static_cast<std::size_t>(y) * width;
+      add_times_basis(layer.basis, y, std::span(input.values).subspan(row, width), entry.factor,
+                      std::span(light.values).subspan(row, width));
     }
     std::vector<Plane> parts = apply(light, entry.operators);
     if (sums.empty()) {

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
@@ -13,5 +14,12 @@ struct TexelBasis {
   Plane coordinate;
   std::vector<Plane> modes = {};
 };
+
+/// Adds to each texel of row y of a sum the value there times the basis' functions by coefficients.
+///
+/// @param values, sum   as many as a row has texels
+/// @param coefficients  [function], of the first ones
+void add_times_basis(const TexelBasis& basis, int y, std::span<const float> values,
+                     std::span<const float> coefficients, std::span<float> sum);
 
 }  // namespace lamina

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <numeric>
 
-#include "lamina/scattering/heterogeneous/blurs/basis_row.h"
+#include "lamina/scattering/heterogeneous/blurs/internal/basis_row.h"
 #include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
 #include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.h"
 
