@@ -82,9 +82,8 @@ Plane sum_of_scales(const CoarseGrids& grids, const std::vector<std::array<Plane
   Plane sum = make_plane(scales.back()[0].width, scales.back()[0].height,
                          weights[2 * scales.size()] * mean);
   for (std::size_t level = scales.size(); level-- > 0;) {
-    if (level + 1 < scales.size()) {
+    if (level + 1 < scales.size())
       sum = made_finer(sum, grids.x[level + 1].step, grids.y[level + 1].step);
-    }
     for (std::size_t i = 0; i < 2; ++i)
       detail::add_row(scales[level][i].values.data(), weights[2 * level + i], sum.values.data(),
                       sum.values.size());
