@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/reproduction/page.h"
+#include "reproduce_finished.h"
 #include "reproduce_run.h"
 
 namespace lamina::cli {
@@ -26,7 +28,7 @@ struct ReproduceOptions {
   std::vector<std::string> items;
   std::string output = "reproduction", sources, before;
   ReproductionQuality quality = ReproductionQuality::draft;
-  bool only_lists = false;
+  bool only_lists = false, resumes = false;
 };
 
 /// The folder of lamina's sources, above the program or the current one; empty if there is none.
@@ -87,6 +89,26 @@ void list_items(const std::vector<ReproductionItem>& items, const CommonOptions&
   print(options, text);
 }
 
+/// Makes an item by running this program, but for commands that an earlier call has finished.
+ReproductionResult make_item(const ReproductionItem& item, const fs::path& folder,
+                             const fs::path& sources, const ReproduceOptions& options,
+                             const Progress& progress) {
+  FinishedRuns finished(item, folder, sources, options.resumes);
+  const RunLamina run = [&](std::vector<std::string> arguments, const fs::path& in) {
+    if (std::optional<std::string> result = finished.next()) return *result;
+    if (options.common.threads > 0)
+      arguments.insert(arguments.end(), {"--threads", std::to_string(options.common.threads)});
+    const auto started = std::chrono::steady_clock::now();
+    std::string result = run_this_program(arguments, in, progress);
+    finished.add(result,
+                 std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
+    return result;
+  };
+  ReproductionResult result = make_reproduction(item, folder, sources, run);
+  result.seconds += finished.reused_seconds();
+  return result;
+}
+
 void run_reproduce(const ReproduceOptions& options) {
   const std::vector<ReproductionItem> items = find_items(options);
   if (options.only_lists) return list_items(items, options.common);
@@ -98,14 +120,9 @@ void run_reproduce(const ReproduceOptions& options) {
   for (const ReproductionItem& item : items) {
     const double finished = static_cast<double>(results.size()) / static_cast<double>(items.size());
     if (!report_progress(progress, finished)) break;
-    const RunLamina run = [&](std::vector<std::string> arguments, const fs::path& folder) {
-      if (options.common.threads > 0)
-        arguments.insert(arguments.end(), {"--threads", std::to_string(options.common.threads)});
-      return run_this_program(arguments, folder,
-                              [&](double) { return report_progress(progress, finished); });
-    };
     try {
-      results.push_back(make_reproduction(item, out / item.id, sources, run));
+      results.push_back(make_item(item, out / item.id, sources, options,
+                                  [&](double) { return report_progress(progress, finished); }));
     } catch (const Interrupted&) {
       break;
     } catch (const WriteError&) {
@@ -151,6 +168,10 @@ void add_reproduce_command(CLI::App& app) {
   command.add_option("-o,--output", options->output, "a folder for the page and what it shows")
       .type_name("DIR")
       .show_default();
+  command.add_flag(
+      "--resume", options->resumes,
+      "go on after an interrupted call: commands that have finished in DIR are not run "
+      "again, if program and item are the same");
   command
       .add_option("--sources", options->sources,
                   "the folder with lamina's scenes/ and demo/, if it is not found")

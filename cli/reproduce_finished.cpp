@@ -1,0 +1,66 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "reproduce_finished.h"
+
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/io/json_input.h"
+#include "lamina/io/json_output.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a result depends on, but for the files in lamina's sources.
+std::string made_by(const ReproductionItem& item, const fs::path& sources) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  JsonOutput json = {{"lamina", LAMINA_VERSION},
+                     {"program",
+                      {{"bytes", static_cast<std::uint64_t>(fs::file_size(program, error))},
+                       {"time", fs::last_write_time(program, error).time_since_epoch().count()}}},
+                     {"sources", sources.string()}};
+  json["files"] = JsonOutput::array();
+  for (const ReproductionFile& file : item.files)
+    json["files"].push_back({{"name", file.name}, {"text", file.text}});
+  json["commands"] = JsonOutput::array();
+  for (const ReproductionRun& run : item.runs) json["commands"].emplace_back(run.arguments);
+  return json.text();
+}
+
+}  // namespace
+
+FinishedRuns::FinishedRuns(const ReproductionItem& item, const fs::path& folder,
+                           const fs::path& sources, bool resumes)
+    : file_(folder / "finished.json"), made_by_(made_by(item, sources)) {
+  std::error_code error;
+  if (resumes && fs::exists(file_, error)) {
+    const JsonDocument document = load_json(file_.string());
+    const JsonObject root = document.root().object({"made_by", "runs"});
+    if (root.required("made_by").string() == made_by_)
+      for (const JsonInput& each : root.required("runs").array()) {
+        const JsonObject run = each.object({"result", "seconds"});
+        finished_.push_back({.result = run.required("result").string(),
+                             .seconds = run.required("seconds").number(at_least(0.0, "s"))});
+      }
+  }
+  if (finished_.empty()) fs::remove(file_, error);
+}
+
+std::optional<std::string> FinishedRuns::next() {
+  if (next_ == finished_.size()) return std::nullopt;
+  reused_seconds_ += finished_[next_].seconds;
+  return finished_[next_++].result;
+}
+
+void FinishedRuns::add(const std::string& result, double seconds) {
+  finished_.push_back({.result = result, .seconds = seconds});
+  next_ = finished_.size();
+  JsonOutput json = {{"made_by", made_by_}};
+  json["runs"] = JsonOutput::array();
+  for (const Finished& run : finished_)
+    json["runs"].push_back({{"result", run.result}, {"seconds", run.seconds}});
+  write_file(file_.string(), json.text() + "\n");
+}
+
+}  // namespace lamina::cli
