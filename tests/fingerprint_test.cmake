@@ -39,11 +39,12 @@ endif()
 
 # Of the solver itself: what lies in private headers.
 file(GLOB sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp
+  ${SOURCE}/lamina/scattering/low_orders/*.cpp
   ${SOURCE}/lamina/scattering/spatial_frequency/*.cpp)
 execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
   -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${WORK}/f.d files)
-foreach(file IN ITEMS scattering/transport_profile/internal/straight_ray.h
+foreach(file IN ITEMS scattering/low_orders/straight_ray.h
     scattering/transport_profile/internal/transfer_profile_band.h
     scattering/profile/bessel.cpp scattering/profile/hankel.cpp
     scattering/adding_doubling/adding_doubling_matrix.cpp optics/fresnel.h

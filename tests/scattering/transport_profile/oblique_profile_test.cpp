@@ -10,9 +10,9 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/quadrature.h"
+#include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/bessel.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {

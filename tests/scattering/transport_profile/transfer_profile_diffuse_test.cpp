@@ -1,6 +1,4 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,9 +9,10 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/low_orders/diffuse_single_scattering.h"
+#include "lamina/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "literal/stack_table.h"
 
@@ -110,9 +109,8 @@ TEST(DiffuseSingle, IsTheTransformOfItsRays) {
     }
     return sum;
   };
-  const double reflected =
-      nearest * detail::single_at_contact(stack, fine.stack, fine.top) +
-      over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
+  const double reflected = nearest * detail::single_at_contact(stack, fine.stack, fine.top) +
+                           over_rays(&detail::SingleScatteringProfile::reflectance, 2.0 * widest);
   const double transmitted = over_rays(&detail::SingleScatteringProfile::transmittance, widest);
   EXPECT_NEAR(reflected / wave.reflectance, 1.0, 5e-3);
   EXPECT_NEAR(transmitted / wave.transmittance, 1.0, 5e-3);
@@ -144,8 +142,8 @@ TEST(UnscatteredProfile, RingsHoldTheFluxBetweenRadii) {
     return sum;
   };
   for (const auto& [from, to] : {std::pair{0.3 * end, 0.5 * end}, std::pair{0.95 * end, 1.1 * end}})
-    EXPECT_NEAR(detail::unscattered_ring(solver, paths, from, to).transmittance *
-                    std::numbers::pi * (to * to - from * from) / flux(from, to, 20000),
+    EXPECT_NEAR(detail::unscattered_ring(solver, paths, from, to).transmittance * std::numbers::pi *
+                    (to * to - from * from) / flux(from, to, 20000),
                 1.0, 1e-3);
 }
 

@@ -13,11 +13,11 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 #include "literal/stack_table.h"
 
 namespace lamina {

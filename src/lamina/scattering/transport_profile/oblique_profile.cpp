@@ -13,11 +13,11 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/low_orders/oblique_single_scattering.h"
+#include "lamina/scattering/low_orders/straight_ray.h"
 #include "lamina/scattering/profile/bessel.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
 
 namespace lamina {

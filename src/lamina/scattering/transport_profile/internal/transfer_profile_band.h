@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_curves.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::detail {

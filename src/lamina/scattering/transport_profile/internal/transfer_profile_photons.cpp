@@ -6,11 +6,11 @@
 #include <numbers>
 #include <span>
 
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
+#include "lamina/scattering/low_orders/straight_ray.h"
+#include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/monte_carlo/ring_density.h"
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 #include "lamina/scattering/transport_profile/internal/wave_photon_blend.h"
 
 namespace lamina::detail {

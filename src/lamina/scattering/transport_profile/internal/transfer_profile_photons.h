@@ -6,11 +6,11 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
+#include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/slab_totals.h"
 #include "lamina/scattering/spatial_frequency/illumination.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_curves.h"
 
 namespace lamina::detail {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/spatial_frequency/top_passage.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {
 

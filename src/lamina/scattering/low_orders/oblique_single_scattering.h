@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
 
 namespace lamina::detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_oblique_single.h"
+#include "lamina/scattering/low_orders/oblique_single_scattering.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lamina/core/quadrature.h"
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
+#include "lamina/scattering/low_orders/straight_ray.h"
 
 namespace lamina::detail {
 namespace {

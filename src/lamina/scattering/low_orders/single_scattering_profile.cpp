@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lamina/core/quadrature.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_way_out.h"
+#include "lamina/scattering/low_orders/internal/way_out.h"
 
 namespace lamina::detail {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/core/quadrature.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_way_out.h"
+#include "lamina/scattering/low_orders/internal/way_out.h"
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 
 namespace lamina::detail {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
+#include "lamina/scattering/low_orders/diffuse_single_scattering.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "lamina/core/quadrature.h"
+#include "lamina/scattering/low_orders/straight_ray.h"
 #include "lamina/scattering/profile/bessel.h"
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
 
 namespace lamina::detail {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "lamina/optics/fresnel.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_single.h"
+#include "lamina/scattering/low_orders/single_scattering_profile.h"
 
 namespace lamina::detail {
 

@@ -5,7 +5,7 @@
 
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/profile/hankel.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/spatial_frequency/illumination.h"
 
 namespace lamina::detail {
 

@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
+#include "lamina/scattering/low_orders/internal/diffuse_single_near.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "lamina/core/quadrature.h"
-#include "lamina/scattering/transport_profile/internal/straight_ray.h"
+#include "lamina/scattering/low_orders/straight_ray.h"
 
 namespace lamina::detail {
 namespace {

@@ -1,14 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_curves.h"
+#include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "lamina/scattering/low_orders/diffuse_single_scattering.h"
+#include "lamina/scattering/low_orders/internal/diffuse_single_near.h"
+#include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_diffuse_near.h"
-#include "lamina/scattering/transport_profile/internal/transfer_profile_unscattered.h"
 
 namespace lamina::detail {
 namespace {
