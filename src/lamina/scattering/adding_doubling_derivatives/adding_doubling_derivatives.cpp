@@ -10,7 +10,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/progress.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
-#include "lamina/scattering/adding_doubling_derivatives/internal/layer_derivatives.h"
+#include "lamina/scattering/adding_doubling_derivatives/internal/differentiated_layer.h"
 
 namespace lamina {
 namespace {

@@ -99,7 +99,7 @@ struct ThinSlab {
 /// sqrt(VU)) / sqrt(VU), reflection plus transmission is (C + S) (C - S)^-1; the same with U and V
 /// exchanged is transmission minus reflection.
 ///
-/// @tparam M  Single, or a matrix with its derivatives (sloped_matrix-inl.h).
+/// @tparam M  Single, or a matrix with its derivatives (differentiated_matrix-inl.h).
 template <class M>
 ThinSlab<M> thin_slab(const M& A, const M& B, double x, std::size_t even) {
   const std::size_t n = A.columns();

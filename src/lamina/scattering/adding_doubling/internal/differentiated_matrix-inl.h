@@ -2,11 +2,11 @@
 
 // Matrices with their derivatives, for doubling that is differentiated; compiled once per
 // instruction set.
-#if defined(LAMINA_SLOPED_MATRIX_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef LAMINA_SLOPED_MATRIX_INL_H_
-#undef LAMINA_SLOPED_MATRIX_INL_H_
+#if defined(LAMINA_DIFFERENTIATED_MATRIX_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LAMINA_DIFFERENTIATED_MATRIX_INL_H_
+#undef LAMINA_DIFFERENTIATED_MATRIX_INL_H_
 #else
-#define LAMINA_SLOPED_MATRIX_INL_H_
+#define LAMINA_DIFFERENTIATED_MATRIX_INL_H_
 #endif
 
 #include <cstddef>

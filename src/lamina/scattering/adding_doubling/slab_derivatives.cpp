@@ -5,11 +5,11 @@
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/adding_doubling/adding_doubling_slopes.cpp"
+#define HWY_TARGET_INCLUDE "lamina/scattering/adding_doubling/slab_derivatives.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //
-#include "lamina/scattering/adding_doubling/internal/sloped_matrix-inl.h"
+#include "lamina/scattering/adding_doubling/internal/differentiated_matrix-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lamina::detail::HWY_NAMESPACE {

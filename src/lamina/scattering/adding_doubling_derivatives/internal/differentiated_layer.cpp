@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/adding_doubling_derivatives/internal/layer_derivatives.h"
+#include "lamina/scattering/adding_doubling_derivatives/internal/differentiated_layer.h"
 
 #include <algorithm>
 #include <array>
