@@ -17,7 +17,7 @@ namespace {
 struct Total {
   const char* key;
   const char* name;
-  std::vector<LayerSlopes> AddingDoublingDerivatives::*slopes;
+  std::vector<LayerDerivatives> AddingDoublingDerivatives::*derivatives;
 };
 constexpr std::array<Total, 3> totals = {
     {{"diffuse_reflectance", "reflectance", &AddingDoublingDerivatives::diffuse_reflectance},
@@ -28,22 +28,22 @@ constexpr std::array<Total, 3> totals = {
 struct Quantity {
   const char* key;
   const char* name;
-  double LayerSlopes::*slope;
+  double LayerDerivatives::*derivative;
   double (*value)(const Layer&);
 };
 constexpr std::array<Quantity, 4> quantities = {
-    {{"by_sigma_a", "sigma_a", &LayerSlopes::by_sigma_a,
+    {{"by_sigma_a", "sigma_a", &LayerDerivatives::by_sigma_a,
       [](const Layer& layer) { return layer.medium.sigma_a; }},
-     {"by_sigma_s", "sigma_s", &LayerSlopes::by_sigma_s,
+     {"by_sigma_s", "sigma_s", &LayerDerivatives::by_sigma_s,
       [](const Layer& layer) { return layer.medium.sigma_s; }},
-     {"by_g", "g", &LayerSlopes::by_g, [](const Layer& layer) { return layer.medium.g; }},
-     {"by_thickness", "thickness", &LayerSlopes::by_thickness,
+     {"by_g", "g", &LayerDerivatives::by_g, [](const Layer& layer) { return layer.medium.g; }},
+     {"by_thickness", "thickness", &LayerDerivatives::by_thickness,
       [](const Layer& layer) { return layer.thickness; }}}};
 
 double total_of(const AddingDoublingDerivatives& band, const Total& total) {
-  if (total.slopes == &AddingDoublingDerivatives::diffuse_reflectance)
+  if (total.derivatives == &AddingDoublingDerivatives::diffuse_reflectance)
     return band.totals.totals.diffuse_reflectance;
-  if (total.slopes == &AddingDoublingDerivatives::transmittance)
+  if (total.derivatives == &AddingDoublingDerivatives::transmittance)
     return band.totals.totals.transmittance;
   return band.totals.unscattered_transmittance;
 }
@@ -75,10 +75,10 @@ JsonOutput derivatives_json(const std::vector<AddingDoublingDerivatives>& bands)
   for (const Total& total : totals)
     for (const Quantity& quantity : quantities) {
       JsonOutput layers = JsonOutput::array();
-      for (std::size_t layer = 0; layer < (bands[0].*total.slopes).size(); ++layer) {
+      for (std::size_t layer = 0; layer < (bands[0].*total.derivatives).size(); ++layer) {
         JsonOutput row;
         for (const AddingDoublingDerivatives& band : bands)
-          row.push_back((band.*total.slopes)[layer].*quantity.slope);
+          row.push_back((band.*total.derivatives)[layer].*quantity.derivative);
         layers.push_back(row);
       }
       json[total.key][quantity.key] = layers;
@@ -98,9 +98,9 @@ std::string derivatives_text(const Material& material, const std::vector<LayerSt
       for (const Quantity& quantity : quantities) {
         const auto change = [&](std::size_t band) {
           const double value = quantity.value(stacks[band].layers()[layer]);
-          const double slope = (bands[band].*total.slopes)[layer].*quantity.slope;
+          const double derivative = (bands[band].*total.derivatives)[layer].*quantity.derivative;
           const double whole = total_of(bands[band], total);
-          return std::isfinite(value) && whole > 0.0 ? slope * value / whole : 0.0;
+          return std::isfinite(value) && whole > 0.0 ? derivative * value / whole : 0.0;
         };
         bool is_seen = false;
         for (std::size_t band = 0; band < bands.size(); ++band)

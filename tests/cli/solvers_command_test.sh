@@ -40,13 +40,13 @@ for r, d in zip(profile["reflectance_profile"], zip(dipole["reflectance_profile"
 PY
 
 "$lamina" slab donner_jensen_skin --json "$folder/slab.json" > /dev/null || fail "slab by adding-doubling"
-"$lamina" slab donner_jensen_skin --derivatives --json "$folder/slopes.json" > "$folder/slopes" || fail "slab --derivatives"
-grep -q "reflectance: epidermis, sigma_a" "$folder/slopes" || fail "slab --derivatives names layers"
+"$lamina" slab donner_jensen_skin --derivatives --json "$folder/derivatives.json" > "$folder/derivatives" || fail "slab --derivatives"
+grep -q "reflectance: epidermis, sigma_a" "$folder/derivatives" || fail "slab --derivatives names layers"
 "$lamina" materials donner_jensen_skin > "$folder/made_of.json" || fail "materials prints what skin is made of"
-python3 - "$folder/slopes.json" "$folder/made_of.json" <<'PY'
+python3 - "$folder/derivatives.json" "$folder/made_of.json" <<'PY'
 import json, sys
-slopes, skin = (json.load(open(file)) for file in sys.argv[1:])
-by = slopes["derivatives"]["diffuse_reflectance"]
+found, skin = (json.load(open(file)) for file in sys.argv[1:])
+by = found["derivatives"]["diffuse_reflectance"]
 assert len(by["by_g"]) == 3 and set(by) == {"by_sigma_a", "by_sigma_s", "by_g", "by_thickness"}
 # Coefficients times c and thicknesses over c give the same.
 for b in range(3):

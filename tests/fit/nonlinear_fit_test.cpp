@@ -56,15 +56,15 @@ TEST(NonlinearFit, GivesTheCertifiedValuesOfMisra1a) {
     for (const double at : x) y.push_back(b[0] * (1.0 - std::exp(-b[1] * at)));
     return y;
   }};
-  const FitModel with_slopes{.predict = model.predict, .derivatives = [&](Values b) {
-                               DenseMatrix slopes(x.size(), 2);
-                               for (std::size_t i = 0; i < x.size(); ++i) {
-                                 slopes(i, 0) = 1.0 - std::exp(-b[1] * x[i]);
-                                 slopes(i, 1) = b[0] * x[i] * std::exp(-b[1] * x[i]);
-                               }
-                               return slopes;
-                             }};
-  for (const FitModel& one : {model, with_slopes}) {
+  const FitModel with_derivatives{.predict = model.predict, .derivatives = [&](Values b) {
+                                    DenseMatrix derivatives(x.size(), 2);
+                                    for (std::size_t i = 0; i < x.size(); ++i) {
+                                      derivatives(i, 0) = 1.0 - std::exp(-b[1] * x[i]);
+                                      derivatives(i, 1) = b[0] * x[i] * std::exp(-b[1] * x[i]);
+                                    }
+                                    return derivatives;
+                                  }};
+  for (const FitModel& one : {model, with_derivatives}) {
     const FitResult result =
         fit_parameters({{.name = "b1", .start = 500.0}, {.name = "b2", .start = 1e-4}}, data, one);
     EXPECT_TRUE(result.has_converged);

@@ -41,7 +41,7 @@ double fit_value(const FitParameter& parameter, double coordinate) {
   return coordinate;
 }
 
-double fit_slope(const FitParameter& parameter, double coordinate) {
+double fit_value_derivative(const FitParameter& parameter, double coordinate) {
   switch (parameter.scale) {
     case FitScale::logarithmic:
       return std::exp(coordinate);

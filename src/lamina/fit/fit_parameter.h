@@ -38,7 +38,7 @@ struct FitParameter {
 [[nodiscard]] double fit_value(const FitParameter& parameter, double coordinate);
 
 /// The derivative of the value by the coordinate.
-[[nodiscard]] double fit_slope(const FitParameter& parameter, double coordinate);
+[[nodiscard]] double fit_value_derivative(const FitParameter& parameter, double coordinate);
 
 /// @throws InvalidInput naming the parameter, the rule that it breaks and the value given.
 void check_fit_parameter(const FitParameter& parameter);

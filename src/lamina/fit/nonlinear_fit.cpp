@@ -55,12 +55,12 @@ class Fit {
 
   /// Whitened predictions and priors by coordinates, robust weights included.
   [[nodiscard]] DenseMatrix jacobian(const Place& place) const {
-    DenseMatrix slopes = model_.derivatives ? by_coordinates(place) : by_differences(place);
-    whitening_.apply(slopes);
+    DenseMatrix derivatives = model_.derivatives ? by_coordinates(place) : by_differences(place);
+    whitening_.apply(derivatives);
     DenseMatrix all(points_ + parameters_.size(), parameters_.size());
     for (std::size_t i = 0; i < points_; ++i) {
       const double weight = std::sqrt(weight_of(place.residual[i]));
-      for (std::size_t j = 0; j < parameters_.size(); ++j) all(i, j) = weight * slopes(i, j);
+      for (std::size_t j = 0; j < parameters_.size(); ++j) all(i, j) = weight * derivatives(i, j);
     }
     for (std::size_t j = 0; j < parameters_.size(); ++j)
       if (parameters_[j].prior)
@@ -98,15 +98,16 @@ class Fit {
     double damping = 1e-3;
     result.has_converged = false;
     for (result.iterations = 0; result.iterations < options_.max_iterations; ++result.iterations) {
-      const DenseMatrix slopes = jacobian(place), right = right_side(place);
-      const std::vector<bool> is_held = held(place, slopes, right);
+      const DenseMatrix derivatives = jacobian(place), right = right_side(place);
+      const std::vector<bool> is_held = held(place, derivatives, right);
       for (std::size_t j = 0; j < n; ++j) {
         double squares = 0.0;
-        for (std::size_t i = 0; i < slopes.rows; ++i) squares += slopes(i, j) * slopes(i, j);
+        for (std::size_t i = 0; i < derivatives.rows; ++i)
+          squares += derivatives(i, j) * derivatives(i, j);
         scale[j] = std::max(scale[j], std::sqrt(squares));
       }
       while (true) {
-        const std::vector<double> step = damped_step(slopes, right, is_held, scale, damping);
+        const std::vector<double> step = damped_step(derivatives, right, is_held, scale, damping);
         Place next = look(moved(place.coordinates, step));
         double length = 0.0;
         for (std::size_t j = 0; j < n; ++j)
@@ -184,21 +185,21 @@ class Fit {
   }
 
   [[nodiscard]] DenseMatrix by_coordinates(const Place& place) const {
-    DenseMatrix slopes = model_.derivatives(values_of(place.coordinates));
-    if (slopes.rows != points_ || slopes.columns != parameters_.size())
+    DenseMatrix derivatives = model_.derivatives(values_of(place.coordinates));
+    if (derivatives.rows != points_ || derivatives.columns != parameters_.size())
       throw InvalidInput(
           "model: derivatives must be a row for each prediction and a column for "
           "each parameter");
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
-      const double slope = fit_slope(parameters_[j], place.coordinates[j]);
-      for (std::size_t i = 0; i < points_; ++i) slopes(i, j) *= slope;
+      const double derivative = fit_value_derivative(parameters_[j], place.coordinates[j]);
+      for (std::size_t i = 0; i < points_; ++i) derivatives(i, j) *= derivative;
     }
-    return slopes;
+    return derivatives;
   }
 
   /// Central, but to one side at a bound.
   [[nodiscard]] DenseMatrix by_differences(const Place& place) const {
-    DenseMatrix slopes(points_, parameters_.size());
+    DenseMatrix derivatives(points_, parameters_.size());
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
       const double at = place.coordinates[j];
       const double step = parameters_[j].scale == FitScale::linear && at != 0.0
@@ -209,13 +210,14 @@ class Fit {
       above[j] = std::min(at + step, high_[j]);
       const std::vector<double> low = predict(below), high = predict(above);
       for (std::size_t i = 0; i < points_; ++i)
-        slopes(i, j) = (high[i] - low[i]) / (above[j] - below[j]);
+        derivatives(i, j) = (high[i] - low[i]) / (above[j] - below[j]);
     }
-    return slopes;
+    return derivatives;
   }
 
   /// The step of least squares with damping, 0 for what is held. Source: [Marquardt1963].
-  [[nodiscard]] std::vector<double> damped_step(const DenseMatrix& slopes, const DenseMatrix& right,
+  [[nodiscard]] std::vector<double> damped_step(const DenseMatrix& derivatives,
+                                                const DenseMatrix& right,
                                                 const std::vector<bool>& is_held,
                                                 const std::vector<double>& scale,
                                                 double damping) const {
@@ -224,13 +226,14 @@ class Fit {
       if (!is_held[j]) free.push_back(j);
     std::vector<double> step(is_held.size(), 0.0);
     if (free.empty()) return step;
-    DenseMatrix a(slopes.rows + free.size(), free.size()), b(a.rows, 1);
-    for (std::size_t i = 0; i < slopes.rows; ++i) {
-      for (std::size_t k = 0; k < free.size(); ++k) a(i, k) = slopes(i, free[k]);
+    DenseMatrix a(derivatives.rows + free.size(), free.size()), b(a.rows, 1);
+    for (std::size_t i = 0; i < derivatives.rows; ++i) {
+      for (std::size_t k = 0; k < free.size(); ++k) a(i, k) = derivatives(i, free[k]);
       b(i, 0) = right(i, 0);
     }
     for (std::size_t k = 0; k < free.size(); ++k)
-      a(slopes.rows + k, k) = std::sqrt(damping) * (scale[free[k]] > 0.0 ? scale[free[k]] : 1.0);
+      a(derivatives.rows + k, k) =
+          std::sqrt(damping) * (scale[free[k]] > 0.0 ? scale[free[k]] : 1.0);
     const DenseMatrix solution = solve_least_squares(a, b);
     for (std::size_t k = 0; k < free.size(); ++k) step[free[k]] = solution(k, 0);
     return step;
@@ -286,8 +289,8 @@ FitResult fit_parameters(const std::vector<FitParameter>& parameters, const FitD
   result.agreeing_starts = static_cast<int>(std::ranges::count_if(
       costs, [&](double cost) { return cost <= best.cost() + 1e-6 * (1.0 + best.cost()); }));
 
-  const DenseMatrix slopes = fit.jacobian(best);
-  const std::vector<bool> is_held = fit.held(best, slopes, fit.right_side(best));
+  const DenseMatrix derivatives = fit.jacobian(best);
+  const std::vector<bool> is_held = fit.held(best, derivatives, fit.right_side(best));
   result.prediction = best.prediction;
   result.residual = best.residual;
   for (const double r : best.residual) result.chi_squared += r * r;
@@ -303,7 +306,7 @@ FitResult fit_parameters(const std::vector<FitParameter>& parameters, const FitD
     result.notes.push_back(
         "stopped after " + std::to_string(result.iterations) +
         " steps, short of a solution: values and errors are of where it stopped");
-  fit_detail::add_errors(parameters, best.coordinates, slopes, is_held, variance, result);
+  fit_detail::add_errors(parameters, best.coordinates, derivatives, is_held, variance, result);
   return result;
 }
 

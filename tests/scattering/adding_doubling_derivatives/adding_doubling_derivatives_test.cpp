@@ -26,14 +26,17 @@ const AddingDoublingOptions one_grid{.accuracy = 1e-10, .max_nodes = 9};
 
 struct Parameter {
   const char* name;
-  double LayerSlopes::*slope;
+  double LayerDerivatives::*derivative;
   double& (*value)(Layer&);
 };
 const std::vector<Parameter> parameters{
-    {"sigma_a", &LayerSlopes::by_sigma_a, [](Layer& l) -> double& { return l.medium.sigma_a; }},
-    {"sigma_s", &LayerSlopes::by_sigma_s, [](Layer& l) -> double& { return l.medium.sigma_s; }},
-    {"g", &LayerSlopes::by_g, [](Layer& l) -> double& { return l.medium.g; }},
-    {"thickness", &LayerSlopes::by_thickness, [](Layer& l) -> double& { return l.thickness; }}};
+    {"sigma_a", &LayerDerivatives::by_sigma_a,
+     [](Layer& l) -> double& { return l.medium.sigma_a; }},
+    {"sigma_s", &LayerDerivatives::by_sigma_s,
+     [](Layer& l) -> double& { return l.medium.sigma_s; }},
+    {"g", &LayerDerivatives::by_g, [](Layer& l) -> double& { return l.medium.g; }},
+    {"thickness", &LayerDerivatives::by_thickness,
+     [](Layer& l) -> double& { return l.thickness; }}};
 
 LayerStack changed(const LayerStack& stack, std::size_t k, const Parameter& parameter, double by) {
   std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
@@ -82,18 +85,18 @@ TEST(AddingDoublingDerivatives, AreThoseOfCentralDifferences) {
           };
           return (at(step) - at(-step)) / (2.0 * step);
         };
-        const auto expect = [&](const char* what, double slope, auto total) {
+        const auto expect = [&](const char* what, double derivative, auto total) {
           const double expected = (4.0 * difference(h, total) - difference(2.0 * h, total)) / 3.0;
           // Rounding of the totals, 1e-13, is what the quotient adds.
-          EXPECT_NEAR(slope, expected, 1e-7 * std::abs(expected) + 3e-13 / h)
+          EXPECT_NEAR(derivative, expected, 1e-7 * std::abs(expected) + 3e-13 / h)
               << name << ": " << what << " by " << parameter.name << " of layer " << k;
         };
         using Totals = AddingDoublingTotals;
-        expect("R", exact.diffuse_reflectance[k].*parameter.slope,
+        expect("R", exact.diffuse_reflectance[k].*parameter.derivative,
                [](const Totals& t) { return t.totals.diffuse_reflectance; });
-        expect("T", exact.transmittance[k].*parameter.slope,
+        expect("T", exact.transmittance[k].*parameter.derivative,
                [](const Totals& t) { return t.totals.transmittance; });
-        expect("unscattered T", exact.unscattered_transmittance[k].*parameter.slope,
+        expect("unscattered T", exact.unscattered_transmittance[k].*parameter.derivative,
                [](const Totals& t) { return t.unscattered_transmittance; });
       }
   }
@@ -109,7 +112,8 @@ TEST(AddingDoublingDerivatives, ScaleAndSplit) {
   for (const auto total :
        {&AddingDoublingDerivatives::diffuse_reflectance, &AddingDoublingDerivatives::transmittance,
         &AddingDoublingDerivatives::unscattered_transmittance}) {
-    const LayerSlopes &of_one = (one.*total)[0], &upper = (two.*total)[0], &lower = (two.*total)[1];
+    const LayerDerivatives &of_one = (one.*total)[0], &upper = (two.*total)[0],
+                           &lower = (two.*total)[1];
     EXPECT_NEAR(.3 * of_one.by_sigma_a + 6 * of_one.by_sigma_s, .8 * of_one.by_thickness, 1e-11);
     EXPECT_NEAR(of_one.by_sigma_a, upper.by_sigma_a + lower.by_sigma_a, 1e-9);
     EXPECT_NEAR(of_one.by_sigma_s, upper.by_sigma_s + lower.by_sigma_s, 1e-9);
@@ -123,10 +127,10 @@ TEST(AddingDoublingDerivatives, AbsorbingSlabFollowsBeerLambert) {
   const double theta = .5, cos = std::cos(theta), tau = 2 * .6 / cos;
   const auto result =
       adding_doubling_derivatives(LayerStack({of(2, 0, 0, 1, .6)}), {.theta = theta});
-  const LayerSlopes& slopes = result.transmittance[0];
-  EXPECT_NEAR(slopes.by_sigma_a, -.6 / cos * std::exp(-tau), 1e-13);
-  EXPECT_NEAR(slopes.by_thickness, -2 / cos * std::exp(-tau), 1e-13);
-  EXPECT_EQ(slopes.by_g, 0.0);
+  const LayerDerivatives& derivatives = result.transmittance[0];
+  EXPECT_NEAR(derivatives.by_sigma_a, -.6 / cos * std::exp(-tau), 1e-13);
+  EXPECT_NEAR(derivatives.by_thickness, -2 / cos * std::exp(-tau), 1e-13);
+  EXPECT_EQ(derivatives.by_g, 0.0);
   // Isotropic light scattered once by a thin slab: half of it to either side.
   const auto thin = adding_doubling_derivatives(LayerStack({of(1e-9, 0, 0, 1, 1e-3)}));
   EXPECT_NEAR(thin.diffuse_reflectance[0].by_sigma_s, .5e-3, 1e-8);
@@ -143,14 +147,17 @@ TEST(AddingDoublingDerivatives, FirstScatteringInAClearPlate) {
     return adding_doubling(stack(sigma_s), {.theta = .4}, one_grid);
   };
   const auto none = at(0), one = at(1e-4), two = at(2e-4);
-  const auto slope = [](double f0, double f1, double f2) { return (4 * f1 - 3 * f0 - f2) / 2e-4; };
+  const auto derivative = [](double f0, double f1, double f2) {
+    return (4 * f1 - 3 * f0 - f2) / 2e-4;
+  };
   EXPECT_NEAR(exact.diffuse_reflectance[0].by_sigma_s,
-              slope(none.totals.diffuse_reflectance, one.totals.diffuse_reflectance,
-                    two.totals.diffuse_reflectance),
+              derivative(none.totals.diffuse_reflectance, one.totals.diffuse_reflectance,
+                         two.totals.diffuse_reflectance),
               1e-8);
-  EXPECT_NEAR(exact.transmittance[0].by_sigma_s,
-              slope(none.totals.transmittance, one.totals.transmittance, two.totals.transmittance),
-              1e-8);
+  EXPECT_NEAR(
+      exact.transmittance[0].by_sigma_s,
+      derivative(none.totals.transmittance, one.totals.transmittance, two.totals.transmittance),
+      1e-8);
 }
 
 TEST(AddingDoublingDerivatives, RefusesWhatHasNone) {

@@ -44,19 +44,19 @@ struct SlabProblem {
 int double_slab(const SlabProblem& problem, double* reflection, double* transmission);
 
 /// Derivatives of the matrices of a SlabProblem by one parameter, the step kept.
-struct SlabSlope {
+struct SlabProblemDerivative {
   const double* forward = nullptr;   ///< of A
   const double* backward = nullptr;  ///< of B
 };
 
 /// Reflection and transmission of a slab with their derivatives.
-struct SlopedSlab {
+struct DifferentiatedSlab {
   Matrix reflection, transmission;
-  std::vector<Matrix> reflection_slopes, transmission_slopes;  ///< [parameter]
+  std::vector<Matrix> reflection_derivatives, transmission_derivatives;  ///< [parameter]
 };
 /// The same doubling differentiated, for some two times the work for each parameter and the slab.
-[[nodiscard]] SlopedSlab double_slab_with_slopes(const SlabProblem& problem,
-                                                 std::span<const SlabSlope> slopes);
+[[nodiscard]] DifferentiatedSlab double_slab_with_derivatives(
+    const SlabProblem& problem, std::span<const SlabProblemDerivative> derivatives);
 
 /// Several slabs of the same states and signs, without `conserved`; some two times faster each in
 /// groups of `slabs_at_once`, which depends on the processor. In half-spaces all of a group are

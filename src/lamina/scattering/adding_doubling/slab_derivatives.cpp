@@ -14,13 +14,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace lamina::detail::HWY_NAMESPACE {
 
-SlopedSlab double_slab_with_slopes(const SlabProblem& problem, std::span<const SlabSlope> slopes) {
+DifferentiatedSlab double_slab_with_derivatives(
+    const SlabProblem& problem, std::span<const SlabProblemDerivative> derivatives) {
   const auto n = static_cast<std::size_t>(problem.size);
   const auto even = static_cast<std::size_t>(problem.even);
-  Sloped A{padded(problem.forward, n, n), {}}, B{padded(problem.backward, n, n), {}};
-  for (const SlabSlope& slope : slopes) {
-    A.slopes.push_back(padded(slope.forward, n, n));
-    B.slopes.push_back(padded(slope.backward, n, n));
+  Differentiated A{padded(problem.forward, n, n), {}}, B{padded(problem.backward, n, n), {}};
+  for (const SlabProblemDerivative& derivative : derivatives) {
+    A.derivatives.push_back(padded(derivative.forward, n, n));
+    B.derivatives.push_back(padded(derivative.backward, n, n));
   }
   auto [H, K] = thin_slab(A, B, 0.5 * problem.step, even);
   for (int done = 0; done < problem.doublings; ++done) {
@@ -34,10 +35,10 @@ SlopedSlab double_slab_with_slopes(const SlabProblem& problem, std::span<const S
     for (std::size_t k = even * n; k < n * n; ++k) m.values[k] *= -1.0;
     return m;
   };
-  SlopedSlab slab{with_signs(H.value), with_signs(K.value), {}, {}};
-  for (std::size_t k = 0; k < slopes.size(); ++k) {
-    slab.reflection_slopes.push_back(with_signs(H.slopes[k]));
-    slab.transmission_slopes.push_back(with_signs(K.slopes[k]));
+  DifferentiatedSlab slab{with_signs(H.value), with_signs(K.value), {}, {}};
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
+    slab.reflection_derivatives.push_back(with_signs(H.derivatives[k]));
+    slab.transmission_derivatives.push_back(with_signs(K.derivatives[k]));
   }
   return slab;
 }
@@ -48,10 +49,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace lamina::detail {
 
-HWY_EXPORT(double_slab_with_slopes);
+HWY_EXPORT(double_slab_with_derivatives);
 
-SlopedSlab double_slab_with_slopes(const SlabProblem& problem, std::span<const SlabSlope> slopes) {
-  return HWY_DYNAMIC_DISPATCH(double_slab_with_slopes)(problem, slopes);
+DifferentiatedSlab double_slab_with_derivatives(
+    const SlabProblem& problem, std::span<const SlabProblemDerivative> derivatives) {
+  return HWY_DYNAMIC_DISPATCH(double_slab_with_derivatives)(problem, derivatives);
 }
 
 }  // namespace lamina::detail

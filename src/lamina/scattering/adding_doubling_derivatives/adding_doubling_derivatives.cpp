@@ -66,7 +66,7 @@ Fields gains_of_reflectance(const GridStack& stack, const StackOperators& operat
 /// The same for the transmittance: from the bottom up for light that goes down and meets nothing
 /// above, then from the top down for light that starts upward.
 Fields gains_of_transmittance(const GridStack& stack, const StackOperators& operators,
-                              std::span<const detail::LayerDerivatives> layers) {
+                              std::span<const detail::DifferentiatedLayer> layers) {
   const std::size_t count = operators.crossings.size();
   Fields gains{std::vector<State>(count), std::vector<State>(count)};
   State straight = flux_weights(stack, stack.ior.back());
@@ -93,8 +93,8 @@ Fields gains_of_transmittance(const GridStack& stack, const StackOperators& oper
 
 /// Of a total, by the change of layer k: light that arrives at the layer, and what that which
 /// leaves it is worth.
-double slope(const detail::LayerOperators& change, const Fields& light, const Fields& gains,
-             std::size_t k) {
+double derivative(const detail::LayerOperators& change, const Fields& light, const Fields& gains,
+                  std::size_t k) {
   const State& from_above = light.down[2 * k];
   const State& from_below = light.up[2 * k + 1];
   const State& to_above = gains.up[2 * k];
@@ -108,21 +108,21 @@ double slope(const detail::LayerOperators& change, const Fields& light, const Fi
          at(to_below, change.reflection, from_below);
 }
 
-std::vector<LayerSlopes> slopes_of(std::span<const detail::LayerDerivatives> layers,
-                                   const Fields& light, const Fields& gains) {
-  std::vector<LayerSlopes> slopes;
+std::vector<LayerDerivatives> derivatives_of(std::span<const detail::DifferentiatedLayer> layers,
+                                             const Fields& light, const Fields& gains) {
+  std::vector<LayerDerivatives> derivatives;
   for (std::size_t k = 0; k < layers.size(); ++k)
-    slopes.push_back({.by_sigma_a = slope(layers[k].by_sigma_a, light, gains, k),
-                      .by_sigma_s = slope(layers[k].by_sigma_s, light, gains, k),
-                      .by_g = slope(layers[k].by_g, light, gains, k),
-                      .by_thickness = slope(layers[k].by_thickness, light, gains, k)});
-  return slopes;
+    derivatives.push_back({.by_sigma_a = derivative(layers[k].by_sigma_a, light, gains, k),
+                           .by_sigma_s = derivative(layers[k].by_sigma_s, light, gains, k),
+                           .by_g = derivative(layers[k].by_g, light, gains, k),
+                           .by_thickness = derivative(layers[k].by_thickness, light, gains, k)});
+  return derivatives;
 }
 
 /// Light of one node that is never scattered: the same with numbers for matrices. What light of the
 /// node is worth at the bottom is what light from below brings, the stack turned over.
 void add_unscattered(const GridStack& stack, std::size_t node, double arriving,
-                     std::vector<LayerSlopes>& slopes) {
+                     std::vector<LayerDerivatives>& derivatives) {
   const std::size_t count = stack.layers.size();
   const auto light = detail::unscattered_flux(stack, node, detail::Unscattered::by_medium);
   if (light.down.back() == 0.0) return;
@@ -138,9 +138,9 @@ void add_unscattered(const GridStack& stack, std::size_t node, double arriving,
          gains.down[2 * turned] * light.down[2 * k]) /
         cosine(stack.grid, node, layer.ior) *
         std::exp(-layer.extinction * layer.thickness / cosine(stack.grid, node, layer.ior));
-    slopes[k].by_sigma_a += layer.thickness * per_length;
-    slopes[k].by_sigma_s += layer.thickness * per_length;
-    slopes[k].by_thickness += layer.extinction * per_length;
+    derivatives[k].by_sigma_a += layer.thickness * per_length;
+    derivatives[k].by_sigma_s += layer.thickness * per_length;
+    derivatives[k].by_thickness += layer.extinction * per_length;
   }
 }
 
@@ -181,10 +181,11 @@ std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
     if (!incidence.is_diffuse) beams.push_back(direction_in(stack.ior_above(), incidence.theta));
 
   const GridStack on_grid = detail::make_grid_stack(stack, totals.front().nodes, beams);
-  std::vector<detail::LayerDerivatives> layers;
+  std::vector<detail::DifferentiatedLayer> layers;
   std::vector<detail::LayerOperators> layer_operators;
   for (std::size_t k = 0; k < on_grid.layers.size(); ++k) {
-    layers.push_back(detail::layer_derivatives(stack.layers()[k], on_grid.layers[k], on_grid.grid));
+    layers.push_back(
+        detail::differentiate_layer(stack.layers()[k], on_grid.layers[k], on_grid.grid));
     layer_operators.push_back(layers.back().operators);
     report_or_throw(of_unknown_length(options.progress), 0.0);
   }
@@ -201,9 +202,9 @@ std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
     const Fields light = fields_of(operators, down);
     AddingDoublingDerivatives result{
         .totals = totals[i],
-        .diffuse_reflectance = slopes_of(layers, light, of_reflectance),
-        .transmittance = slopes_of(layers, light, of_transmittance),
-        .unscattered_transmittance = std::vector<LayerSlopes>(layers.size())};
+        .diffuse_reflectance = derivatives_of(layers, light, of_reflectance),
+        .transmittance = derivatives_of(layers, light, of_transmittance),
+        .unscattered_transmittance = std::vector<LayerDerivatives>(layers.size())};
     for (std::size_t node = 0; node < down.size(); ++node)
       if (down[node] != 0.0)
         add_unscattered(on_grid, node, std::sqrt(on_grid.grid.etendue[node]) * down[node],

@@ -10,7 +10,7 @@
 namespace lamina {
 
 /// Derivatives of a total by what one layer is made of, all else kept.
-struct LayerSlopes {
+struct LayerDerivatives {
   double by_sigma_a = 0.0;    ///< [mm]
   double by_sigma_s = 0.0;    ///< [mm] at constant g
   double by_g = 0.0;          ///< of the Henyey-Greenstein lobes, all changed alike; else 0
@@ -19,10 +19,10 @@ struct LayerSlopes {
 
 /// Totals and their derivatives. The specular reflectance depends on indices only.
 struct AddingDoublingDerivatives {
-  AddingDoublingTotals totals;                         ///< as adding_doubling gives them
-  std::vector<LayerSlopes> diffuse_reflectance;        ///< [layer]
-  std::vector<LayerSlopes> transmittance;              ///< [layer] unscattered light included
-  std::vector<LayerSlopes> unscattered_transmittance;  ///< [layer]
+  AddingDoublingTotals totals;                              ///< as adding_doubling gives them
+  std::vector<LayerDerivatives> diffuse_reflectance;        ///< [layer]
+  std::vector<LayerDerivatives> transmittance;              ///< [layer] unscattered light included
+  std::vector<LayerDerivatives> unscattered_transmittance;  ///< [layer]
 };
 
 /// Solves a stack, and differentiates the solution on the last grid of directions exactly: to 1e-7

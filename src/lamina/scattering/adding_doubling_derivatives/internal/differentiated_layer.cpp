@@ -105,11 +105,11 @@ LayerOperators first_scattering(const GridLayer& layer, const TruncatedPhase& ph
   return once;
 }
 
-LayerDerivatives clear_layer_derivatives(const GridLayer& layer, const TruncatedPhase& phase) {
+DifferentiatedLayer differentiate_clear_layer(const GridLayer& layer, const TruncatedPhase& phase) {
   const std::size_t n = layer.cos.size();
   const LayerOperators none{Matrix(n, n), Matrix(n, n)};
-  LayerDerivatives result{layer_operators(layer, 0), none, first_scattering(layer, phase), none,
-                          none};
+  DifferentiatedLayer result{layer_operators(layer, 0), none, first_scattering(layer, phase), none,
+                             none};
   if (!std::isfinite(layer.thickness)) return result;
   for (std::size_t i = 0; i < n; ++i) {
     const double per_length = -result.operators.transmission(i, i) / layer.cos[i];
@@ -125,10 +125,11 @@ LayerDerivatives clear_layer_derivatives(const GridLayer& layer, const Truncated
 LayerOperators by_thickness(const LayerOperators& layer, const TransferMatrices& transfer) {
   const Matrix& T = layer.transmission;
   const Matrix BT = product(transfer.backward, T);
-  LayerOperators slope{product(T, BT), product(transfer.forward, T)};
+  LayerOperators derivative{product(T, BT), product(transfer.forward, T)};
   const Matrix RBT = product(layer.reflection, BT);
-  for (std::size_t k = 0; k < RBT.values.size(); ++k) slope.transmission.values[k] += RBT.values[k];
-  return slope;
+  for (std::size_t k = 0; k < RBT.values.size(); ++k)
+    derivative.transmission.values[k] += RBT.values[k];
+  return derivative;
 }
 
 /// A layer depends on sigma_a d and sigma_s d alone: sigma_s X_s = d X_d - sigma_a X_a.
@@ -144,34 +145,37 @@ Matrix by_scale(const Layer& layer, const Matrix& by_sigma_a, const Matrix& by_t
 
 }  // namespace
 
-LayerDerivatives layer_derivatives(const Layer& layer, const GridLayer& on_grid,
-                                   const DirectionGrid& grid) {
+DifferentiatedLayer differentiate_layer(const Layer& layer, const GridLayer& on_grid,
+                                        const DirectionGrid& grid) {
   const int count = carried_moments(grid, on_grid.ior);
   const TruncatedPhase phase = truncate(phase_function(layer), count);
-  if (layer.medium.sigma_s == 0.0) return clear_layer_derivatives(on_grid, phase);
+  if (layer.medium.sigma_s == 0.0) return differentiate_clear_layer(on_grid, phase);
 
   const std::size_t n = on_grid.cos.size();
   const TransferMatrices transfer = transfer_matrices(on_grid, 0);
   TransferMatrices by_sigma_a{Matrix(n, n), Matrix(n, n)};
   for (std::size_t i = 0; i < n; ++i) by_sigma_a.forward(i, i) = -1.0 / on_grid.cos[i];
   const TransferMatrices by_g = transfer_by_g(layer, on_grid, phase, count);
-  const auto slope = [](const TransferMatrices& of) {
-    return SlabSlope{of.forward.values.data(), of.backward.values.data()};
+  const auto derivative = [](const TransferMatrices& of) {
+    return SlabProblemDerivative{of.forward.values.data(), of.backward.values.data()};
   };
   SlabProblem problem = slab_problem(on_grid, transfer);
   const std::vector<double> roots = root_etendues(on_grid);
   if (on_grid.sigma_a == 0.0) problem.conserved = roots.data();
-  SlopedSlab slab = double_slab_with_slopes(problem, std::array{slope(by_sigma_a), slope(by_g)});
+  DifferentiatedSlab slab =
+      double_slab_with_derivatives(problem, std::array{derivative(by_sigma_a), derivative(by_g)});
   if (!std::isfinite(layer.thickness)) {
     const Matrix nothing(n, n);
     slab.transmission = nothing;
-    slab.transmission_slopes.assign(2, nothing);
+    slab.transmission_derivatives.assign(2, nothing);
   }
-  LayerDerivatives result{
+  DifferentiatedLayer result{
       .operators = {std::move(slab.reflection), std::move(slab.transmission)},
-      .by_sigma_a = {std::move(slab.reflection_slopes[0]), std::move(slab.transmission_slopes[0])},
+      .by_sigma_a = {std::move(slab.reflection_derivatives[0]),
+                     std::move(slab.transmission_derivatives[0])},
       .by_sigma_s = {},
-      .by_g = {std::move(slab.reflection_slopes[1]), std::move(slab.transmission_slopes[1])},
+      .by_g = {std::move(slab.reflection_derivatives[1]),
+               std::move(slab.transmission_derivatives[1])},
       .by_thickness = {}};
   result.by_thickness = by_thickness(result.operators, transfer);
   result.by_sigma_s.reflection =

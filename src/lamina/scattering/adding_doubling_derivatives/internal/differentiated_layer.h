@@ -6,7 +6,7 @@
 namespace lamina::detail {
 
 /// Reflection and transmission of a layer for azimuthal mode 0, with their derivatives.
-struct LayerDerivatives {
+struct DifferentiatedLayer {
   LayerOperators operators;
   LayerOperators by_sigma_a, by_sigma_s, by_g, by_thickness;
 };
@@ -16,7 +16,7 @@ struct LayerDerivatives {
 /// of the layer. In a layer that does not scatter, `by_sigma_s` is that of its first scattering.
 ///
 /// @param on_grid  made from `layer` on this grid.
-[[nodiscard]] LayerDerivatives layer_derivatives(const Layer& layer, const GridLayer& on_grid,
-                                                 const DirectionGrid& grid);
+[[nodiscard]] DifferentiatedLayer differentiate_layer(const Layer& layer, const GridLayer& on_grid,
+                                                      const DirectionGrid& grid);
 
 }  // namespace lamina::detail
