@@ -10,7 +10,7 @@
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 

@@ -15,7 +15,7 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "literal/stack_table.h"

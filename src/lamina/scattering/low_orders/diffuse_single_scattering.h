@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 
 namespace lamina::detail {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 
 namespace lamina::detail {
 

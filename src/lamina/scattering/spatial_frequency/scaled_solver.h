@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 
 namespace lamina::detail {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <complex>
 
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 
 namespace lamina::detail {
 namespace {

@@ -11,7 +11,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/scaled_solver.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"

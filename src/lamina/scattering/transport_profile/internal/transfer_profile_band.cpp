@@ -15,7 +15,7 @@
 #include "lamina/scattering/low_orders/diffuse_single_scattering.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/low_orders/unscattered_paths.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"

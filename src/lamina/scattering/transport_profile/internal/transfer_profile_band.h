@@ -6,7 +6,7 @@
 
 #include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/scattering/profile/hankel.h"
-#include "lamina/scattering/spatial_frequency/frequency_solver.h"
+#include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::detail {
