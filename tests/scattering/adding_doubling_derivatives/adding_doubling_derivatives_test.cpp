@@ -98,6 +98,8 @@ TEST(AddingDoublingDerivatives, AreThoseOfCentralDifferences) {
                [](const Totals& t) { return t.totals.transmittance; });
         expect("unscattered T", exact.unscattered_transmittance[k].*parameter.derivative,
                [](const Totals& t) { return t.unscattered_transmittance; });
+        expect("unscattered R", exact.unscattered_reflectance[k].*parameter.derivative,
+               [](const Totals& t) { return t.unscattered_reflectance; });
       }
   }
 }

@@ -6,16 +6,9 @@
 
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 namespace lamina {
-
-/// Derivatives of a total by what one layer is made of, all else kept.
-struct LayerDerivatives {
-  double by_sigma_a = 0.0;    ///< [mm]
-  double by_sigma_s = 0.0;    ///< [mm] at constant g
-  double by_g = 0.0;          ///< of the Henyey-Greenstein lobes, all changed alike; else 0
-  double by_thickness = 0.0;  ///< [1/mm]; 0 in an infinitely thick layer
-};
 
 /// Totals and their derivatives. The specular reflectance depends on indices only.
 struct AddingDoublingDerivatives {
@@ -23,6 +16,7 @@ struct AddingDoublingDerivatives {
   std::vector<LayerDerivatives> diffuse_reflectance;        ///< [layer]
   std::vector<LayerDerivatives> transmittance;              ///< [layer] unscattered light included
   std::vector<LayerDerivatives> unscattered_transmittance;  ///< [layer]
+  std::vector<LayerDerivatives> unscattered_reflectance;    ///< [layer]
 };
 
 /// Solves a stack, and differentiates the solution on the last grid of directions exactly: to 1e-7

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "lamina/scattering/adding_doubling/adding_doubling_layer.h"
+#include "lamina/scattering/adding_doubling_derivatives/differentiated_layer.h"
+#include "lamina/scattering/spatial_frequency/differentiated_solver.h"
 #include "lamina/scattering/spatial_frequency/internal/frequency_states.h"
 
 namespace lamina::detail {
@@ -22,5 +24,9 @@ struct LayerEquation {
 [[nodiscard]] std::vector<LayerOperators> layer_at_frequencies(const FrequencySolver& solver,
                                                                std::size_t index,
                                                                std::span<const double> frequencies);
+
+/// The same at one frequency, with derivatives.
+[[nodiscard]] DifferentiatedLayer differentiate_layer_at(const DifferentiatedSolver& differentiated,
+                                                         std::size_t index, double k);
 
 }  // namespace lamina::detail

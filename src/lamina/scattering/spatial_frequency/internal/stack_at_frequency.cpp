@@ -56,7 +56,7 @@ Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Mat
   };
   Matrix mirror(behind.size(), behind.size());
   for (std::size_t a = 0; a < behind.size(); ++a) mirror(a, a) = reflectance(behind.node[a]);
-  const Matrix returns = between(mirror, below);
+  Matrix returns = between(mirror, below);
   const Matrix sent_back = product(below, returns);
   Covered covered{{Matrix(behind.size(), before.size()), std::move(below)},
                   Matrix(before.size(), before.size())};
@@ -74,6 +74,7 @@ Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Mat
           (1.0 - reflectance(before.node[a])) * sent_back(to, from) * (1.0 - r_b);
     }
   }
+  covered.crossing.returns = std::move(returns);
   return covered;
 }
 
