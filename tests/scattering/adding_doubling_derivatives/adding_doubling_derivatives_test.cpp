@@ -104,6 +104,31 @@ TEST(AddingDoublingDerivatives, AreThoseOfCentralDifferences) {
   }
 }
 
+// One grid is the last of those that refining stops at.
+TEST(AddingDoublingDerivatives, OnOneGridAreThoseOfItsTotals) {
+  for (const auto& [name, stack, incidence] : cases()) {
+    const AddingDoublingDerivatives refined =
+        adding_doubling_derivatives(stack, incidence, one_grid);
+    const AddingDoublingDerivatives on_grid =
+        adding_doubling_derivatives_on_grid(stack, incidence, one_grid.max_nodes);
+    const AddingDoublingTotals totals =
+        adding_doubling_on_grid(stack, incidence, one_grid.max_nodes);
+    EXPECT_EQ(totals.totals.diffuse_reflectance, refined.totals.totals.diffuse_reflectance);
+    for (std::size_t k = 0; k < stack.layers().size(); ++k) {
+      EXPECT_EQ(on_grid.diffuse_reflectance[k].by_sigma_a,
+                refined.diffuse_reflectance[k].by_sigma_a)
+          << name;
+      EXPECT_EQ(on_grid.transmittance[k].by_g, refined.transmittance[k].by_g) << name;
+    }
+    // The derivatives come with a second solution of the layers, of other rounding.
+    EXPECT_NEAR(on_grid.totals.totals.diffuse_reflectance, totals.totals.diffuse_reflectance,
+                1e-10);
+    EXPECT_NEAR(on_grid.totals.totals.transmittance, totals.totals.transmittance, 1e-10);
+    EXPECT_EQ(on_grid.totals.nodes, one_grid.max_nodes);
+    EXPECT_FALSE(on_grid.totals.is_accurate);
+  }
+}
+
 /// Seen from a layer, light knows optical thicknesses only. And two halves are the whole.
 TEST(AddingDoublingDerivatives, ScaleAndSplit) {
   const Layer whole = of(.3, 6, .8, 1.4, .8);

@@ -12,6 +12,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
+#include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_rough.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
@@ -21,57 +22,6 @@ namespace {
 using detail::GridStack;
 using detail::StackOperators;
 
-/// Flux of a state vector, whose entries are flux over the square root of etendue.
-double flux(const GridStack& stack, const std::vector<double>& state) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < state.size(); ++i) sum += std::sqrt(stack.grid.etendue[i]) * state[i];
-  return sum;
-}
-
-/// Unit flux from above: of the beam of that number on the grid, or diffuse.
-std::vector<double> incident_state(const GridStack& stack, std::optional<std::size_t> beam_number) {
-  std::vector<double> state(active_count(stack.grid, stack.ior.front()), 0.0);
-  if (beam_number) {
-    const std::size_t beam = stack.grid.extra[*beam_number];
-    state[beam] = 1.0 / std::sqrt(stack.grid.etendue[beam]);
-    return state;
-  }
-  double all = 0.0;
-  for (std::size_t i = 0; i < state.size(); ++i) all += stack.grid.etendue[i];
-  for (std::size_t i = 0; i < state.size(); ++i) state[i] = std::sqrt(stack.grid.etendue[i]) / all;
-  return state;
-}
-
-AddingDoublingTotals totals_of(const GridStack& on_grid, const StackOperators& operators,
-                               std::vector<double> down) {
-  AddingDoublingTotals result;
-  SlabTotals& totals = result.totals;
-  totals.specular_reflectance = flux(on_grid, detail::product(operators.first_reflection, down));
-  totals.diffuse_reflectance =
-      flux(on_grid, detail::product(operators.reflection, down)) - totals.specular_reflectance;
-  for (std::size_t i = 0; i < down.size(); ++i) {
-    if (down[i] == 0.0) continue;
-    const double arriving = std::sqrt(on_grid.grid.etendue[i]) * down[i];
-    const auto unscattered = detail::unscattered_flux(on_grid, i, detail::Unscattered::by_medium);
-    result.unscattered_reflectance += arriving * unscattered.reflectance;
-    result.unscattered_transmittance += arriving * unscattered.down.back();
-  }
-
-  // Down through the stack: net flux behind each crossing; a layer keeps the difference.
-  double net_before = 0.0;
-  for (std::size_t c = 0; c < operators.crossings.size(); ++c) {
-    const detail::Crossing& crossing = operators.crossings[c];
-    down = detail::product(crossing.pass, down);
-    const double net =
-        flux(on_grid, down) - flux(on_grid, detail::product(crossing.reflection_below, down));
-    const bool is_layer = c % 2 == 1;
-    if (is_layer) totals.absorptance.push_back(net_before - net);
-    net_before = net;
-  }
-  totals.transmittance = net_before;
-  return result;
-}
-
 /// [incidence]. Diffuse ones take no beam on the grid.
 std::vector<AddingDoublingTotals> totals_on_grid(const GridStack& on_grid,
                                                  std::span<const Incidence> incidences,
@@ -80,9 +30,10 @@ std::vector<AddingDoublingTotals> totals_on_grid(const GridStack& on_grid,
   std::vector<AddingDoublingTotals> results;
   std::size_t beam = 0;
   for (const Incidence& incidence : incidences)
-    results.push_back(totals_of(on_grid, operators,
-                                incidence.is_diffuse ? incident_state(on_grid, std::nullopt)
-                                                     : incident_state(on_grid, beam++)));
+    results.push_back(detail::totals_of(on_grid, operators,
+                                        incidence.is_diffuse
+                                            ? detail::incident_state(on_grid, std::nullopt)
+                                            : detail::incident_state(on_grid, beam++)));
   return results;
 }
 
@@ -93,13 +44,6 @@ double largest_difference(const SlabTotals& a, const SlabTotals& b) {
   for (std::size_t k = 0; k < a.absorptance.size(); ++k)
     largest = std::max(largest, std::abs(a.absorptance[k] - b.absorptance[k]));
   return largest;
-}
-
-void check(const Incidence& incidence) {
-  if (!incidence.is_diffuse &&
-      !(0.0 <= incidence.theta && incidence.theta < 0.5 * std::numbers::pi))
-    throw InvalidInput("angle of incidence: must lie in [0, pi/2), but is " +
-                       number_text(incidence.theta));
 }
 
 void check(const AddingDoublingOptions& options) {
@@ -144,10 +88,7 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
     std::span<const LayerStack* const> stacks, std::span<const Incidence> incidences,
     const AddingDoublingOptions& options) {
   constexpr int coarsest = 6;
-  std::vector<GridDirection> beams;
-  for (const Incidence& incidence : incidences)
-    if (!incidence.is_diffuse)
-      beams.push_back(direction_in(stacks[0]->ior_above(), incidence.theta));
+  const std::vector<GridDirection> beams = detail::beams_of(*stacks[0], incidences);
   const double least_error = is_smooth(*stacks[0]) ? 0.0 : detail::rough_boundary_error;
   const auto is_coarse = [&](const AddingDoublingTotals& result) {
     return result.estimated_error > std::max(options.accuracy, least_error);
@@ -200,10 +141,23 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
 std::vector<AddingDoublingTotals> adding_doubling_by_angle(const LayerStack& stack,
                                                            std::span<const Incidence> incidences,
                                                            const AddingDoublingOptions& options) {
-  for (const Incidence& incidence : incidences) check(incidence);
+  for (const Incidence& incidence : incidences) detail::require_incidence(incidence);
   check(options);
   const LayerStack* const alone = &stack;
   return solve_group({&alone, 1}, incidences, options).front();
+}
+
+AddingDoublingTotals adding_doubling_on_grid(const LayerStack& stack, Incidence incidence,
+                                             int nodes) {
+  detail::require_incidence(incidence);
+  const GridStack on_grid =
+      detail::make_grid_stack(stack, nodes, detail::beams_of(stack, {&incidence, 1}));
+  AddingDoublingTotals result =
+      totals_on_grid(on_grid, {&incidence, 1}, detail::rough_boundaries(on_grid, 0, 1).front())
+          .front();
+  result.nodes = nodes;
+  result.estimated_error = 1.0;
+  return result;
 }
 
 AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidence,
@@ -214,7 +168,7 @@ AddingDoublingTotals adding_doubling(const LayerStack& stack, Incidence incidenc
 std::vector<AddingDoublingTotals> adding_doubling(std::span<const LayerStack> bands,
                                                   Incidence incidence,
                                                   const AddingDoublingOptions& options) {
-  check(incidence);
+  detail::require_incidence(incidence);
   check(options);
   std::vector<AddingDoublingTotals> results(bands.size());
   const auto groups = detail::groups_of_equal_boundaries(bands);

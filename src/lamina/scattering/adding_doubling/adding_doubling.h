@@ -6,7 +6,7 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/scattering/adding_doubling/adding_doubling_totals.h"
 
 namespace lamina {
 
@@ -14,16 +14,6 @@ struct AddingDoublingOptions {
   double accuracy = 1e-5;  ///< asked of each total, absolute; down to 1e-10
   int max_nodes = 96;      ///< of the direction grid's first segment, >= 4; where refining stops
   Progress progress = {};  ///< told that the work goes on, not how far it is
-};
-
-/// What adding-doubling finds, with how far it can be trusted.
-struct AddingDoublingTotals {
-  SlabTotals totals;
-  double unscattered_transmittance = 0.0;  ///< part of totals.transmittance, with all reflections
-  double unscattered_reflectance = 0.0;  ///< specular, and what comes back from inside unscattered
-  double estimated_error = 0.0;  ///< by the changes of the totals from grid to grid
-  int nodes = 0;                 ///< of the last grid
-  bool is_accurate = false;      ///< estimated_error <= options.accuracy
 };
 
 /// Solves the equation of radiative transfer in a layer stack; no diffusion, no noise.
@@ -48,6 +38,13 @@ struct AddingDoublingTotals {
 [[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling_by_angle(
     const LayerStack& stack, std::span<const Incidence> incidences,
     const AddingDoublingOptions& options = {});
+
+/// The same on one grid of directions, which is not refined: a smooth function of what the layers
+/// are made of, as fits need it, where refined ones jump from grid to grid. No error is estimated.
+///
+/// @param nodes  of the grid's first segment, >= 4.
+[[nodiscard]] AddingDoublingTotals adding_doubling_on_grid(const LayerStack& stack,
+                                                           Incidence incidence, int nodes);
 
 /// The same for all bands of a material, in parallel.
 [[nodiscard]] std::vector<AddingDoublingTotals> adding_doubling(

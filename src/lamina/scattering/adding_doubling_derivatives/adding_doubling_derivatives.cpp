@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string>
 
 #include "lamina/core/error.h"
 #include "lamina/core/progress.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling_derivatives/differentiated_layer.h"
 #include "lamina/scattering/adding_doubling_derivatives/stack_derivatives.h"
 
@@ -76,42 +75,19 @@ void check_differentiable(const LayerStack& stack) {
                        "sigma_a; make it finite or absorbing");
 }
 
-/// Unit flux from above.
-LightState incident_light(const GridStack& stack, std::optional<std::size_t> beam_number) {
-  LightState state = flux_weights(stack, stack.ior.front());
-  const double all = std::inner_product(state.begin(), state.end(), state.begin(), 0.0);
-  if (!beam_number) {
-    for (double& of_node : state) of_node /= all;
-    return state;
-  }
-  const std::size_t beam = stack.grid.extra[*beam_number];
-  const double of_beam = 1.0 / state[beam];
-  std::fill(state.begin(), state.end(), 0.0);
-  state[beam] = of_beam;
-  return state;
-}
-
-}  // namespace
-
-std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
-    const LayerStack& stack, std::span<const Incidence> incidences,
-    const AddingDoublingOptions& options) {
-  check_differentiable(stack);
-  const std::vector<AddingDoublingTotals> totals =
-      adding_doubling_by_angle(stack, incidences, options);
-  if (totals.empty()) return {};
-  std::vector<GridDirection> beams;
-  for (const Incidence& incidence : incidences)
-    if (!incidence.is_diffuse) beams.push_back(direction_in(stack.ior_above(), incidence.theta));
-
-  const GridStack on_grid = detail::make_grid_stack(stack, totals.front().nodes, beams);
+/// On one grid, [incidence].
+std::vector<AddingDoublingDerivatives> derivatives_on_grid(const LayerStack& stack,
+                                                           std::span<const Incidence> incidences,
+                                                           int nodes, const Progress& progress) {
+  const GridStack on_grid =
+      detail::make_grid_stack(stack, nodes, detail::beams_of(stack, incidences));
   std::vector<detail::DifferentiatedLayer> layers;
   std::vector<detail::LayerOperators> layer_operators;
   for (std::size_t k = 0; k < on_grid.layers.size(); ++k) {
     layers.push_back(
         detail::differentiate_layer(stack.layers()[k], on_grid.layers[k], on_grid.grid));
     layer_operators.push_back(layers.back().operators);
-    report_or_throw(of_unknown_length(options.progress), 0.0);
+    report_or_throw(progress, 0.0);
   }
   const StackOperators operators = detail::stack_operators(
       on_grid, 0, detail::RoughBoundaries(on_grid.interfaces.size()), layer_operators);
@@ -124,22 +100,46 @@ std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
 
   std::vector<AddingDoublingDerivatives> results;
   std::size_t beam = 0;
-  for (std::size_t i = 0; i < incidences.size(); ++i) {
-    const LightState down = incidences[i].is_diffuse ? incident_light(on_grid, std::nullopt)
-                                                     : incident_light(on_grid, beam++);
+  for (const Incidence& incidence : incidences) {
+    const LightState down = incidence.is_diffuse ? detail::incident_state(on_grid, std::nullopt)
+                                                 : detail::incident_state(on_grid, beam++);
     const auto light = fields_of(crossed, down);
     AddingDoublingDerivatives result{
-        .totals = totals[i],
+        .totals = detail::totals_of(on_grid, operators, down),
         .diffuse_reflectance = derivatives_of(layers, light, of_reflectance),
         .transmittance = derivatives_of(layers, light, of_transmittance),
         .unscattered_transmittance = std::vector<LayerDerivatives>(layers.size()),
         .unscattered_reflectance = std::vector<LayerDerivatives>(layers.size())};
+    result.totals.nodes = nodes;
+    result.totals.estimated_error = 1.0;
     for (std::size_t node = 0; node < down.size(); ++node)
       if (down[node] != 0.0)
         add_unscattered(on_grid, node, std::sqrt(on_grid.grid.etendue[node]) * down[node], result);
     results.push_back(std::move(result));
   }
   return results;
+}
+
+}  // namespace
+
+std::vector<AddingDoublingDerivatives> adding_doubling_derivatives_by_angle(
+    const LayerStack& stack, std::span<const Incidence> incidences,
+    const AddingDoublingOptions& options) {
+  check_differentiable(stack);
+  const std::vector<AddingDoublingTotals> totals =
+      adding_doubling_by_angle(stack, incidences, options);
+  if (totals.empty()) return {};
+  std::vector<AddingDoublingDerivatives> results = derivatives_on_grid(
+      stack, incidences, totals.front().nodes, of_unknown_length(options.progress));
+  for (std::size_t i = 0; i < results.size(); ++i) results[i].totals = totals[i];
+  return results;
+}
+
+AddingDoublingDerivatives adding_doubling_derivatives_on_grid(const LayerStack& stack,
+                                                              Incidence incidence, int nodes) {
+  detail::require_incidence(incidence);
+  check_differentiable(stack);
+  return derivatives_on_grid(stack, {&incidence, 1}, nodes, {}).front();
 }
 
 AddingDoublingDerivatives adding_doubling_derivatives(const LayerStack& stack, Incidence incidence,
