@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
+#include "lamina/scattering/heterogeneous/transport_gradient.h"
 
 namespace lamina {
 namespace {
@@ -71,6 +71,25 @@ void prepare_band(benchmark::State& state) {
     benchmark::DoNotOptimize(make_heterogeneous_layers(made, sigma_a, sheets, 20.0 / size));
 }
 BENCHMARK(prepare_band)->Name("maps to coordinates")->Arg(1024)->Unit(benchmark::kMillisecond);
+
+/// Light and the derivatives of a number by all maps, of maps that a fit tries.
+void gradient_of_band(benchmark::State& state) {
+  const int size = static_cast<int>(state.range(0));
+  const StackTables made = make_stack_tables(skin(), OperatorTotals::diffusion);
+  const TransportMaps<float> at{
+      maps(size), {make_plane(size, size, 0.0175f)}, make_plane(size, size, 1.0f)};
+  const AbsorptionRange ranges[] = {{0.18, 1.9}, {0.14, 0.61}};
+  DifferentiableTransport<float> model(made, size, size, ranges, 20.0 / size);
+  for (auto _ : state) {
+    const TransportLight<float> light = model.light(at);
+    benchmark::DoNotOptimize(model.gradient({light.reflected, {}}));
+  }
+}
+BENCHMARK(gradient_of_band)
+    ->Name("light and gradient of a band: side")
+    ->Arg(512)
+    ->Arg(1024)
+    ->Unit(benchmark::kMillisecond);
 
 void one_operator(benchmark::State& state) {
   const int size = 1024;

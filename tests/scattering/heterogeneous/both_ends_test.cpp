@@ -85,8 +85,7 @@ TEST(BothEnds, AreBetterOnStripesThanTheExitAlone) {
                          1.0, 1.38);
   Patch scene{.stack = stack, .columns = columns, .rows = 1, .texel = texel};
   std::vector<double> row;
-  std::vector<Plane> sigma_a = {make_plane(columns, rows),
-                                make_plane(columns, rows, 0.15f)};
+  std::vector<Plane> sigma_a = {make_plane(columns, rows), make_plane(columns, rows, 0.15f)};
   const auto place_of = [](int x) { return x % 12 < 6 ? (x % 12) : 11 - x % 12; };  // 3, 4, 5: dark
   for (int x = 0; x < columns; ++x) row.push_back(place_of(x) >= 3 ? dark : pale);
   for (std::size_t i = 0; i < sigma_a[0].values.size(); ++i)
@@ -124,12 +123,12 @@ TEST(BothEnds, AreBetterOnStripesThanTheExitAlone) {
 TEST(PathAbsorption, IsBlurredByAPartOfTheDecayLengthWhereItChanges) {
   LayerTexels texels = uniform_texels({.sigma_a = 1.0, .sigma_s = 20.0, .g = 0.75});
   texels.sigma_a = {0.82f, 0.82f, 4.5f, 4.5f};
-  PathAbsorption absorption(texels);
+  PathAbsorption<float> absorption(texels.sigma_a, reduced_scattering(texels));
   for (std::size_t i = 0; i < 3; ++i) absorption.add_neighbors(i, i + 1);
   const double decay = 0.5 * (std::sqrt(3.0 * 0.82 * 5.82) + std::sqrt(3.0 * 4.5 * 9.5));
   EXPECT_NEAR(absorption.width(), 0.38 / decay, 1e-6);
   texels.sigma_a.assign(4, 0.82f);
-  EXPECT_EQ(PathAbsorption(texels).width(), 0.0);
+  EXPECT_EQ(PathAbsorption<float>(texels.sigma_a, reduced_scattering(texels)).width(), 0.0);
 }
 
 }  // namespace

@@ -9,8 +9,10 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/scattering/heterogeneous/internal/bounce_counter.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
+#include "lamina/scattering/heterogeneous/internal/plane_neighbors.h"
 
 namespace lamina {
 namespace {
@@ -157,32 +159,31 @@ class PlaneField {
 };
 
 /// The texels with absorption as light on its way meets it.
-LayerTexels along_paths(const LayerTexels& texels, const BlurPyramid& pyramid,
-                        double mm_per_texel) {
-  PathAbsorption absorption(texels);
-  const auto width = static_cast<std::size_t>(pyramid.width);
-  const std::size_t size = texels.sigma_a.size();
-  for (std::size_t i = 0; i < size; ++i) {
-    if ((i + 1) % width != 0) absorption.add_neighbors(i, i + 1);
-    if (i + width < size) absorption.add_neighbors(i, i + width);
-  }
-  const double variance = std::pow(absorption.width() / mm_per_texel, 2);
-  if (variance == 0.0) return texels;
-  const std::vector<double> scales = scales_of_gaussians(pyramid, std::array{variance});
-  const MappedOperator blur{
-      .terms = 1, .weights = {scales.begin(), scales.end()}, .totals = {1.0f}};
-  LayerTexels result = texels;
-  result.sigma_a = apply_operators(pyramid, {pyramid.width, pyramid.height, texels.sigma_a},
-                                   {.coordinate = make_plane(pyramid.width, pyramid.height)},
-                                   std::array<const MappedOperator*, 1>{&blur})[0]
-                       .values;
-  // A Gaussian of several scales may undershoot beside a sharp edge.
-  const auto [least, most] = std::ranges::minmax(texels.sigma_a);
-  for (float& value : result.sigma_a) value = std::clamp(value, least, most);
-  return result;
+LayerTexels along_plane_paths(const LayerTexels& texels, const BlurPyramid& pyramid,
+                              double mm_per_texel) {
+  const auto for_neighbors = [&](const auto& take) {
+    detail::for_plane_neighbors(pyramid.width, pyramid.height, take);
+  };
+  return along_paths(texels, for_neighbors, [&](double width) {
+    const std::vector<double> scales =
+        scales_of_gaussians(pyramid, std::array{std::pow(width / mm_per_texel, 2)});
+    const MappedOperator blur{
+        .terms = 1, .weights = {scales.begin(), scales.end()}, .totals = {1.0f}};
+    return apply_operators(pyramid, Plane{pyramid.width, pyramid.height, texels.sigma_a},
+                           {.coordinate = make_plane(pyramid.width, pyramid.height)},
+                           std::array<const MappedOperator*, 1>{&blur})[0]
+        .values;
+  });
 }
 
 }  // namespace
+
+void check_layer_count(std::size_t layers) {
+  if (layers > detail::most_junctions + 1)
+    throw InvalidInput("at most " + std::to_string(detail::most_junctions + 1) +
+                       " layers can be maps, ground included, but there are " +
+                       std::to_string(layers));
+}
 
 HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables,
                                               const std::vector<Plane>& sigma_a,
@@ -216,8 +217,8 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const bool of_both = profile == ProfileAt::both && follows_absorption(texels[i]);
     model.layers.push_back(make_transport_layer(
-        tables, i, of_both ? along_paths(texels[i], model.pyramid, mm_per_texel) : texels[i], width,
-        height, scales, tolerance, of_both ? ProfileAt::both : ProfileAt::exit));
+        tables, i, of_both ? along_plane_paths(texels[i], model.pyramid, mm_per_texel) : texels[i],
+        width, height, scales, tolerance, of_both ? ProfileAt::both : ProfileAt::exit));
   }
   for (const Plane& sheet : absorbance) {
     Plane left = sheet;
@@ -229,31 +230,23 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
         ground_layer(tables.ground_reflectance, width, height, model.pyramid.variances.size()));
     model.junctions.push_back(make_plane(width, height, 1.0f));
   }
-  if (model.junctions.size() > detail::most_junctions)
-    throw InvalidInput("at most " + std::to_string(detail::most_junctions + 1) +
-                       " layers can be maps, ground included, but there are " +
-                       std::to_string(model.layers.size()));
+  check_layer_count(model.layers.size());
   return model;
 }
 
 TransportResult transport(const HeterogeneousLayers& model, const Plane& irradiance,
                           const TransportOptions& options) {
   assert(irradiance.width == model.pyramid.width && irradiance.height == model.pyramid.height);
-  constexpr int most_bounces = 100;
-  TransportResult result;
-  double all_down = 0.0;
+  detail::BounceCounter counter(options);
   const auto is_last = [&](const Plane& down) {
-    ++result.interlayer_bounces;
-    const double now = std::accumulate(down.values.begin(), down.values.end(), 0.0);
-    all_down += now;
-    result.last_bounce = all_down > 0.0 ? now / all_down : 0.0;
-    return options.interlayer_bounces > 0 ? result.interlayer_bounces >= options.interlayer_bounces
-                                          : result.last_bounce < 1.0 - options.energy_threshold ||
-                                                result.interlayer_bounces >= most_bounces;
+    return counter.is_last(std::accumulate(down.values.begin(), down.values.end(), 0.0));
   };
   auto light = detail::sum_interlayer_bounces(PlaneField(model), irradiance,
                                               options.has_local_closure, is_last);
-  result.reflected = std::move(light.reflected);
+  TransportResult result{.reflected = std::move(light.reflected),
+                         .transmitted = {},
+                         .interlayer_bounces = counter.bounces(),
+                         .last_bounce = counter.last_part()};
   result.transmitted = light.transmitted.values.empty()
                            ? make_plane(model.pyramid.width, model.pyramid.height)
                            : std::move(light.transmitted);

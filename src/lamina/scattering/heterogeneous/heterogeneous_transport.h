@@ -12,11 +12,16 @@ namespace lamina {
 
 /// Layers that vary over the surface, with absorbing sheets between them; one band. A ground that
 /// reflects is one more layer, at the bottom.
-struct HeterogeneousLayers {
+template <class T>
+struct HeterogeneousLayersOf {
   BlurPyramid pyramid;
-  std::vector<TransportLayer> layers;  ///< from the lit surface downward
-  std::vector<Plane> junctions;        ///< [layer - 1] what a crossing leaves, in [0, 1]
+  std::vector<TransportLayerOf<T>> layers;  ///< from the lit surface downward
+  std::vector<PlaneOf<T>> junctions;        ///< [layer - 1] what a crossing leaves, in [0, 1]
 };
+using HeterogeneousLayers = HeterogeneousLayersOf<float>;
+
+/// @throws InvalidInput if there are more layers than can be maps.
+void check_layer_count(std::size_t layers);
 
 /// @param sigma_a        [layer] maps of one size [1/mm], > 0, finite.
 /// @param absorbance     [layer - 1] of the sheets between layers, natural, per crossing: light

@@ -2,12 +2,14 @@
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/both_ends.h"
 #include "lamina/scattering/heterogeneous/internal/operator_powers.h"
+#include "lamina/scattering/heterogeneous/internal/sum_over_entries.h"
 #include "lamina/scattering/heterogeneous/tables/operator_modes.h"
 
 namespace lamina {
@@ -85,6 +87,28 @@ void add_both_ends(const LayerToMap& from, const std::function<LatticePlace(doub
   }
 }
 
+/// The operators along the only axis of a lattice as powers of a coordinate in [-1, 1].
+/// @param place_at  of the coordinate
+void add_powers(const LayerToMap& from, const std::function<LatticePlace(double)>& place_at,
+                TransportLayer& layer) {
+  from.make_operators(layer, [&](const GaussianTable& table) {
+    return detail::fit_powers(
+        [&](double x) { return weights_at(from.lattice(), table, place_at(x)); },
+        from.tables.variances, from.scales, from.tolerance);
+  });
+}
+
+/// The place of a coordinate between two absorptions.
+std::function<LatticePlace(double)> places_between(const StateLattice& lattice,
+                                                   const AbsorptionRange& range) {
+  const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
+  return [&lattice, low, high, state = state_of(lattice.origin)](double x) mutable {
+    const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
+    state.sigma_a = root * root;
+    return place_in(lattice, state);
+  };
+}
+
 /// @param most_powers_wanted  if more are needed the layer has no basis
 TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
                                std::size_t most_powers_wanted, ProfileAt profile) {
@@ -92,23 +116,16 @@ TransportLayer layer_of_powers(const LayerToMap& from, int width, int height,
   const double last = static_cast<double>(lattice.axes[0].nodes - 1);
   const bool varies_in_absorption = from.varies_in_absorption();
   const AbsorptionRange range = varies_in_absorption ? absorption_range(from) : AbsorptionRange{};
-  const double low = std::sqrt(range.lowest), high = std::sqrt(range.highest);
-  LayerState state = state_of(lattice.origin);
-  const auto place_at = [&](double x) {
-    if (!varies_in_absorption) return LatticePlace{0.5 * (x + 1.0) * last};
-    const double root = 0.5 * (low + high) + 0.5 * (high - low) * x;
-    state.sigma_a = root * root;
-    return place_in(lattice, state);
-  };
+  const std::function<LatticePlace(double)> place_at =
+      varies_in_absorption ? places_between(lattice, range)
+                           : [last](double x) { return LatticePlace{0.5 * (x + 1.0) * last}; };
   TransportLayer layer{.basis = {.coordinate = {}}, .operators = {}};
-  from.make_operators(layer, [&](const GaussianTable& table) {
-    return detail::fit_powers([&](double x) { return weights_at(lattice, table, place_at(x)); },
-                              from.tables.variances, from.scales, from.tolerance);
-  });
+  add_powers(from, place_at, layer);
   const auto terms = [](const MappedOperator& op) { return op.terms; };
   if (std::ranges::max(layer.operators, {}, terms).terms > most_powers_wanted) return layer;
   if (varies_in_absorption) {
-    layer.basis.coordinate = absorption_coordinate({width, height, from.texels.sigma_a}, range);
+    layer.basis.coordinate =
+        absorption_coordinate(Plane{width, height, from.texels.sigma_a}, range);
     if (profile == ProfileAt::both) add_both_ends(from, place_at, layer);
     return layer;
   }
@@ -211,16 +228,19 @@ AbsorptionRange absorption_range(const Plane& sigma_a, const GaussianTableGrid& 
           std::clamp<double>(*highest, grid.lowest, grid.highest)};
 }
 
-Plane absorption_coordinate(const Plane& sigma_a, const AbsorptionRange& range) {
-  Plane result = make_plane(sigma_a.width, sigma_a.height);
-  const auto low = static_cast<float>(std::sqrt(range.lowest));
-  const auto width = static_cast<float>(std::sqrt(range.highest)) - low;
-  if (width < 1e-6f * low) return result;
+template <class T>
+PlaneOf<T> absorption_coordinate(const PlaneOf<T>& sigma_a, const AbsorptionRange& range) {
+  PlaneOf<T> result = make_plane<T>(sigma_a.width, sigma_a.height);
+  const T low = static_cast<T>(std::sqrt(range.lowest));
+  const T width = static_cast<T>(std::sqrt(range.highest)) - low;
+  if (width < T(1e-6) * low) return result;
   for (std::size_t i = 0; i < result.values.size(); ++i)
     result.values[i] =
-        std::clamp(2.0f * (std::sqrt(sigma_a.values[i]) - low) / width - 1.0f, -1.0f, 1.0f);
+        std::clamp(T(2) * (std::sqrt(sigma_a.values[i]) - low) / width - T(1), T(-1), T(1));
   return result;
 }
+template Plane absorption_coordinate(const Plane&, const AbsorptionRange&);
+template PlaneOf<double> absorption_coordinate(const PlaneOf<double>&, const AbsorptionRange&);
 
 MappedOperator make_mapped_operator(const StackTables& tables, const GaussianTable& table,
                                     const AbsorptionRange& range, std::span<const double> scales,
@@ -251,33 +271,46 @@ TransportLayer make_transport_layer(const StackTables& tables, std::size_t i,
   return layer_of_modes(layer, width, height);
 }
 
-std::vector<Plane> apply_layer(const BlurPyramid& pyramid, const Plane& input,
-                               const TransportLayer& layer, std::span<const std::size_t> which) {
-  const auto apply = [&](const Plane& light, const std::array<MappedOperator, 4>& all) {
-    std::vector<const MappedOperator*> operators;
-    for (const std::size_t w : which) operators.push_back(&all[w]);
-    return apply_operators(pyramid, light, layer.basis, operators);
-  };
-  if (layer.of_entry.empty()) return apply(input, layer.operators);
-  std::vector<Plane> sums;
-  const auto width = static_cast<std::size_t>(input.width);
-  for (const TransportLayer::OfEntry& entry : layer.of_entry) {
-    Plane light = make_plane(input.width, input.height);
-    for (int y = 0; y < input.height; ++y) {
-      const std::size_t row = static_cast<std::size_t>(y) * width;
-      add_times_basis(layer.basis, y, std::span(input.values).subspan(row, width), entry.factor,
-                      std::span(light.values).subspan(row, width));
-    }
-    std::vector<Plane> parts = apply(light, entry.operators);
-    if (sums.empty()) {
-      sums = std::move(parts);
-      continue;
-    }
-    for (std::size_t o = 0; o < sums.size(); ++o)
-      for (std::size_t i = 0; i < light.values.size(); ++i) sums[o].values[i] += parts[o].values[i];
-  }
-  return sums;
+TransportLayer make_absorption_layer(const StackTables& tables, std::size_t i,
+                                     const AbsorptionRange& range, std::span<const double> scales,
+                                     double tolerance, ProfileAt profile) {
+  const LayerTexels none;
+  const LayerToMap from{tables, i, none, scales, tolerance};
+  assert(from.varies_in_absorption());
+  const auto place_at = places_between(from.lattice(), range);
+  TransportLayer layer;
+  if (range.lowest == range.highest)
+    from.make_operators(layer, [&](const GaussianTable& table) {
+      return detail::on_scales({weights_at(from.lattice(), table, place_at(0.0))}, scales);
+    });
+  else
+    add_powers(from, place_at, layer);
+  if (range.lowest < range.highest && profile == ProfileAt::both)
+    add_both_ends(from, place_at, layer);
+  return layer;
 }
+
+template <class T>
+std::vector<PlaneOf<T>> apply_layer(const BlurPyramid& pyramid, const PlaneOf<T>& input,
+                                    const TransportLayerOf<T>& layer,
+                                    std::span<const std::size_t> which) {
+  return detail::sum_over_entries(
+      layer, input, which,
+      [&](const std::vector<T>& factor, const PlaneOf<T>& light) {
+        return times_basis(layer.basis, light, factor);
+      },
+      [&](const PlaneOf<T>& light, const auto& operators) {
+        return apply_operators(pyramid, light, layer.basis, operators);
+      },
+      [](PlaneOf<T>& sum, const PlaneOf<T>& more) {
+        for (std::size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += more.values[i];
+      });
+}
+template std::vector<Plane> apply_layer(const BlurPyramid&, const Plane&, const TransportLayer&,
+                                        std::span<const std::size_t>);
+template std::vector<PlaneOf<double>> apply_layer(const BlurPyramid&, const PlaneOf<double>&,
+                                                  const TransportLayerOf<double>&,
+                                                  std::span<const std::size_t>);
 
 TransportLayer ground_layer(double reflectance, int width, int height, std::size_t scales) {
   TransportLayer layer{.basis = {.coordinate = make_plane(width, height)}, .operators = {}};

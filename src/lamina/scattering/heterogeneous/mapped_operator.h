@@ -22,7 +22,9 @@ struct AbsorptionRange {
 
 /// Place of each absorption in the range: its square root, -1 at the lowest and 1 at the highest.
 /// (Diffusion depends on the root of absorption: so polynomials of low degree do.)
-[[nodiscard]] Plane absorption_coordinate(const Plane& sigma_a, const AbsorptionRange& range);
+template <class T>
+[[nodiscard]] PlaneOf<T> absorption_coordinate(const PlaneOf<T>& sigma_a,
+                                               const AbsorptionRange& range);
 
 /// A table's operator over a range of absorptions, its weights as polynomials of the coordinate: of
 /// the least degree that keeps the error of the transform below `tolerance` times the largest total
@@ -37,22 +39,26 @@ struct AbsorptionRange {
 
 /// A layer over a surface: its operators, and the functions of the texel that their weights are
 /// sums of.
-struct TransportLayer {
-  TexelBasis basis;
-  std::array<MappedOperator, 4> operators;  ///< R+, T+, R-, T-; a half-space has the first only
+template <class T>
+struct TransportLayerOf {
+  TexelBasisOf<T> basis;
+  std::array<MappedOperatorOf<T>, 4> operators;  ///< R+, T+, R-, T-; a half-space has R+ only
   /// Where profiles are those of both ends: what becomes of the light times a function of where it
   /// enters.
   struct OfEntry {
-    std::vector<float> factor;  ///< [term] of the basis
-    std::array<MappedOperator, 4> operators;
+    std::vector<T> factor;  ///< [term] of the basis
+    std::array<MappedOperatorOf<T>, 4> operators;
   };
   std::vector<OfEntry> of_entry;  ///< empty: profiles of the exit
 };
+using TransportLayer = TransportLayerOf<float>;
 
 /// What operators of a layer make of light, [operator].
-[[nodiscard]] std::vector<Plane> apply_layer(const BlurPyramid& pyramid, const Plane& input,
-                                             const TransportLayer& layer,
-                                             std::span<const std::size_t> which);
+template <class T>
+[[nodiscard]] std::vector<PlaneOf<T>> apply_layer(const BlurPyramid& pyramid,
+                                                  const PlaneOf<T>& input,
+                                                  const TransportLayerOf<T>& layer,
+                                                  std::span<const std::size_t> which);
 
 /// The operators of layer i of a stack as its states vary over texels.
 ///
@@ -69,6 +75,13 @@ struct TransportLayer {
                                                   const LayerTexels& texels, int width, int height,
                                                   std::span<const double> scales, double tolerance,
                                                   ProfileAt profile = ProfileAt::exit);
+
+/// The operators of a layer of which only absorption varies, by powers of its coordinate between
+/// two absorptions. The basis is left to the caller: absorption_coordinate between the same two.
+[[nodiscard]] TransportLayer make_absorption_layer(const StackTables& tables, std::size_t i,
+                                                   const AbsorptionRange& range,
+                                                   std::span<const double> scales, double tolerance,
+                                                   ProfileAt profile);
 
 /// A ground that returns a part of the light where it arrives.
 /// @param scales  how many there are

@@ -7,31 +7,58 @@
 #include "lamina/optics/medium.h"
 
 namespace lamina {
+namespace {
 
-PathAbsorption::PathAbsorption(const LayerTexels& texels)
-    : sigma_a_(texels.sigma_a),
-      reduced_scattering_(static_cast<double>(texels.sigma_s[0]) *
-                          (1.0 - static_cast<double>(texels.g[0]))) {
-  assert(follows_absorption(texels));
+constexpr double part_of_decay_length = 0.38;
+
+double decay(double sigma_a, double reduced_scattering) {
+  return sigma_tr(Medium{.sigma_a = sigma_a, .sigma_s = reduced_scattering, .g = 0.0});
 }
 
-void PathAbsorption::add_neighbors(std::size_t one, std::size_t other) {
-  const double a = sigma_a_[one], b = sigma_a_[other];
+}  // namespace
+
+template <class T>
+void PathAbsorption<T>::add_neighbors(std::size_t one, std::size_t other) {
+  const auto a = static_cast<double>(sigma_a_[one]), b = static_cast<double>(sigma_a_[other]);
   if (a == b) return;
-  const auto decay = [&](double sigma_a) {
-    return sigma_tr(Medium{.sigma_a = sigma_a, .sigma_s = reduced_scattering_, .g = 0.0});
-  };
-  decays_ += std::abs(a - b) * 0.5 * (decay(a) + decay(b));
+  decays_ +=
+      std::abs(a - b) * 0.5 * (decay(a, reduced_scattering_) + decay(b, reduced_scattering_));
   differences_ += std::abs(a - b);
 }
 
-double PathAbsorption::width() const {
-  constexpr double part = 0.38;
-  return decays_ > 0.0 ? part * differences_ / decays_ : 0.0;
+template <class T>
+double PathAbsorption<T>::width() const {
+  return decays_ > 0.0 ? part_of_decay_length * differences_ / decays_ : 0.0;
 }
+
+template <class T>
+void PathAbsorption<T>::add_derivatives(std::size_t one, std::size_t other, double by_log_width,
+                                        std::span<T> by_sigma_a) const {
+  const auto a = static_cast<double>(sigma_a_[one]), b = static_cast<double>(sigma_a_[other]);
+  if (a == b) return;
+  const double mean = 0.5 * (decay(a, reduced_scattering_) + decay(b, reduced_scattering_));
+  // d|a - b| / d sigma_a, and d sigma_tr / d sigma_a of sigma_tr² = 3 sigma_a (sigma_a + sigma_s')
+  const double by_difference = by_log_width * (1.0 / differences_ - mean / decays_);
+  const double sign = a > b ? 1.0 : -1.0;
+  const auto by_end = [&](double sigma_a) {
+    const double slope =
+        1.5 * (2.0 * sigma_a + reduced_scattering_) / decay(sigma_a, reduced_scattering_);
+    return by_log_width * 0.5 * std::abs(a - b) * slope / decays_;
+  };
+  by_sigma_a[one] += static_cast<T>(sign * by_difference - by_end(a));
+  by_sigma_a[other] += static_cast<T>(-sign * by_difference - by_end(b));
+}
+
+template class PathAbsorption<float>;
+template class PathAbsorption<double>;
 
 bool follows_absorption(const LayerTexels& texels) {
   return varies_in_absorption_only(texels) && texels.sigma_a.size() > 1;
+}
+
+double reduced_scattering(const LayerTexels& texels) {
+  assert(varies_in_absorption_only(texels));
+  return static_cast<double>(texels.sigma_s[0]) * (1.0 - static_cast<double>(texels.g[0]));
 }
 
 }  // namespace lamina

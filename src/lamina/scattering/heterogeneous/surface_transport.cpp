@@ -9,6 +9,7 @@
 #include "lamina/scattering/heterogeneous/blurs/for_cells.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
+#include "lamina/scattering/heterogeneous/internal/sum_over_entries.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 
 namespace lamina {
@@ -117,27 +118,27 @@ BandValues<N> total_at(const typename SurfaceLayers<N>::Layer& layer, LayerOpera
 }
 
 /// The texels of one band with absorption as light on its way meets it.
-LayerTexels along_paths(const CellGraph& graph, const LayerTexels& texels) {
+LayerTexels along_surface_paths(const CellGraph& graph, const LayerTexels& texels) {
   constexpr int lanes = 4;  // of which one is used
   const CellLevel& level = graph.levels.front();
-  PathAbsorption absorption(texels);
-  for (std::size_t i = 0; i < level.area.size(); ++i)
-    for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k)
-      if (level.neighbors[k].cell > i) absorption.add_neighbors(i, level.neighbors[k].cell);
-  const double variance = std::pow(absorption.width(), 2);
-  if (variance == 0.0) return texels;
-  CellOperator<lanes> blur{.terms = 1, .weights = {}, .totals = {}};
-  for (const double weight : cell_scales_of_gaussians(graph, std::array{variance}))
-    blur.weights.push_back(BandValues<lanes>::filled(static_cast<float>(weight)));
-  CellField<lanes> field(texels.sigma_a.size());
-  for (std::size_t i = 0; i < field.size(); ++i) field[i][0] = texels.sigma_a[i];
-  field = apply_cell_operators<lanes>(graph, field, {.coordinate = CellField<lanes>(field.size())},
-                                      std::array<const CellOperator<lanes>*, 1>{&blur})[0];
-  const auto [least, most] = std::ranges::minmax(texels.sigma_a);
-  LayerTexels result = texels;
-  for (std::size_t i = 0; i < field.size(); ++i)
-    result.sigma_a[i] = std::clamp(field[i][0], least, most);
-  return result;
+  const auto for_neighbors = [&](const auto& take) {
+    for (std::size_t i = 0; i < level.area.size(); ++i)
+      for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k)
+        if (level.neighbors[k].cell > i) take(i, level.neighbors[k].cell);
+  };
+  return along_paths(texels, for_neighbors, [&](double width) {
+    CellOperator<lanes> blur{.terms = 1, .weights = {}, .totals = {}};
+    for (const double weight : cell_scales_of_gaussians(graph, std::array{std::pow(width, 2)}))
+      blur.weights.push_back(BandValues<lanes>::filled(static_cast<float>(weight)));
+    CellField<lanes> field(texels.sigma_a.size());
+    for (std::size_t i = 0; i < field.size(); ++i) field[i][0] = texels.sigma_a[i];
+    field =
+        apply_cell_operators<lanes>(graph, field, {.coordinate = CellField<lanes>(field.size())},
+                                    std::array<const CellOperator<lanes>*, 1>{&blur})[0];
+    std::vector<float> sigma_a;
+    for (const BandValues<lanes>& value : field) sigma_a.push_back(value[0]);
+    return sigma_a;
+  });
 }
 
 /// Cells of a surface in all bands, as detail::sum_interlayer_bounces takes them.
@@ -166,7 +167,7 @@ class SurfaceField {
   }
   [[nodiscard]] std::array<Light, 2> blur(std::size_t layer, LayerOperator first,
                                           LayerOperator second, const Light& light) const {
-    auto both = apply(layer, std::array{first, second}, light);
+    auto both = apply(layer, std::array<std::size_t, 2>{first, second}, light);
     return {std::move(both[0]), std::move(both[1])};
   }
   void multiply(Light& light, std::size_t junction) const {
@@ -211,32 +212,26 @@ class SurfaceField {
 
  private:
   [[nodiscard]] Light blur_alone(std::size_t layer, LayerOperator which, const Light& light) const {
-    return std::move(apply(layer, std::array{which}, light)[0]);
+    return std::move(apply(layer, std::array<std::size_t, 1>{which}, light)[0]);
   }
   template <std::size_t K>
-  [[nodiscard]] std::vector<Light> apply(std::size_t layer,
-                                         const std::array<LayerOperator, K>& which,
+  [[nodiscard]] std::vector<Light> apply(std::size_t layer, const std::array<std::size_t, K>& which,
                                          const Light& light) const {
     const auto& at = layers_.layers[layer];
-    const auto those = [&](const std::array<CellOperator<N>, 4>& all) {
-      std::array<const CellOperator<N>*, K> operators;
-      for (std::size_t k = 0; k < K; ++k) operators[k] = &all[which[k]];
-      return operators;
-    };
-    if (at.of_entry.empty())
-      return apply_cell_operators<N>(*layers_.graph, light, at.basis, those(at.operators));
-    std::vector<Light> sums(K);
-    Light entered(light.size());
-    for (const auto& entry : at.of_entry) {
-      for_cells(light.size(), [&](std::size_t i) {
-        entered[i] = light[i] * basis_sum(at.basis, i, entry.factor.size(),
-                                          [&](std::size_t p) { return entry.factor[p]; });
-      });
-      auto parts =
-          apply_cell_operators<N>(*layers_.graph, entered, at.basis, those(entry.operators));
-      for (std::size_t k = 0; k < K; ++k) add(sums[k], std::move(parts[k]));
-    }
-    return sums;
+    return detail::sum_over_entries(
+        at, light, which,
+        [&](const std::vector<BandValues<N>>& factor, const Light& entering) {
+          Light entered(entering.size());
+          for_cells(entering.size(), [&](std::size_t i) {
+            entered[i] = entering[i] * basis_sum(at.basis, i, factor.size(),
+                                                 [&](std::size_t p) { return factor[p]; });
+          });
+          return entered;
+        },
+        [&](const Light& entered, const auto& those) {
+          return apply_cell_operators<N>(*layers_.graph, entered, at.basis, those);
+        },
+        [&](Light& sum, Light more) { add(sum, std::move(more)); });
   }
   static float largest(const Light& field) {
     float most = 0.0f;
@@ -287,12 +282,12 @@ void SurfaceLayers<N>::add_band(int band, const StackTables& tables,
   const std::vector<double> blurs = cell_scales_of_gaussians(*graph, tables.variances);
   for (std::size_t l = 0; l < texels.size(); ++l) {
     const bool of_both = follows_absorption(texels[l]);
-    add_layer<N>(
-        band,
-        make_transport_layer(tables, l, of_both ? along_paths(*graph, texels[l]) : texels[l],
-                             static_cast<int>(cells), 1, blurs, tolerance,
-                             of_both ? ProfileAt::both : ProfileAt::exit),
-        cells, scales, layers[l]);
+    add_layer<N>(band,
+                 make_transport_layer(tables, l,
+                                      of_both ? along_surface_paths(*graph, texels[l]) : texels[l],
+                                      static_cast<int>(cells), 1, blurs, tolerance,
+                                      of_both ? ProfileAt::both : ProfileAt::exit),
+                 cells, scales, layers[l]);
   }
   for (std::size_t j = 0; j < absorbance.size(); ++j)
     for (std::size_t i = 0; i < cells; ++i)

@@ -41,6 +41,34 @@ std::vector<double> scale_transfers(const BlurPyramid& pyramid, double k) {
   return transfers;
 }
 
+/// Weights of scales, [column][scale], by least squares over frequencies.
+/// @param wanted  (column, k²/2 as far as blurs on the grid can have it) -> transfer
+template <class Wanted>
+DenseMatrix fitted_weights(std::size_t columns, double lowest, std::size_t scale_count,
+                           const detail::ScaleTransfers& transfers_at, const Wanted& wanted_at) {
+  constexpr std::size_t count = 400;
+  constexpr double ridge = 1e-4, weight_of_total = 100.0;
+  // Rows: one per frequency, then a ridge for each scale.
+  DenseMatrix given(count + 1 + scale_count, scale_count);
+  DenseMatrix wanted(count + 1 + scale_count, columns);
+  for (std::size_t j = 0; j <= count; ++j) {
+    const double k =
+        j == 0 ? 0.0 : std::numbers::pi * std::pow(lowest, 1.0 - static_cast<double>(j) / count);
+    const double weight = j == 0 ? weight_of_total : 1.0;
+    // k²/2 as far as blurs on the grid can have it: the mean over directions of its fourth order
+    // in k is right.
+    const double rise = 1.0 - std::cos(k), half_square = rise + rise * rise / 8.0;
+    const std::vector<double> transfers = transfers_at(k);
+    for (std::size_t i = 0; i < scale_count; ++i) given(j, i) = weight * transfers[i];
+    for (std::size_t i = 0; i < columns; ++i) wanted(j, i) = weight * wanted_at(i, half_square);
+  }
+  for (std::size_t i = 0; i < scale_count; ++i)
+    given(count + 1 + i, i) = ridge * std::sqrt(count + 1.0);
+  return transpose(solve_least_squares(given, wanted));
+}
+
+double sum_of(std::span<const double> row) { return std::accumulate(row.begin(), row.end(), 0.0); }
+
 }  // namespace
 
 BlurPyramid make_blur_pyramid(int width, int height, double largest_variance) {
@@ -63,30 +91,12 @@ BlurPyramid make_blur_pyramid(int width, int height, double largest_variance) {
 std::vector<double> detail::fit_scales(std::span<const double> variances, double lowest,
                                        std::size_t scale_count,
                                        const ScaleTransfers& transfers_at) {
-  constexpr std::size_t count = 400;
-  constexpr double ridge = 1e-4, weight_of_total = 100.0;
-  // Rows: one per frequency, then a ridge for each scale.
-  const std::size_t gaussians = variances.size();
-  DenseMatrix given(count + 1 + scale_count, scale_count);
-  DenseMatrix wanted(count + 1 + scale_count, gaussians);
-  for (std::size_t j = 0; j <= count; ++j) {
-    const double k =
-        j == 0 ? 0.0 : std::numbers::pi * std::pow(lowest, 1.0 - static_cast<double>(j) / count);
-    const double weight = j == 0 ? weight_of_total : 1.0;
-    // k²/2 as far as blurs on the grid can have it: the mean over directions of its fourth order
-    // in k is right.
-    const double rise = 1.0 - std::cos(k), half_square = rise + rise * rise / 8.0;
-    const std::vector<double> transfers = transfers_at(k);
-    for (std::size_t i = 0; i < scale_count; ++i) given(j, i) = weight * transfers[i];
-    for (std::size_t i = 0; i < gaussians; ++i)
-      wanted(j, i) = weight * std::exp(-variances[i] * half_square);
-  }
-  for (std::size_t i = 0; i < scale_count; ++i)
-    given(count + 1 + i, i) = ridge * std::sqrt(count + 1.0);
-  const DenseMatrix weights = transpose(solve_least_squares(given, wanted));
+  const DenseMatrix weights = fitted_weights(
+      variances.size(), lowest, scale_count, transfers_at,
+      [&](std::size_t i, double half_square) { return std::exp(-variances[i] * half_square); });
   std::vector<double> result;
-  for (std::size_t i = 0; i < gaussians; ++i) {
-    const double sum = std::accumulate(weights.row(i).begin(), weights.row(i).end(), 0.0);
+  for (std::size_t i = 0; i < variances.size(); ++i) {
+    const double sum = sum_of(weights.row(i));
     for (const double weight : weights.row(i)) result.push_back(weight / sum);
   }
   return result;
@@ -97,6 +107,21 @@ std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
   return detail::fit_scales(variances, 1.0 / std::max(pyramid.width, pyramid.height),
                             pyramid.variances.size(),
                             [&](double k) { return scale_transfers(pyramid, k); });
+}
+
+std::vector<double> scale_slopes(const BlurPyramid& pyramid, double variance) {
+  const DenseMatrix weights = fitted_weights(
+      2, 1.0 / std::max(pyramid.width, pyramid.height), pyramid.variances.size(),
+      [&](double k) { return scale_transfers(pyramid, k); },
+      [&](std::size_t i, double half_square) {
+        const double transfer = std::exp(-variance * half_square);
+        return i == 0 ? transfer : -half_square * transfer;
+      });
+  const double sum = sum_of(weights.row(0)), slope = sum_of(weights.row(1)) / sum;
+  std::vector<double> result;
+  for (std::size_t i = 0; i < pyramid.variances.size(); ++i)
+    result.push_back((weights(1, i) - slope * weights(0, i)) / sum);
+  return result;
 }
 
 }  // namespace lamina

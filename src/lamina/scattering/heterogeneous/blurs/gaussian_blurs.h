@@ -4,20 +4,25 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace lamina {
 
-/// Numbers on a grid of texels, row by row.
-struct Plane {
+/// Numbers on a grid of texels, row by row: floats, or doubles where gradients are to have all
+/// their digits.
+template <class T>
+struct PlaneOf {
   int width = 0, height = 0;
-  std::vector<float> values;  ///< [y][x]
+  std::vector<T> values;  ///< [y][x]
 };
+using Plane = PlaneOf<float>;
 
-[[nodiscard]] inline Plane make_plane(int width, int height, float value = 0.0f) {
-  return {width, height,
-          std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                             value)};
+template <class T = float>
+[[nodiscard]] PlaneOf<T> make_plane(int width, int height, std::type_identity_t<T> value = T{}) {
+  return {
+      width, height,
+      std::vector<T>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value)};
 }
 
 /// Blurs of a plane by Gaussians of doubling width, whose cost per texel does not grow with the
@@ -53,6 +58,9 @@ inline constexpr std::size_t finest_scales = 6;
 /// @param variances  [texel²], >= 0.
 [[nodiscard]] std::vector<double> scales_of_gaussians(const BlurPyramid& pyramid,
                                                       std::span<const double> variances);
+
+/// How the scales of one Gaussian change with its variance [1/texel²], [scale].
+[[nodiscard]] std::vector<double> scale_slopes(const BlurPyramid& pyramid, double variance);
 
 namespace detail {
 

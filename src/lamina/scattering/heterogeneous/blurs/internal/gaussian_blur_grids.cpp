@@ -17,26 +17,28 @@ double integral_of_hat(double u) {
 }
 
 /// A row of the finer grid, `from` framed.
-void refine(const float* from, const GridStep& step, float* row) {
+template <class T>
+void refine(const T* from, const GridStep& step, T* row) {
   if (step.fine == 2 * step.coarse) {
-    double_row(from, row, static_cast<std::size_t>(step.fine));
+    blur_kernels<T>().double_row(from, row, static_cast<std::size_t>(step.fine));
     return;
   }
   for (std::size_t x = 0; x < step.at.size(); ++x) {
-    float sum = 0.0f;
+    T sum = 0;
     for (std::size_t n = 0; n < 3; ++n) sum += step.share[x][n] * from[step.at[x][n]];
     row[x] = sum;
   }
 }
 
 /// Its transpose over the ratio of sizes; `from` framed.
-void coarsen(const float* from, const GridStep& step, float* row) {
+template <class T>
+void coarsen(const T* from, const GridStep& step, T* row) {
   if (step.fine == 2 * step.coarse) {
-    halve_row(from, row, static_cast<std::size_t>(step.coarse));
+    blur_kernels<T>().halve_row(from, row, static_cast<std::size_t>(step.coarse));
     return;
   }
-  const float part = static_cast<float>(step.coarse) / static_cast<float>(step.fine);
-  std::fill_n(row, step.coarse, 0.0f);
+  const T part = static_cast<T>(step.coarse) / static_cast<T>(step.fine);
+  std::fill_n(row, step.coarse, T{});
   for (std::size_t x = 0; x < step.at.size(); ++x)
     for (std::size_t n = 0; n < 3; ++n) row[step.at[x][n]] += part * step.share[x][n] * from[x];
 }
@@ -103,12 +105,18 @@ std::vector<float> gaussian_taps(double t) {
   return result;
 }
 
-FramedRow::FramedRow(int size) : size_(size), values_(static_cast<std::size_t>(size) + 4 * frame) {}
+template <class T>
+FramedRow<T>::FramedRow(int size)
+    : size_(size), values_(static_cast<std::size_t>(size) + 4 * frame) {}
 
-float* FramedRow::data() { return values_.data() + 2 * frame; }
+template <class T>
+T* FramedRow<T>::data() {
+  return values_.data() + 2 * frame;
+}
 
-void FramedRow::mirror() {
-  float* const row = data();
+template <class T>
+void FramedRow<T>::mirror() {
+  T* const row = data();
   constexpr int reach = static_cast<int>(frame);
   for (int i = 1; i <= reach; ++i) {
     const bool is_wide = size_ >= reach;
@@ -117,41 +125,55 @@ void FramedRow::mirror() {
   }
 }
 
-float* row_of(Plane& plane, int y) {
-  return plane.values.data() + static_cast<std::ptrdiff_t>(y) * plane.width;
-}
-const float* row_of(const Plane& plane, int y) {
-  return plane.values.data() + static_cast<std::ptrdiff_t>(y) * plane.width;
+template <class T>
+void add_coarser_row(FramedRow<T>& row, const GridStep& x, const GridStep& y, int from,
+                     std::vector<T>& narrow, PlaneOf<T>& coarse) {
+  const T part = static_cast<T>(y.coarse) / static_cast<T>(y.fine);
+  row.mirror();
+  coarsen(row.data(), x, narrow.data());
+  const auto& at = y.at[static_cast<std::size_t>(from)];
+  const auto& share = y.share[static_cast<std::size_t>(from)];
+  for (std::size_t n = 0; n < 3; ++n)
+    if (share[n] > 0.0f)
+      blur_kernels<T>().add_row(narrow.data(), part * share[n], row_of(coarse, at[n]),
+                                narrow.size());
 }
 
-Plane coarsened(const Plane& plane, const GridStep& x, const GridStep& y) {
-  Plane result = make_plane(x.coarse, y.coarse);
-  const auto size = static_cast<std::size_t>(x.coarse);
-  const float part = static_cast<float>(y.coarse) / static_cast<float>(y.fine);
-  FramedRow row(x.fine);
-  std::vector<float> narrow(size);
+template <class T>
+PlaneOf<T> coarsened(const PlaneOf<T>& plane, const GridStep& x, const GridStep& y) {
+  PlaneOf<T> result = make_plane<T>(x.coarse, y.coarse);
+  FramedRow<T> row(x.fine);
+  std::vector<T> narrow(static_cast<std::size_t>(x.coarse));
   for (int from = 0; from < y.fine; ++from) {
     std::copy_n(row_of(plane, from), x.fine, row.data());
-    row.mirror();
-    coarsen(row.data(), x, narrow.data());
-    const auto& at = y.at[static_cast<std::size_t>(from)];
-    const auto& share = y.share[static_cast<std::size_t>(from)];
-    for (std::size_t n = 0; n < 3; ++n)
-      if (share[n] > 0.0f) add_row(narrow.data(), part * share[n], row_of(result, at[n]), size);
+    add_coarser_row(row, x, y, from, narrow, result);
   }
   return result;
 }
 
-void make_finer_row(const Plane& coarse, const GridStep& x, const GridStep& y, int at,
-                    FramedRow& between, float* row) {
+template <class T>
+void make_finer_row(const PlaneOf<T>& coarse, const GridStep& x, const GridStep& y, int at,
+                    FramedRow<T>& between, T* row) {
   const auto size = static_cast<std::size_t>(x.coarse);
   const auto& rows = y.at[static_cast<std::size_t>(at)];
   const auto& share = y.share[static_cast<std::size_t>(at)];
-  std::fill_n(between.data(), size, 0.0f);
+  std::fill_n(between.data(), size, T{});
   for (std::size_t n = 0; n < 3; ++n)
-    if (share[n] > 0.0f) add_row(row_of(coarse, rows[n]), share[n], between.data(), size);
+    if (share[n] > 0.0f)
+      blur_kernels<T>().add_row(row_of(coarse, rows[n]), share[n], between.data(), size);
   between.mirror();
   refine(between.data(), x, row);
 }
+
+#define LAMINA_INSTANTIATE(T)                                                            \
+  template class FramedRow<T>;                                                           \
+  template void add_coarser_row(FramedRow<T>&, const GridStep&, const GridStep&, int,    \
+                                std::vector<T>&, PlaneOf<T>&);                           \
+  template PlaneOf<T> coarsened(const PlaneOf<T>&, const GridStep&, const GridStep&);    \
+  template void make_finer_row(const PlaneOf<T>&, const GridStep&, const GridStep&, int, \
+                               FramedRow<T>&, T*)
+LAMINA_INSTANTIATE(float);
+LAMINA_INSTANTIATE(double);
+#undef LAMINA_INSTANTIATE
 
 }  // namespace lamina::detail

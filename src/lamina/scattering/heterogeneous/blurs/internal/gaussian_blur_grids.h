@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
@@ -57,25 +58,41 @@ inline constexpr std::array<double, 2> coarse_variances = {2.0, 4.0};
 }
 
 /// A row with a frame to either side, in which it is mirrored.
+template <class T>
 class FramedRow {
  public:
   explicit FramedRow(int size);
-  [[nodiscard]] float* data();
+  [[nodiscard]] T* data();
   void mirror();
 
  private:
   int size_;
-  std::vector<float> values_;
+  std::vector<T> values_;
 };
 
-[[nodiscard]] float* row_of(Plane& plane, int y);
-[[nodiscard]] const float* row_of(const Plane& plane, int y);
+template <class T>
+[[nodiscard]] T* row_of(PlaneOf<T>& plane, int y) {
+  return plane.values.data() + static_cast<std::ptrdiff_t>(y) * plane.width;
+}
+template <class T>
+[[nodiscard]] const T* row_of(const PlaneOf<T>& plane, int y) {
+  return plane.values.data() + static_cast<std::ptrdiff_t>(y) * plane.width;
+}
+
+/// Adds to a plane on the next coarser grid what row `at` of the finer one brings to it.
+/// @param row     framed; it is mirrored here
+/// @param narrow  of the coarse grid's width
+template <class T>
+void add_coarser_row(FramedRow<T>& row, const GridStep& x, const GridStep& y, int at,
+                     std::vector<T>& narrow, PlaneOf<T>& coarse);
 
 /// A plane on the next coarser grid.
-[[nodiscard]] Plane coarsened(const Plane& plane, const GridStep& x, const GridStep& y);
+template <class T>
+[[nodiscard]] PlaneOf<T> coarsened(const PlaneOf<T>& plane, const GridStep& x, const GridStep& y);
 
 /// Row `at` of the plane on the next finer grid; `between` has the coarse grid's width.
-void make_finer_row(const Plane& coarse, const GridStep& x, const GridStep& y, int at,
-                    FramedRow& between, float* row);
+template <class T>
+void make_finer_row(const PlaneOf<T>& coarse, const GridStep& x, const GridStep& y, int at,
+                    FramedRow<T>& between, T* row);
 
 }  // namespace lamina::detail
