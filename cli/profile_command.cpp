@@ -33,7 +33,8 @@ struct ProfileOptions {
   std::string material, bands, method, plot;
   bool compare = false;
   std::string domain = "radius";
-  int gaussians = 0;  ///< 0: not asked for
+  bool has_derivatives = false;  ///< of responses at spatial frequencies
+  int gaussians = 0;             ///< 0: not asked for
   int moments = 8;
   std::string incidence = "normal", from = "above";
   double accuracy = 0.005;
@@ -345,8 +346,8 @@ void run_profile(const ProfileOptions& options) {
                                options.moments, head, options.common);
   }
   if (options.domain == "frequency")
-    return run_profile_frequency(material, options.grid, transfer_options(options), head,
-                                 options.common);
+    return run_profile_frequency(material, options.grid, transfer_options(options),
+                                 options.has_derivatives, head, options.common);
   if (options.gaussians > 0)
     return run_profile_gaussians(material, options.gaussians, transfer_options(options), head,
                                  options.common);
@@ -429,6 +430,9 @@ void add_profile_command(CLI::App& app) {
                   "radius, or frequency: what leaves as a wave J0(k r), diffuse light only")
       .one_of({"radius", "frequency"})
       .show_default();
+  command.add_flag(
+      "--derivatives", options->has_derivatives,
+      "of --domain frequency: of the responses by sigma_a, sigma_s, g and thickness of each layer");
   command
       .add_option("--moments", options->moments,
                   "of an oblique beam: how many moments in azimuth to write to --json")
@@ -477,6 +481,8 @@ void add_profile_command(CLI::App& app) {
                    {"--independent-bands", {"monte_carlo"}}});
     if (options->domain == "frequency" && (options->compare || !options->plot.empty()))
       throw InvalidInput("--domain frequency: has neither --compare nor --plot, but one is given");
+    if (options->has_derivatives && options->domain != "frequency")
+      throw InvalidInput("--derivatives: --domain must be frequency, but is " + options->domain);
     run_profile(*options);
   });
 }

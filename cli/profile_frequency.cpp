@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "lamina/scattering/transport_profile/gaussian_profile.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
+#include "layer_derivatives.h"
 #include "material_bands.h"
 
 namespace lamina::cli {
@@ -21,16 +23,58 @@ JsonOutput result_with(const JsonOutput& head) {
   return json;
 }
 
+/// [side][by what][layer][k][band]
+JsonOutput derivatives_json(const SpatialFrequencyDerivatives& found, std::size_t bands) {
+  const auto of_side = [&](const std::vector<std::vector<LayerDerivatives>>& side) {
+    return layer_derivatives_json(side[0].size(),
+                                  [&](std::size_t layer, double LayerDerivatives::*derivative) {
+                                    std::vector<double> values;
+                                    for (const std::vector<LayerDerivatives>& layers : side)
+                                      values.push_back(layers[layer].*derivative);
+                                    return table_json(values, bands);
+                                  });
+  };
+  return {{"reflectance", of_side(found.reflectance)},
+          {"transmittance", of_side(found.transmittance)}};
+}
+
+/// At the first, the middle and the last frequency.
+std::string derivatives_text(const Material& material, const std::vector<LayerStack>& stacks,
+                             const SpatialFrequencyDerivatives& found) {
+  std::string text;
+  const std::vector<double>& k = found.response.k;
+  for (const std::size_t i : {std::size_t{0}, k.size() / 2, k.size() - 1}) {
+    text +=
+        fmt::format("\nat k {:.4g} /mm\n", k[i]) + layer_derivatives_head("a response", material);
+    const auto add = [&](const char* name, const std::vector<double>& values,
+                         const std::vector<std::vector<LayerDerivatives>>& derivatives) {
+      std::vector<DifferentiatedNumber> bands;
+      for (std::size_t b = 0; b < stacks.size(); ++b)
+        bands.push_back({values[i * stacks.size() + b], &derivatives[i * stacks.size() + b]});
+      text += layer_derivatives_text(name, material, stacks, bands);
+    };
+    add("R", found.response.reflectance, found.reflectance);
+    add("T", found.response.transmittance, found.transmittance);
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 void run_profile_frequency(const Material& material, const RadialGrid& grid,
-                           const TransferProfileOptions& options, const JsonOutput& head,
-                           const CommonOptions& common) {
+                           const TransferProfileOptions& options, bool has_derivatives,
+                           const JsonOutput& head, const CommonOptions& common) {
   const std::vector<LayerStack> stacks = layer_stacks(material);
   std::vector<double> k{0.0};
   for (const double r : radii(grid)) k.push_back(1.0 / r);
   std::sort(k.begin(), k.end());
-  const auto response = spatial_frequency_response(stacks, k, options);
+  SpatialFrequencyDerivatives derivatives;
+  if (has_derivatives)
+    derivatives = spatial_frequency_derivatives(stacks, k, options);
+  else
+    derivatives.response = spatial_frequency_response(stacks, k, options);
+  const SpatialFrequencyResponse& response = derivatives.response;
   std::string text = fmt::format("{:>10}", "k [1/mm]");
   for (const char* side : {"R", "T"})
     for (std::size_t band = 0; band < stacks.size(); ++band)
@@ -53,6 +97,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   if (worst > options.accuracy)
     text += fmt::format("\nnote: accurate to {:.2g} % only, where {:.2g} % was asked for",
                         100.0 * worst, 100.0 * options.accuracy);
+  if (has_derivatives) text += "\n" + derivatives_text(material, stacks, derivatives);
   JsonOutput json = result_with(head);
   json["estimated_error"] = response.largest_error;
   json["nodes"] = response.nodes;
@@ -62,6 +107,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   json["transmittance"] = table_json(response.transmittance, stacks.size());
   json["reflectance_error"] = table_json(response.reflectance_error, stacks.size());
   json["transmittance_error"] = table_json(response.transmittance_error, stacks.size());
+  if (has_derivatives) json["derivatives"] = derivatives_json(derivatives, stacks.size());
   write_json(json, common);
   print(common, text + "\n");
 }

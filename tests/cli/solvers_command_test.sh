@@ -60,6 +60,21 @@ for b in range(3):
     assert by["by_sigma_a"][0][b] < 0 < by["by_sigma_s"][0][b]
 PY
 
+"$lamina" profile donner_jensen_skin --domain frequency --derivatives --radii 2 --r-min 1 --r-max 2 --accuracy .1 --json "$folder/waves.json" > "$folder/waves" \
+  || fail "profile --domain frequency --derivatives"
+grep -q "R: epidermis, sigma_a" "$folder/waves" || fail "profile --derivatives names layers"
+python3 - "$folder/derivatives.json" "$folder/waves.json" <<'PY'
+import json, sys
+slab, waves = (json.load(open(file))["derivatives"] for file in sys.argv[1:])
+assert set(waves) == {"reflectance", "transmittance"}
+for by, layers in waves["reflectance"].items():  # [layer][k][band], k 0 first
+    within = 1e-6 if by == "by_g" else .02  # what comes back from inside unscattered knows no g
+    for l, at_k in enumerate(layers):
+        assert len(at_k) == 3 and len(at_k[0]) == 3
+        for wave, total in zip(at_k[0], slab["diffuse_reflectance"][by][l]):
+            assert abs(wave - total) <= within * abs(total), (by, l, wave, total)
+PY
+
 "$lamina" profile donner_jensen_skin --compare --radii 60 --json "$folder/skin.json" > /dev/null || fail "profile by radiative transfer"
 python3 - "$folder/slab.json" "$folder/skin.json" <<'PY'
 import json, sys
@@ -150,6 +165,7 @@ refused slab leaf --accuracy 0
 refused slab leaf --derivatives --method diffusion
 refused slab marble --derivatives
 grep -q "roughness" "$folder/error" || fail "derivatives say what they cannot do"
+refused profile leaf --derivatives
 refused slab leaf --compare=0
 refused profile leaf --domain frequency --method dipole
 refused profile leaf --accuracy 2

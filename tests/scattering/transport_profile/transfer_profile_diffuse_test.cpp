@@ -13,6 +13,7 @@
 #include "lamina/scattering/low_orders/internal/diffuse_single_near.h"
 #include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 #include "literal/stack_table.h"
 

@@ -12,6 +12,7 @@
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 // Thin slabs of forward scattering, whose spectra no law continues: waves ring, photons know

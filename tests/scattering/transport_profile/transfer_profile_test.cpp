@@ -18,6 +18,7 @@
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 #include "literal/stack_table.h"
 
 namespace lamina {

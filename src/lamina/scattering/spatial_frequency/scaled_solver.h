@@ -6,8 +6,14 @@
 #include <vector>
 
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
+#include "lamina/scattering/spatial_frequency/single_correction.h"
 
 namespace lamina::detail {
+
+/// What makes right a flux that was found, where light is known to leave.
+[[nodiscard]] inline double scale_to(double known, double found) {
+  return known > 0.0 && found > 0.0 ? known / found : 1.0;
+}
 
 /// Responses on a grid of a few directions, which know less well how much light leaves than how it
 /// spreads: times what makes them right without waves. Of a beam under a smooth top, what is
@@ -23,7 +29,7 @@ class ScaledSolver {
 
  private:
   FrequencySolver solver_;
-  std::optional<FrequencySolver> single_;
+  std::optional<SingleCorrection> single_;
   bool is_diffuse_;
   FrequencyResponse scale_{1.0, 1.0};
 };

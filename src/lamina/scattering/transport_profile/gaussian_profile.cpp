@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 
 namespace lamina {
 namespace {

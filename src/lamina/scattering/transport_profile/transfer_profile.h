@@ -67,21 +67,4 @@ struct TransferProfile {
 /// @throws InvalidInput if a stack has no lower side, or a ground that reflects.
 [[nodiscard]] std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks);
 
-/// What leaves as a wave J0(k r) of the beam's flux, diffuse light only: what spatial-frequency
-/// domain imaging measures, at k = 0 what adding-doubling finds. Nodes and azimuthal modes grow,
-/// from 10 and 6 to 36 and 14, until a step changes less than the accuracy asked, of the value or
-/// of a hundredth of that without waves, or would take more than some 10 s. The errors are what the last
-/// step changed.
-struct SpatialFrequencyResponse {
-  std::vector<double> k;                                       ///< [i] [1/mm]
-  std::vector<double> reflectance;                             ///< [i][band]
-  std::vector<double> transmittance;                           ///< [i][band]
-  std::vector<double> reflectance_error, transmittance_error;  ///< [i][band] estimated, absolute
-  std::vector<double> largest_error;  ///< [band], relative as the accuracy is asked
-  std::vector<int> nodes, modes;      ///< [band], of the last step
-};
-[[nodiscard]] SpatialFrequencyResponse spatial_frequency_response(
-    std::span<const LayerStack> stacks, std::span<const double> k,
-    const TransferProfileOptions& options = {});
-
 }  // namespace lamina

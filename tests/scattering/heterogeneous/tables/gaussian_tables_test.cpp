@@ -16,6 +16,7 @@
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 #include "lamina/scattering/profile/layer_response.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 
 #include "lamina/scattering/heterogeneous/tables/internal/chebyshev_box.h"
 #include "lamina/scattering/heterogeneous/tables/operator_totals.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
 
 namespace lamina::detail {
 namespace {
