@@ -5,6 +5,7 @@
 
 #include "lamina/core/number_text.h"
 #include "lamina/materials/material_file.h"
+#include "lamina/optics/absorbing_sheet.h"
 
 namespace lamina::material_file {
 namespace {
@@ -139,24 +140,43 @@ double decode_thickness(const JsonInput& value, std::size_t layer, const Context
   return thickness * context.mm_per_unit;
 }
 
+/// A film without thickness: its optical density in place of thickness and coefficients.
+void decode_sheet(const JsonObject& object, const Context& context, MaterialLayer& layer) {
+  for (const char* key :
+       {"sigma_a", "sigma_s", "sigma_s_prime", "g", "phase", "mixture", "thickness"})
+    if (const auto given = object.optional(key))
+      given->fail("there is \"optical_density\" already: a sheet has that in its place");
+  constexpr double most = 100.0;
+  for (const double density :
+       decode_numbers(object.required("optical_density"), closed_interval(0.0, most), context))
+    layer.sigma_a.push_back(absorbing_sheet(density, 1.0).medium.sigma_a);
+  layer.sigma_s.assign(context.bands, 0.0);
+  layer.g.assign(context.bands, 0.0);
+  layer.thickness = sheet_thickness;
+}
+
 MaterialLayer decode_layer(const JsonInput& value, std::size_t index, bool is_bottom,
                            const Context& context) {
   const bool is_top = index == 0;
   const JsonObject object =
       value.object({"name", "sigma_a", "sigma_s", "sigma_s_prime", "g", "phase", "ior", "thickness",
-                    "mixture", "roughness", "distribution"});
+                    "mixture", "optical_density", "roughness", "distribution"});
   MaterialLayer layer;
   if (const auto name = object.optional("name")) layer.name = name->string();
+  const bool is_film = object.has("optical_density");
+  if (is_film) decode_sheet(object, context, layer);
   const auto mixture = object.optional("mixture");
   const bool has_base = !mixture || object.has("sigma_a") || object.has("sigma_s") ||
                         object.has("sigma_s_prime") || object.has("g") || object.has("phase");
-  if (has_base) decode_substance(object, context, index, layer);
+  if (has_base && !is_film) decode_substance(object, context, index, layer);
   if (mixture) layer.mixture = decode_mixture(*mixture, index, has_base, context);
   layer.ior = decode_ior(object.required("ior"), context);
-  const JsonInput thickness = object.required("thickness");
-  layer.thickness = decode_thickness(thickness, index, context);
-  if (std::isinf(layer.thickness) && !is_bottom)
-    thickness.fail("only the last layer may be infinite");
+  if (!is_film) {
+    const JsonInput thickness = object.required("thickness");
+    layer.thickness = decode_thickness(thickness, index, context);
+    if (std::isinf(layer.thickness) && !is_bottom)
+      thickness.fail("only the last layer may be infinite");
+  }
   if (is_top)
     for (const char* key : {"roughness", "distribution"})
       if (const auto given = object.optional(key))

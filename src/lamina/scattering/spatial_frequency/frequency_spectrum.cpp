@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "lamina/optics/absorbing_sheet.h"
+
 namespace lamina::detail {
 namespace {
 
@@ -60,9 +62,12 @@ std::array<double, 3> least_squares(const std::vector<std::array<double, 3>>& ro
   return x;
 }
 
+/// Of those that light goes any way in: a sheet has none.
 double densest_layer(const GridStack& stack) {
   double densest = 0.0;
-  for (const GridLayer& layer : stack.layers) densest = std::max(densest, layer.sigma_t);
+  for (const GridLayer& layer : stack.layers)
+    if (layer.sigma_s > 0.0 || layer.thickness > sheet_thickness)
+      densest = std::max(densest, layer.sigma_t);
   return densest;
 }
 

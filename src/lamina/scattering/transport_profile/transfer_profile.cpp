@@ -8,6 +8,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
+#include "lamina/optics/absorbing_sheet.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/transport_profile/internal/profile_input.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
@@ -28,7 +29,8 @@ void refuse_clear_plates_under_rough_tops(std::span<const LayerStack> stacks) {
       const Layer& layer = stacks[b].layers()[l];
       const double optical_thickness = layer.medium.sigma_a * layer.thickness;
       const bool has_bottom = std::isfinite(layer.thickness);  // else nothing comes back
-      if (layer.medium.sigma_s > 0.0 || !has_bottom || optical_thickness >= least_of_absorber)
+      if (layer.medium.sigma_s > 0.0 || !has_bottom || is_sheet(layer) ||
+          optical_thickness >= least_of_absorber)
         continue;
       throw InvalidInput("band " + std::to_string(b) + ", layer " + std::to_string(l) +
                          ": does not scatter, so its sigma_a times thickness must be at least 3 "
