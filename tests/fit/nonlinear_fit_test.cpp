@@ -23,9 +23,9 @@ double normal(Random& random) {
 }
 
 std::string refusal(const std::vector<FitParameter>& parameters, const FitData& data,
-                    const FitModel& model) {
+                    const FitModel& model, const FitOptions& options = {}) {
   try {
-    (void)fit_parameters(parameters, data, model);
+    (void)fit_parameters(parameters, data, model, options);
   } catch (const InvalidInput& error) {
     return error.what();
   }
@@ -153,6 +153,28 @@ TEST(NonlinearFit, TakesPriorsForWhatTheDataDoNotTell) {
   EXPECT_NEAR(result.parameters[1].prior_share, 1.0, 1e-9);
   EXPECT_EQ(notes_with(result, "unseen: from the prior"), 1);
   EXPECT_EQ(notes_with(result, "seen: from the prior"), 1);
+}
+
+// Of two Gaussians with a correlation, the second given the first has the mean and the standard
+// deviation of the closed form.
+TEST(NonlinearFit, LearnsFromPriorsThatGoTogether) {
+  const FitModel sees_one{.predict = [](Values p) { return std::vector{p[0]}; }};
+  const std::vector<FitParameter> parameters = {
+      {.name = "seen", .start = 1.0, .prior = FitPrior{1.0, 0.5}},
+      {.name = "unseen", .start = 3.0, .prior = FitPrior{4.0, 2.0}}};
+  FitOptions options;
+  options.prior_correlation = DenseMatrix(2, 2);
+  options.prior_correlation.values = {1.0, 0.8, 0.8, 1.0};
+  const FitData data{.measured = {2.0}, .standard_deviation = {1e-5}};
+  const FitResult result = fit_parameters(parameters, data, sees_one, options);
+  EXPECT_NEAR(result.parameters[0].value, 2.0, 1e-8);
+  EXPECT_NEAR(result.parameters[1].value, 4.0 + 2.0 * 0.8 * (2.0 - 1.0) / 0.5, 1e-6);
+  EXPECT_NEAR(result.parameters[1].standard_deviation, 2.0 * 0.6, 1e-6);
+  EXPECT_NEAR(result.parameters[1].prior_share, 0.6, 1e-6);
+  EXPECT_NEAR(result.prior_squares, 4.0, 1e-6);
+  options.prior_correlation(0, 0) = 2.0;
+  EXPECT_EQ(refusal(parameters, data, sees_one, options),
+            "prior_correlation: must be 1 on the diagonal, but is 2 in row 0");
 }
 
 TEST(NonlinearFit, SaysWhatCannotBeTold) {

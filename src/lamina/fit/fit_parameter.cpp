@@ -17,7 +17,7 @@ constexpr double least_logit_share = 1e-6;
 double fit_coordinate(const FitParameter& parameter, double value) {
   switch (parameter.scale) {
     case FitScale::logarithmic:
-      return std::log(value);
+      return std::log(value + parameter.offset);
     case FitScale::logit: {
       const double share = std::clamp((value - parameter.low) / (parameter.high - parameter.low),
                                       least_logit_share, 1.0 - least_logit_share);
@@ -32,7 +32,7 @@ double fit_coordinate(const FitParameter& parameter, double value) {
 double fit_value(const FitParameter& parameter, double coordinate) {
   switch (parameter.scale) {
     case FitScale::logarithmic:
-      return std::clamp(std::exp(coordinate), parameter.low, parameter.high);
+      return std::clamp(std::exp(coordinate) - parameter.offset, parameter.low, parameter.high);
     case FitScale::logit:
       return parameter.low + (parameter.high - parameter.low) / (1.0 + std::exp(-coordinate));
     case FitScale::linear:
@@ -59,10 +59,13 @@ void check_fit_parameter(const FitParameter& parameter) {
   const auto require = [&](bool holds, const std::string& rule, double given) {
     if (!holds) throw InvalidInput(parameter.name + ": " + rule + ", but is " + number_text(given));
   };
-  const auto& [name, start, low, high, scale, prior] = parameter;
+  const auto& [name, start, low, high, scale, prior, offset] = parameter;
   require(low < high, "low must be less than high, " + number_text(high), low);
   if (scale == FitScale::logarithmic)
-    require(low > 0.0, "low must be > 0 on a logarithmic scale", low);
+    require(low + offset > 0.0,
+            offset == 0.0 ? "low must be > 0 on a logarithmic scale" : "low must be > -offset",
+            low);
+  require(std::isfinite(offset) && offset >= 0.0, "offset must be >= 0", offset);
   if (scale == FitScale::logit) {
     require(std::isfinite(low), "low must be finite on a logit scale", low);
     require(std::isfinite(high), "high must be finite on a logit scale", high);

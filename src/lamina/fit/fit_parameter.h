@@ -10,7 +10,7 @@ namespace lamina {
 /// The coordinate in which a parameter is fitted, has its prior and its standard deviation.
 enum class FitScale {
   linear,       ///< the value itself
-  logarithmic,  ///< ln value: for what is positive over decades, as concentrations
+  logarithmic,  ///< ln (value + offset): for what is positive over decades, as concentrations
   logit,        ///< ln((value - low) / (high - value)): for fractions
 };
 
@@ -28,6 +28,9 @@ struct FitParameter {
   double high = std::numeric_limits<double>::infinity();
   FitScale scale = FitScale::linear;
   std::optional<FitPrior> prior = {};
+  /// Of the logarithmic scale, >= 0: what is hardly more than none. Values far below count
+  /// linearly, so that none is in reach.
+  double offset = 0.0;
 };
 
 /// The coordinate of a value. On the logit scale values within 1e-6 of an end of the range count as

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
 #include "lamina/fit/internal/fit_errors.h"
 #include "lamina/fit/internal/whitening.h"
@@ -39,6 +41,7 @@ class Fit {
       high_.push_back(fit_coordinate(parameter, parameter.high));
     }
     points_ = data.measured.size();
+    if (options_.prior_correlation.rows > 0) prior_whitening_.emplace(prior_data());
   }
 
   /// The place at coordinates; its cost is infinite where there is no prediction.
@@ -48,8 +51,7 @@ class Fit {
     place.residual = whitening_.residual(place.prediction);
     for (const double r : place.residual) place.data_cost += loss(r);
     if (!std::isfinite(place.data_cost)) place.data_cost = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < parameters_.size(); ++i)
-      place.prior_squares += std::pow(prior_residual(place, i), 2);
+    for (const double r : prior_residuals(place)) place.prior_squares += r * r;
     return place;
   }
 
@@ -62,9 +64,12 @@ class Fit {
       const double weight = std::sqrt(weight_of(place.residual[i]));
       for (std::size_t j = 0; j < parameters_.size(); ++j) all(i, j) = weight * derivatives(i, j);
     }
+    DenseMatrix priors(parameters_.size(), parameters_.size());
     for (std::size_t j = 0; j < parameters_.size(); ++j)
-      if (parameters_[j].prior)
-        all(points_ + j, j) = 1.0 / parameters_[j].prior->standard_deviation;
+      if (parameters_[j].prior) priors(j, j) = 1.0 / parameters_[j].prior->standard_deviation;
+    if (prior_whitening_) prior_whitening_->apply(priors);
+    for (std::size_t i = 0; i < priors.rows; ++i)
+      for (std::size_t j = 0; j < priors.columns; ++j) all(points_ + i, j) = priors(i, j);
     return all;
   }
 
@@ -73,8 +78,8 @@ class Fit {
     DenseMatrix right(points_ + parameters_.size(), 1);
     for (std::size_t i = 0; i < points_; ++i)
       right(i, 0) = std::sqrt(weight_of(place.residual[i])) * place.residual[i];
-    for (std::size_t j = 0; j < parameters_.size(); ++j)
-      right(points_ + j, 0) = -prior_residual(place, j);
+    const std::vector<double> priors = prior_residuals(place);
+    for (std::size_t j = 0; j < priors.size(); ++j) right(points_ + j, 0) = priors[j];
     return right;
   }
 
@@ -167,11 +172,35 @@ class Fit {
     return prediction;
   }
 
-  [[nodiscard]] double prior_residual(const Place& place, std::size_t j) const {
-    const auto& prior = parameters_[j].prior;
-    if (!prior) return 0.0;
-    return (place.coordinates[j] - fit_coordinate(parameters_[j], prior->mean)) /
-           prior->standard_deviation;
+  /// Deviations of the priors' means, in standard deviations; independent ones.
+  [[nodiscard]] std::vector<double> prior_residuals(const Place& place) const {
+    std::vector<double> deviation(parameters_.size(), 0.0);
+    for (std::size_t j = 0; j < parameters_.size(); ++j)
+      if (const auto& prior = parameters_[j].prior)
+        deviation[j] = (place.coordinates[j] - fit_coordinate(parameters_[j], prior->mean)) /
+                       prior->standard_deviation;
+    if (prior_whitening_) return prior_whitening_->residual(deviation);
+    for (double& each : deviation) each = -each;
+    return deviation;
+  }
+
+  /// The priors as a measurement of deviations, which finds none.
+  [[nodiscard]] FitData prior_data() const {
+    const std::size_t n = parameters_.size();
+    const DenseMatrix& correlation = options_.prior_correlation;
+    for (const FitParameter& parameter : parameters_)
+      if (!parameter.prior)
+        throw InvalidInput(parameter.name + ": must have a prior, since correlations are given");
+    if (correlation.rows != n || correlation.columns != n)
+      throw InvalidInput("prior_correlation: must have " + std::to_string(n) +
+                         " rows and columns, as many as parameters, but has " +
+                         std::to_string(correlation.rows) + " and " +
+                         std::to_string(correlation.columns));
+    for (std::size_t j = 0; j < n; ++j)
+      if (std::abs(correlation(j, j) - 1.0) > 1e-9)
+        throw InvalidInput("prior_correlation: must be 1 on the diagonal, but is " +
+                           number_text(correlation(j, j)) + " in row " + std::to_string(j));
+    return {.measured = std::vector<double>(n, 0.0), .covariance = correlation};
   }
 
   /// Source: [Huber1964].
@@ -248,6 +277,7 @@ class Fit {
 
   const std::vector<FitParameter>& parameters_;
   Whitening whitening_;
+  std::optional<Whitening> prior_whitening_;  ///< where priors go together
   const FitModel& model_;
   const FitOptions& options_;
   std::vector<double> low_, high_;  ///< coordinates

@@ -39,6 +39,9 @@ struct FitOptions {
   /// Residuals beyond so many standard deviations count as straight lines, not as squares (Huber);
   /// 0: all as squares.
   double robust_limit = 0.0;
+  /// How the priors of the parameters go together, [parameter][parameter] of their coordinates,
+  /// with 1 on the diagonal; all then have a prior. Empty: they do not.
+  DenseMatrix prior_correlation = {};
   int starts = 1;  ///< the first at the starts of the parameters, others drawn about them
   std::uint64_t seed = 0;
   double step = 1e-4;  ///< of central differences, in coordinates (linear: also times the value)
@@ -78,8 +81,8 @@ inline constexpr double prior_share_of_note = 0.8, correlation_of_note = 0.95;
 /// not depend on are found, and named in the notes; their standard deviations are infinite.
 ///
 /// @throws InvalidInput naming what cannot be used: no parameters, errors that are not positive or
-///         not as many as the data, no prediction at the start; errors unknown and no more data
-///         than parameters without prior.
+///         not as many as the data, a prior_correlation that is none, no prediction at the start;
+///         errors unknown and no more data than parameters without prior.
 ///
 /// Source: [Marquardt1963]; the scaling of the damping is that of [More1978]; [Huber1964].
 [[nodiscard]] FitResult fit_parameters(const std::vector<FitParameter>& parameters,
