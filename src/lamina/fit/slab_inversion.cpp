@@ -172,17 +172,17 @@ class Inversion {
                            .derivatives =
                                [&](std::span<const double> values) {
                                  const SampleCoefficients at = coefficients(values);
-                                 const DenseMatrix by = model.slopes(at, nodes);
-                                 DenseMatrix slopes(by.rows, values.size());
+                                 const DenseMatrix by = model.derivatives(at, nodes);
+                                 DenseMatrix jacobian(by.rows, values.size());
                                  for (std::size_t i = 0; i < by.rows; ++i) {
-                                   slopes(i, 0) = by(i, 0);
-                                   if (values.size() == 2) slopes(i, 1) = by(i, 1) / (1.0 - at.g);
+                                   jacobian(i, 0) = by(i, 0);
+                                   if (values.size() == 2) jacobian(i, 1) = by(i, 1) / (1.0 - at.g);
                                    if (values.size() < 3) continue;
-                                   slopes(i, 1) = -by(i, 2) / values[2];
-                                   slopes(i, 2) =
+                                   jacobian(i, 1) = -by(i, 2) / values[2];
+                                   jacobian(i, 2) =
                                        by(i, 1) + by(i, 2) * values[1] / (values[2] * values[2]);
                                  }
-                                 return slopes;
+                                 return jacobian;
                                }},
                           {.max_iterations = most_steps, .tolerance = tolerance});
   }
@@ -205,13 +205,13 @@ class Inversion {
              },
          .derivatives =
              [&](std::span<const double> values) {
-               DenseMatrix slopes = model.slopes(sample(values), fit_nodes);
+               DenseMatrix jacobian = model.derivatives(sample(values), fit_nodes);
                const double rest = 1.0 - values[2];
-               for (std::size_t i = 0; i < slopes.rows; ++i) {
-                 slopes(i, 2) += slopes(i, 1) * values[1] / (rest * rest);
-                 slopes(i, 1) /= rest;
+               for (std::size_t i = 0; i < jacobian.rows; ++i) {
+                 jacobian(i, 2) += jacobian(i, 1) * values[1] / (rest * rest);
+                 jacobian(i, 1) /= rest;
                }
-               return slopes;
+               return jacobian;
              }},
         {.max_iterations = 1, .tolerance = 1.0});
     result.has_converged = fit.has_converged;

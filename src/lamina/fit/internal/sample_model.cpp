@@ -43,21 +43,21 @@ std::vector<double> SampleModel::predict(const SampleCoefficients& is, int nodes
   return predicted;
 }
 
-DenseMatrix SampleModel::slopes(const SampleCoefficients& is, int nodes) const {
+DenseMatrix SampleModel::derivatives(const SampleCoefficients& is, int nodes) const {
   const AddingDoublingDerivatives found =
       adding_doubling_derivatives_on_grid(stack_of(is), incidence_, nodes);
-  DenseMatrix slopes(data().measured.size(), 3);
+  DenseMatrix jacobian(data().measured.size(), 3);
   const auto set_row = [&](std::size_t row, const LayerDerivatives& layer, double factor) {
-    slopes(row, 0) = factor * layer.by_sigma_a;
-    slopes(row, 1) = factor * layer.by_sigma_s;
-    slopes(row, 2) = factor * layer.by_g;
+    jacobian(row, 0) = factor * layer.by_sigma_a;
+    jacobian(row, 1) = factor * layer.by_sigma_s;
+    jacobian(row, 2) = factor * layer.by_g;
   };
   set_row(0, found.diffuse_reflectance[sample_], 1.0);
   if (measurement_.transmittance) set_row(1, found.transmittance[sample_], 1.0);
   if (has_unscattered_)
     set_row(2, found.unscattered_transmittance[sample_],
             1.0 / found.totals.unscattered_transmittance);
-  return slopes;
+  return jacobian;
 }
 
 LayerStack SampleModel::stack_of(const SampleCoefficients& is) const {

@@ -35,7 +35,7 @@ class SampleModel {
   [[nodiscard]] std::vector<double> predict(const SampleCoefficients& is, int nodes) const;
 
   /// By sigma_a, sigma_s and g, [prediction][coefficient].
-  [[nodiscard]] DenseMatrix slopes(const SampleCoefficients& is, int nodes) const;
+  [[nodiscard]] DenseMatrix derivatives(const SampleCoefficients& is, int nodes) const;
 
   [[nodiscard]] LayerStack stack_of(const SampleCoefficients& is) const;
 

@@ -1,0 +1,308 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/fit/internal/measurement_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/fit/internal/series_prediction.h"
+
+namespace lamina::fit_detail {
+namespace {
+
+/// Steps of differences, in coordinates; linear ones times the value. Accurate solutions stop
+/// refining here and there, so that theirs must be long.
+constexpr double short_step = 1e-4, long_step = 0.1;
+
+/// The logarithm of a correction is a straight line no farther than this.
+constexpr double longest_correction = 1.0;
+
+/// What a layer is made of, as LayerDerivatives are by it.
+struct LayerChange {
+  double sigma_a = 0.0, sigma_s = 0.0, g = 0.0, thickness = 0.0;
+};
+
+double difference(double a, double b) { return std::isfinite(a) && std::isfinite(b) ? b - a : 0.0; }
+
+/// By which a stack differs from another, [layer]; none where more than this differs.
+std::optional<std::vector<LayerChange>> change_between(const LayerStack& a, const LayerStack& b) {
+  if (a.layers().size() != b.layers().size() || a.ior_above() != b.ior_above() ||
+      a.ior_below() != b.ior_below() || a.ground().reflectance != b.ground().reflectance ||
+      a.ground().top != b.ground().top)
+    return std::nullopt;
+  std::vector<LayerChange> changes;
+  for (std::size_t k = 0; k < a.layers().size(); ++k) {
+    const Layer &from = a.layers()[k], &to = b.layers()[k];
+    const double g = to.medium.g - from.medium.g;
+    // A phase function that is no single lobe may change with its mean cosine kept, but not here:
+    // lobes are of parts of different g.
+    const bool has_lobes = from.phase.has_value() || to.phase.has_value();
+    if (from.medium.ior != to.medium.ior || from.top != to.top ||
+        std::isfinite(from.thickness) != std::isfinite(to.thickness) ||
+        (has_lobes && std::abs(g) > 1e-14))
+      return std::nullopt;
+    changes.push_back({difference(from.medium.sigma_a, to.medium.sigma_a),
+                       difference(from.medium.sigma_s, to.medium.sigma_s), g,
+                       difference(from.thickness, to.thickness)});
+  }
+  return changes;
+}
+
+double along(const std::vector<LayerDerivatives>& derivatives,
+             const std::vector<LayerChange>& change) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < change.size(); ++k)
+    sum += derivatives[k].by_sigma_a * change[k].sigma_a +
+           derivatives[k].by_sigma_s * change[k].sigma_s + derivatives[k].by_g * change[k].g +
+           derivatives[k].by_thickness * change[k].thickness;
+  return sum;
+}
+
+/// The values of an unknown below and above another.
+std::pair<double, double> sides_of(const FitParameter& parameter, double value, double step) {
+  const double coordinate = fit_coordinate(parameter, value);
+  if (parameter.scale == FitScale::linear && value != 0.0) step *= std::abs(value);
+  return {std::max(parameter.low, fit_value(parameter, coordinate - step)),
+          std::min(parameter.high, fit_value(parameter, coordinate + step))};
+}
+
+bool spans_decades(const MeasuredSeries& series, const MeasuredPoint& point) {
+  return (series.kind == MeasurementKind::radial_profile ||
+          point.quantity == MeasuredQuantity::unscattered_transmittance) &&
+         point.value > 3.0 * point.standard_deviation;
+}
+
+}  // namespace
+
+MeasurementModel::MeasurementModel(const Measurement& measurement, std::vector<std::size_t> bands,
+                                   Progress progress)
+    : measurement_(measurement), bands_(std::move(bands)), progress_(std::move(progress)) {
+  for (std::size_t f = 0; f < measurement.free.size(); ++f) {
+    if (!measurement.free[f].is_per_band)
+      unknowns_.push_back({f, 0});
+    else
+      for (const std::size_t band : bands_) unknowns_.push_back({f, band});
+  }
+  for (const std::size_t band : bands_)
+    for (std::size_t s = 0; s < measurement.series.size(); ++s) {
+      const MeasuredSeries& series = measurement.series[s];
+      Part part{s, band, is_logarithmic_.size(), {}, {}};
+      for (std::size_t p = 0; p < series.points.size(); ++p) {
+        if (series.points[p].band != band) continue;
+        part.indices.push_back(p);
+        part.points.push_back(series.points[p]);
+        is_logarithmic_.push_back(spans_decades(series, series.points[p]));
+      }
+      if (!part.points.empty()) parts_.push_back(std::move(part));
+    }
+  correction_.assign(is_logarithmic_.size(), 1.0);
+}
+
+std::vector<FitParameter> MeasurementModel::parameters() const {
+  std::vector<FitParameter> parameters;
+  for (const Unknown& unknown : unknowns_) {
+    const FreeNumber& free = measurement_.free[unknown.free];
+    parameters.push_back(free.parameter);
+    if (free.is_per_band && measurement_.bands.size() > 1)
+      parameters.back().name += " at " + band_name(measurement_.bands, unknown.band) +
+                                (measurement_.bands.is_rgb() ? "" : " nm");
+  }
+  return parameters;
+}
+
+FitData MeasurementModel::data() const {
+  FitData data;
+  for (const Part& part : parts_)
+    for (const MeasuredPoint& point : part.points) {
+      const bool is_log = is_logarithmic_[data.measured.size()];
+      data.measured.push_back(is_log ? std::log(point.value) : point.value);
+      data.standard_deviation.push_back(is_log ? point.standard_deviation / point.value
+                                               : point.standard_deviation);
+    }
+  return data;
+}
+
+std::vector<LayerStack> MeasurementModel::stacks(std::span<const double> values) const {
+  std::vector<std::vector<double>> table;
+  for (const FreeNumber& free : measurement_.free)
+    table.emplace_back(free.is_per_band ? measurement_.bands.size() : 1, free.parameter.start);
+  for (std::size_t u = 0; u < unknowns_.size(); ++u)
+    table[unknowns_[u].free][unknowns_[u].band] = values[u];
+  const Material material = material_with(measurement_, table);
+  std::vector<LayerStack> stacks;
+  for (const std::size_t band : bands_) stacks.push_back(layer_stack(material, band));
+  return stacks;
+}
+
+std::vector<double> MeasurementModel::predict(std::span<const double> values) const {
+  report_or_throw(progress_, 0.0);
+  std::vector<double> predicted(is_logarithmic_.size(), std::nan(""));
+  std::vector<LayerStack> at;
+  try {
+    at = stacks(values);
+  } catch (const InvalidInput&) {
+    return predicted;
+  }
+  const std::vector<double> place = coordinates(values);
+  parallel_for(parts_.size(), [&](std::size_t i) {
+    const Part& part = parts_[i];
+    const auto found = predict_quickly(at[place_of(part.band)], measurement_.series[part.series],
+                                       part.points, false)
+                           .values;
+    for (std::size_t j = 0; j < found.size(); ++j) {
+      const std::size_t row = part.first + j;
+      const double value = correction_at(row, place) * found[j];
+      predicted[row] = is_logarithmic_[row] ? std::log(value) : value;
+    }
+  });
+  return predicted;
+}
+
+DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const {
+  const std::vector<LayerStack> at = stacks(values);
+  const std::vector<FitParameter> parameters = this->parameters();
+  const std::vector<double> place = coordinates(values);
+  DenseMatrix jacobian(is_logarithmic_.size(), unknowns_.size());
+
+  // Both ways from the values, for all bands of a number at once.
+  struct Sides {
+    std::vector<LayerStack> below, above;  ///< [band]
+  };
+  std::vector<double> step_below(unknowns_.size()), step_above(unknowns_.size());
+  for (std::size_t u = 0; u < unknowns_.size(); ++u)
+    std::tie(step_below[u], step_above[u]) = sides_of(parameters[u], values[u], short_step);
+  std::vector<Sides> sides;
+  for (std::size_t f = 0; f < measurement_.free.size(); ++f) {
+    std::vector<double> below(values.begin(), values.end()), above = below;
+    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+      if (unknowns_[u].free != f) continue;
+      below[u] = step_below[u];
+      above[u] = step_above[u];
+    }
+    sides.push_back({stacks(below), stacks(above)});
+  }
+
+  parallel_for(parts_.size(), [&](std::size_t i) {
+    const Part& part = parts_[i];
+    const MeasuredSeries& series = measurement_.series[part.series];
+    const std::size_t b = place_of(part.band);
+    const bool is_exact = has_derivatives(at[b], series);
+    const SeriesPrediction here = predict_quickly(at[b], series, part.points, is_exact);
+    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+      if (!depends(part, u)) continue;
+      const std::size_t free = unknowns_[u].free;
+      const LayerStack &below = sides[free].below[b], &above = sides[free].above[b];
+      const auto change = is_exact ? change_between(below, above) : std::nullopt;
+      std::vector<double> by(part.points.size());
+      if (change) {
+        for (std::size_t j = 0; j < by.size(); ++j) by[j] = along(here.derivatives[j], *change);
+      } else {
+        const auto low = predict_quickly(below, series, part.points, false).values;
+        const auto high = predict_quickly(above, series, part.points, false).values;
+        for (std::size_t j = 0; j < by.size(); ++j) by[j] = high[j] - low[j];
+      }
+      for (std::size_t j = 0; j < by.size(); ++j) {
+        const std::size_t row = part.first + j;
+        double derivative = by[j] / (step_above[u] - step_below[u]);
+        if (!derivative_correction_.values.empty())
+          derivative += here.values[j] * derivative_correction_(row, u) /
+                        fit_value_derivative(parameters[u], place[u]);
+        jacobian(row, u) =
+            derivative * (is_logarithmic_[row] ? 1.0 / here.values[j] : correction_at(row, place));
+      }
+    }
+  });
+  return jacobian;
+}
+
+std::size_t MeasurementModel::place_of(std::size_t band) const {
+  return static_cast<std::size_t>(std::ranges::find(bands_, band) - bands_.begin());
+}
+
+bool MeasurementModel::depends(const Part& part, std::size_t unknown) const {
+  const auto [free, band] = unknowns_[unknown];
+  return !measurement_.free[free].is_per_band || band == part.band;
+}
+
+std::vector<double> MeasurementModel::coordinates(std::span<const double> values) const {
+  const std::vector<FitParameter> parameters = this->parameters();
+  std::vector<double> coordinates;
+  for (std::size_t u = 0; u < parameters.size(); ++u)
+    coordinates.push_back(fit_coordinate(parameters[u], values[u]));
+  return coordinates;
+}
+
+double MeasurementModel::correction_at(std::size_t row, std::span<const double> place) const {
+  double logarithm = 0.0;
+  for (std::size_t u = 0; u < derivative_correction_.columns; ++u)
+    logarithm += derivative_correction_(row, u) * (place[u] - corrected_at_[u]);
+  return correction_[row] *
+         std::exp(std::clamp(logarithm, -longest_correction, longest_correction));
+}
+
+void MeasurementModel::correct_derivatives(std::span<const double> values) {
+  if (std::ranges::none_of(parts_, [&](const Part& part) {
+        return measurement_.series[part.series].kind == MeasurementKind::radial_profile;
+      }))
+    return;
+  const std::vector<FitParameter> parameters = this->parameters();
+  derivative_correction_ = DenseMatrix(is_logarithmic_.size(), unknowns_.size());
+  for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+    std::vector<double> below(values.begin(), values.end()), above = below;
+    std::tie(below[u], above[u]) = sides_of(parameters[u], values[u], long_step);
+    const double length =
+        fit_coordinate(parameters[u], above[u]) - fit_coordinate(parameters[u], below[u]);
+    const std::vector<LayerStack> low = stacks(below), high = stacks(above);
+    for (const Part& part : parts_) {
+      const MeasuredSeries& series = measurement_.series[part.series];
+      if (series.kind != MeasurementKind::radial_profile || !depends(part, u)) continue;
+      const std::size_t b = place_of(part.band);
+      // How much more, by the logarithm, an accurate solution changes than a quick one.
+      const auto over_quick = [&](const LayerStack& stack) {
+        std::vector<double> over = predict_accurately(stack, series, part.points);
+        const auto quick = predict_quickly(stack, series, part.points, false).values;
+        for (std::size_t j = 0; j < over.size(); ++j) over[j] = std::log(over[j] / quick[j]);
+        return over;
+      };
+      const auto at_low = over_quick(low[b]), at_high = over_quick(high[b]);
+      for (std::size_t j = 0; j < at_low.size(); ++j) {
+        const double derivative = (at_high[j] - at_low[j]) / length;
+        derivative_correction_(part.first + j, u) = std::isfinite(derivative) ? derivative : 0.0;
+      }
+      report_or_throw(progress_, 0.0);
+    }
+  }
+}
+
+void MeasurementModel::correct(std::span<const double> values, bool with_derivatives) {
+  if (with_derivatives) correct_derivatives(values);
+  corrected_at_ = coordinates(values);
+  const std::vector<LayerStack> at = stacks(values);
+  parallel_for(parts_.size(), [&](std::size_t i) {
+    const Part& part = parts_[i];
+    const MeasuredSeries& series = measurement_.series[part.series];
+    const std::size_t b = place_of(part.band);
+    const auto quick = predict_quickly(at[b], series, part.points, false).values;
+    const auto right = predict_accurately(at[b], series, part.points);
+    for (std::size_t j = 0; j < quick.size(); ++j)
+      correction_[part.first + j] = quick[j] > 0.0 && right[j] > 0.0 ? right[j] / quick[j] : 1.0;
+  });
+  report_or_throw(progress_, 0.0);
+}
+
+std::vector<MeasurementModel::Place> MeasurementModel::places() const {
+  std::vector<Place> places;
+  for (const Part& part : parts_)
+    for (const std::size_t index : part.indices) places.push_back({part.series, index});
+  return places;
+}
+
+double MeasurementModel::plain(std::size_t i, double number) const {
+  return is_logarithmic_[i] ? std::exp(number) : number;
+}
+
+}  // namespace lamina::fit_detail

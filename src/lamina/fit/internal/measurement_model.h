@@ -1,0 +1,81 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "lamina/core/dense_matrix.h"
+#include "lamina/core/progress.h"
+#include "lamina/fit/measurement.h"
+#include "lamina/fit/nonlinear_fit.h"
+#include "lamina/optics/layer_stack.h"
+
+namespace lamina::fit_detail {
+
+/// A number that a fit finds: one that is free, in one band if it is per band.
+struct Unknown {
+  std::size_t free = 0;
+  std::size_t band = 0;  ///< 0 if it is not per band
+};
+
+/// Some bands of a measurement as a function of what is unknown in them.
+///
+/// What comes through over decades, unscattered light and profiles over radius, counts by its
+/// logarithm where it is known to better than a third.
+class MeasurementModel {
+ public:
+  /// @param bands  of the points that count; what is free per band is unknown in these.
+  MeasurementModel(const Measurement& measurement, std::vector<std::size_t> bands,
+                   Progress progress);
+
+  [[nodiscard]] const std::vector<Unknown>& unknowns() const { return unknowns_; }
+  [[nodiscard]] std::vector<FitParameter> parameters() const;
+  [[nodiscard]] FitData data() const;
+
+  /// By quick solutions times the correction; not finite where the material cannot be so.
+  [[nodiscard]] std::vector<double> predict(std::span<const double> values) const;
+
+  /// Of the same, [point][unknown]: of what layers are made of exactly by the solver, times central
+  /// differences of that by the unknowns; central differences of all where indices or boundaries
+  /// change, and of profiles.
+  [[nodiscard]] DenseMatrix derivatives(std::span<const double> values) const;
+
+  /// From now on predictions are times what makes them right at these values; with jacobian, those
+  /// of profiles also times what makes their derivatives right there, by differences of accurate
+  /// solutions.
+  void correct(std::span<const double> values, bool with_derivatives);
+
+  /// Where the points of the model lie in the measurement, and what they are without logarithms.
+  struct Place {
+    std::size_t series, point;
+  };
+  [[nodiscard]] std::vector<Place> places() const;
+  [[nodiscard]] double plain(std::size_t i, double number) const;
+
+ private:
+  struct Part {  ///< the points of a series in a band
+    std::size_t series, band, first;
+    std::vector<std::size_t> indices;  ///< in the series
+    std::vector<MeasuredPoint> points;
+  };
+  [[nodiscard]] std::vector<LayerStack> stacks(std::span<const double> values) const;
+  [[nodiscard]] std::size_t place_of(std::size_t band) const;  ///< in bands_
+  [[nodiscard]] bool depends(const Part& part, std::size_t unknown) const;
+  [[nodiscard]] std::vector<double> coordinates(std::span<const double> values) const;
+  [[nodiscard]] double correction_at(std::size_t row, std::span<const double> place) const;
+  void correct_derivatives(std::span<const double> values);
+
+  const Measurement& measurement_;
+  std::vector<std::size_t> bands_;
+  Progress progress_;
+  std::vector<Unknown> unknowns_;
+  std::vector<Part> parts_;
+  std::vector<bool> is_logarithmic_;  ///< [point]
+  std::vector<double> correction_;    ///< [point] factor
+  DenseMatrix
+      derivative_correction_;  ///< [point][unknown] of its logarithm by coordinates, or empty
+  std::vector<double> corrected_at_;  ///< [unknown] coordinates
+};
+
+}  // namespace lamina::fit_detail

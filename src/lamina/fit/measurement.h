@@ -1,0 +1,102 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamina/core/enum_names.h"
+#include "lamina/core/memory_budget.h"
+#include "lamina/fit/fit_parameter.h"
+#include "lamina/materials/material.h"
+#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/spectrum/band_set.h"
+
+namespace lamina {
+
+template <>
+inline constexpr auto enum_names<FitScale> =
+    std::to_array<EnumName<FitScale>>({{"linear", FitScale::linear},
+                                       {"logarithmic", FitScale::logarithmic},
+                                       {"logit", FitScale::logit}});
+
+/// What was measured, as measurement files name it.
+enum class MeasurementKind {
+  totals,             ///< fractions of the light that leave above and below
+  spatial_frequency,  ///< the same of light in waves, k
+  radial_profile      ///< what leaves around a narrow beam, r
+};
+
+template <>
+inline constexpr auto enum_names<MeasurementKind> = std::to_array<EnumName<MeasurementKind>>(
+    {{"totals", MeasurementKind::totals},
+     {"spatial_frequency", MeasurementKind::spatial_frequency},
+     {"radial_profile", MeasurementKind::radial_profile}});
+
+enum class MeasuredQuantity { reflectance, transmittance, unscattered_transmittance };
+
+template <>
+inline constexpr auto enum_names<MeasuredQuantity> = std::to_array<EnumName<MeasuredQuantity>>(
+    {{"reflectance", MeasuredQuantity::reflectance},
+     {"transmittance", MeasuredQuantity::transmittance},
+     {"unscattered_transmittance", MeasuredQuantity::unscattered_transmittance}});
+
+/// One number that was measured: a fraction, or 1/mm² of a profile.
+struct MeasuredPoint {
+  std::size_t band = 0;
+  MeasuredQuantity quantity = MeasuredQuantity::reflectance;
+  double at = 0.0;  ///< spatial frequency [1/mm] or radius [mm]; 0 of totals
+  double value = 0.0;
+  double standard_deviation = 0.0;  ///< > 0
+};
+
+/// Points that one instrument measured in one geometry.
+struct MeasuredSeries {
+  MeasurementKind kind = MeasurementKind::totals;
+  Incidence incidence = {};
+  bool has_specular = true;     ///< of totals: whether the reflectance has the first reflection
+  double detector_width = 0.0;  ///< of a radial profile [mm]
+  std::vector<MeasuredPoint> points;
+};
+
+/// A number of the material file that a fit is free to choose, once or in every band.
+struct FreeNumber {
+  FitParameter parameter;  ///< its name is the path in the file, as that of --set
+  bool is_per_band = false;
+};
+
+/// A material file with settings to be put in.
+struct MeasuredMaterial {
+  std::string text;  ///< of the file
+  std::string name;  ///< that messages name and paths are relative to
+
+  /// @param settings  as parse_json takes them. @throws InvalidInput as load_material.
+  [[nodiscard]] Material with(std::span<const std::string> settings) const;
+};
+
+/// What a measurement file says.
+struct Measurement {
+  std::string name, source;
+  MeasuredMaterial material;
+  BandSet bands = BandSet::rgb();  ///< those measured, of the material where it is solved
+  std::vector<FreeNumber> free;
+  std::vector<MeasuredSeries> series;
+  int starts = 1;             ///< as in FitOptions
+  double robust_limit = 0.0;  ///< as in FitOptions
+};
+
+/// Reads a measurement file; docs/fit.md has the format.
+/// @param settings  changes of it, as parse_json takes them.
+/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
+[[nodiscard]] Measurement load_measurement(const std::filesystem::path& file,
+                                           MemoryBudget memory = {},
+                                           std::span<const std::string> settings = {});
+
+/// The material with numbers for what is free.
+/// @param values  [free number][band], of a number that is not per band [0]
+[[nodiscard]] Material material_with(const Measurement& measurement,
+                                     std::span<const std::vector<double>> values);
+
+}  // namespace lamina

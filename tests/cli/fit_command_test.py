@@ -1,0 +1,91 @@
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+"""From a material to its totals by `lamina slab`, and back by `lamina fit`.
+
+usage: fit_command_test.py LAMINA ROOT
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LAMINA, ROOT = os.path.abspath(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1)).resolve()
+EXAMPLES, INPUTS = ROOT / "examples/measurements", ROOT / "tests/inputs/measurement"
+os.environ["LAMINA_CACHE"] = "off"
+
+
+def run(*args, cwd=None):
+    return subprocess.run([LAMINA, *map(str, args)], capture_output=True, text=True, timeout=120, cwd=cwd)
+
+
+def json_of(*args, cwd=None):
+    result = run(*args, "--json", "-", cwd=cwd)
+    assert result.returncode == 0, result.stderr
+    return json.loads(result.stdout)
+
+
+class RoundTrip(unittest.TestCase):
+    def test_totals_of_a_cuvette_give_its_liquid_back(self):
+        cuvette = EXAMPLES / "cuvette.json"
+        totals = json_of("slab", cuvette, "--accuracy", "1e-8")
+        with tempfile.TemporaryDirectory() as folder:
+            rows = ["wavelength_nm,reflectance,transmittance,unscattered_transmittance"]
+            for i, band in enumerate(totals["bands"]):
+                rows.append(",".join(repr(x) for x in (
+                    band, totals["specular_reflectance"][i] + totals["diffuse_reflectance"][i],
+                    totals["transmittance"][i], totals["unscattered_transmittance"][i])))
+            pathlib.Path(folder, "cuvette.csv").write_text("\n".join(rows) + "\n")
+            pathlib.Path(folder, "liquid.json").write_text((EXAMPLES / "liquid.json").read_text())
+            found = json_of("fit", "liquid.json", "--set", "measured[0].unit=fraction", "--set", "measured[0].sd=1e-6",
+                            "--set", "measured[0].unscattered_transmittance_sd=1e-8", "-o", "found.json", cwd=folder)
+            self.assertTrue(found["has_converged"])
+            values = {free["parameter"]: free["value"] for free in found["free"]}
+            for i, (band, sigma_a) in enumerate(zip(totals["bands"], [0.02, 0.06, 0.15, 0.05, 0.01])):
+                self.assertAlmostEqual(values["layers[1].sigma_a"][i] / sigma_a, 1, delta=3e-4)
+                self.assertAlmostEqual(values["layers[1].sigma_s_prime"][i] / (1.2 * (band / 500) ** -1.4), 1, delta=1e-4)
+                self.assertAlmostEqual(values["layers[1].g"][i], 0.75, delta=1e-4)
+            again = json_of("slab", "found.json", cwd=folder)
+            for key in ("diffuse_reflectance", "transmittance"):
+                for one, other in zip(again[key], totals[key]):
+                    self.assertAlmostEqual(one, other, delta=3e-5)
+
+    def test_noise_of_the_example_is_within_its_errors(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = json_of("fit", EXAMPLES / "liquid.json", "--plot", "liquid.svg", cwd=folder)
+            self.assertIn("unscattered", pathlib.Path(folder, "liquid.svg").read_text())
+        absorption = found["free"][0]
+        for value, error, truth in zip(absorption["value"], absorption["high_error"], [0.02, 0.06, 0.15, 0.05, 0.01]):
+            self.assertLess(abs(value - truth), 3 * error)
+            self.assertLess(error, 0.06 * truth)
+        points = found["measured"][0]["points"]
+        self.assertEqual(len(points), 15)
+        self.assertEqual(len(found["correlations"]), 5)
+
+    def test_text_has_numbers_errors_and_notes(self):
+        text = run("fit", EXAMPLES / "liquid.json").stdout
+        for words in ("15 numbers measured, 15 fitted", "±", "layers[1].sigma_s_prime", "note: ", "hardly told apart"):
+            self.assertIn(words, text)
+
+
+class WrongInput(unittest.TestCase):
+    def test_is_one_line_with_exit_code_2_and_writes_nothing(self):
+        files = sorted((INPUTS / "bad").glob("*.json"))
+        self.assertGreater(len(files), 40)
+        with tempfile.TemporaryDirectory() as folder:
+            for file in files:
+                result = run("fit", file, "-o", "found.json", "--plot", "fit.svg", "--json", "fit.json", cwd=folder)
+                self.assertEqual(result.returncode, 2, (file, result.stderr))
+                self.assertEqual(result.stdout, "", file)
+                self.assertEqual(result.stderr.count("\n"), 1, (file, result.stderr))
+                self.assertEqual(os.listdir(folder), [], file)
+
+    def test_results_do_not_overwrite_the_measurement(self):
+        result = run("fit", EXAMPLES / "liquid.json", "-o", EXAMPLES / "liquid.json")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("must be different files", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

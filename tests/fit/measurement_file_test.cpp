@@ -1,0 +1,113 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/fit/measurement.h"
+
+namespace lamina {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path inputs = fs::path(LAMINA_SOURCE_DIR) / "tests/inputs/measurement";
+
+std::string refusal(const fs::path& file) {
+  try {
+    (void)load_measurement(file);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "(taken)";
+}
+
+TEST(MeasurementFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
+  std::ifstream expected(inputs / "bad/expected.txt");
+  std::set<std::string> listed;
+  for (std::string line; std::getline(expected, line);) {
+    if (line.starts_with("#")) continue;
+    std::istringstream fields(line);
+    std::string file, level, text;
+    fields >> file >> level >> std::ws;
+    std::getline(fields, text);
+    listed.insert(file);
+    const fs::path path = inputs / "bad" / file;
+    const std::string message = refusal(path);
+    const std::size_t table = text.find(".csv:");
+    const bool is_of_table = table != std::string::npos && text.find(' ') > table;
+    const std::string start =
+        is_of_table ? (path.parent_path() / text).string() : path.string() + ":" + text;
+    EXPECT_TRUE(message.starts_with(start)) << "expected  " << start << "\ngot       " << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(inputs / "bad")) {
+    if (entry.path().extension() != ".json") continue;
+    EXPECT_TRUE(listed.contains(entry.path().filename())) << entry << " is not in expected.txt";
+  }
+  EXPECT_GT(listed.size(), 35U);
+}
+
+TEST(MeasurementFile, TakesInlineNumbers) {
+  const Measurement measurement = load_measurement(inputs / "good/inline.json");
+  ASSERT_EQ(measurement.series.size(), 1U);
+  const MeasuredSeries& series = measurement.series[0];
+  EXPECT_TRUE(series.has_specular);
+  ASSERT_EQ(series.points.size(), 2U);
+  EXPECT_EQ(series.points[1].quantity, MeasuredQuantity::transmittance);
+  EXPECT_EQ(series.points[1].value, 0.2);
+  EXPECT_EQ(series.points[1].standard_deviation, 0.01);
+}
+
+TEST(MeasurementFile, TakesTablesInPercent) {
+  const Measurement measurement = load_measurement(inputs / "good/table.json");
+  ASSERT_EQ(measurement.bands.size(), 2U);
+  EXPECT_EQ(measurement.bands.wavelengths()[1], 550.0);
+  EXPECT_TRUE(measurement.free[0].is_per_band);
+  EXPECT_EQ(measurement.free[1].parameter.prior->standard_deviation, 0.3);
+  const MeasuredSeries& series = measurement.series[0];
+  EXPECT_FALSE(series.has_specular);
+  EXPECT_NEAR(series.incidence.theta, 0.13962634, 1e-8);
+  ASSERT_EQ(series.points.size(), 4U);
+  EXPECT_EQ(series.points[1].band, 1U);
+  EXPECT_NEAR(series.points[1].value, 0.31, 1e-15);
+  EXPECT_NEAR(series.points[1].standard_deviation, std::hypot(0.002, 0.0031), 1e-15);
+}
+
+// Entries of different wavelengths: the bands are all of them.
+TEST(MeasurementFile, PutsKindsTogether) {
+  const Measurement measurement = load_measurement(inputs / "good/kinds.json");
+  ASSERT_EQ(measurement.bands.size(), 2U);
+  ASSERT_EQ(measurement.series.size(), 3U);
+  EXPECT_EQ(measurement.series[1].points[1].band, 1U);
+  EXPECT_EQ(measurement.series[1].points[1].at, 0.1);
+  EXPECT_TRUE(measurement.series[1].incidence.is_diffuse);
+  EXPECT_EQ(measurement.series[2].points[0].band, 0U);
+  EXPECT_EQ(measurement.series[2].detector_width, 0.4);
+}
+
+// What is free is put in as --set would; what is not stays.
+TEST(MeasurementFile, PutsNumbersIntoTheMaterial) {
+  const Measurement measurement = load_measurement(inputs / "good/table.json");
+  const std::vector<std::vector<double>> values = {{0.3, 0.4}, {2.5}};
+  const Material material = material_with(measurement, values);
+  EXPECT_EQ(material.bands, measurement.bands);
+  EXPECT_EQ(material.layers[0].sigma_a, (std::vector{0.3, 0.4}));
+  EXPECT_NEAR(sigma_s_prime(layer_stack(material, 1).layers()[0].medium), 2.5, 1e-12);
+  EXPECT_EQ(material.layers[0].thickness, 2.0);
+}
+
+TEST(MeasurementFile, ChangesBySettings) {
+  const std::vector<std::string> settings = {"free[0].start=0.7"};
+  EXPECT_EQ(load_measurement(inputs / "good/inline.json", {}, settings).free[0].parameter.start,
+            0.7);
+}
+
+}  // namespace
+}  // namespace lamina
