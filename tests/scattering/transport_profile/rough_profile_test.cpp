@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Profiles by radiative transfer under a rough top.
+// Profiles by radiative transfer where boundaries are rough.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
@@ -205,19 +205,92 @@ TEST(RoughProfile, RingsAddUpToTheTotalOfAddingDoubling) {
               2e-4);
 }
 
-TEST(RoughProfile, RoughBoundariesBelowTheTopAreRefused) {
-  const std::vector<LayerStack> inside = {
-      LayerStack({layer(1.0, 9.0, 0.0, 1.5, 1.0), layer(1.0, 9.0, 0.0, 1.3, 1.0, 0.3)})};
-  try {
-    (void)transfer_profile(inside);
-    ADD_FAILURE() << "not refused";
-  } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what())
-                  .find("layer 1: the profile by radiative transfer of band 0 "
-                        "needs smooth boundaries below the top"),
-              std::string::npos)
-        << error.what();
+LayerStack rough_inside(double roughness) {
+  return LayerStack(
+      {layer(1.0, 20.0, 0.8, 1.4, 0.1), layer(0.2, 10.0, 0.6, 1.34, infinite, roughness)}, 1.0,
+      1.34);
+}
+
+LayerStack frosted_below(double roughness) {
+  return LayerStack({layer(0.5, 4.5, 0.5, 1.4, 0.2)}, 1.0, 1.0, {.top = {.roughness = roughness}});
+}
+
+TEST(RoughProfile, AgreesWithPhotonsWhereTheBottomIsRough) {
+  const LayerStack stack = frosted_below(0.4);
+  MonteCarloOptions options{.photons = 100'000, .seed = 3};
+  options.tallies.r = {.count = 20, .width = 0.02};
+  const MonteCarloResult photons = trace_photons(stack, options);
+  const TransferProfile solved =
+      transfer_profile(std::vector{stack}, {.first = 1e-3, .last = 20.0, .size = 120},
+                       {.accuracy = 0.02, .r_highest = 0.4});
+  EXPECT_LT(solved.estimated_error[0], 0.07);
+  for (const bool is_reflectance : {true, false}) {
+    const Rings rings =
+        compare(is_reflectance ? photons.radial.reflection : photons.radial.transmission,
+                solved.profile, is_reflectance);
+    EXPECT_LT(rings.chi2, 2.0);
+    EXPECT_LT(rings.worst, 4.5);
   }
+}
+
+// Waves alone: photons' rings as a wave.
+TEST(RoughProfile, AgreesWithPhotonsAtSpatialFrequenciesWhereABoundaryInsideIsRough) {
+  const LayerStack stack = rough_inside(0.4);
+  MonteCarloOptions options{.photons = 200'000, .seed = 3};
+  constexpr double ring = 0.005;
+  options.tallies.r = {.count = 4000, .width = ring};
+  const MonteCarloResult photons = trace_photons(stack, options);
+  const auto solver = detail::make_frequency_solver(stack, 10, 5);
+  for (const double k : {1.0, 5.0}) {
+    double sum = 0.0, variance = 0.0;
+    for (std::size_t i = 0; i + 1 < photons.radial.reflection.size(); ++i) {
+      const double r = (static_cast<double>(i) + 0.5) * ring;
+      const double wave = 2.0 * std::numbers::pi * r * ring * std::cyl_bessel_j(0.0, k * r);
+      sum += wave * photons.radial.reflection[i].value;
+      variance += std::pow(wave * photons.radial.reflection[i].standard_error, 2);
+    }
+    EXPECT_NEAR(detail::response(solver, k).reflectance, sum, 3.5 * std::sqrt(variance))
+        << "k " << k;
+  }
+}
+
+TEST(RoughProfile, LightOfLowOrdersEndsAtTheFirstRoughBoundaryInside) {
+  const LayerStack stack({layer(1.0, 20.0, 0.8, 1.4, 0.1, 0.5), layer(0.2, 10.0, 0.6, 1.3, 0.2),
+                          layer(0.2, 10.0, 0.6, 1.5, 0.3, 0.4)},
+                         1.0, 1.2, {.reflectance = 0.5});
+  const auto whole = detail::make_grid_stack(stack, 4, {});
+  const auto upper = detail::above_rough_inside(whole);
+  EXPECT_EQ(upper.layers.size(), 2u);
+  EXPECT_EQ(upper.ior, (std::vector{1.0, 1.4, 1.3, 1.3}));
+  EXPECT_EQ(upper.interfaces, (std::vector{whole.interfaces[0], whole.interfaces[1], Interface{}}));
+  EXPECT_TRUE(upper.is_semi_infinite);
+  EXPECT_EQ(upper.ground_reflectance, 0.0);
+  EXPECT_EQ(detail::above_rough_inside(upper).layers.size(), 2u);
+}
+
+TEST(RoughProfile, HardlyRoughInsideIsSmooth) {
+  const std::vector<double> k{0.3, 3.0, 20.0};
+  const auto smooth = detail::responses(detail::make_frequency_solver(rough_inside(0.0), 8, 4), k);
+  const auto rough = detail::responses(detail::make_frequency_solver(rough_inside(0.005), 8, 4), k);
+  for (std::size_t i = 0; i < k.size(); ++i)
+    EXPECT_NEAR(rough[i].reflectance / smooth[i].reflectance, 1.0, 2e-3) << "k " << k[i];
+}
+
+// Light that crosses a rough bottom unscattered leaves at the axis: all that is left of T where
+// waves are short, and what photons count within a nanometre.
+TEST(RoughProfile, OfARoughBottomTheAxisIsKnown) {
+  const LayerStack stack({layer(0.5, 4.5, 0.0, 1.4, 0.2)}, 1.0, 1.2,
+                         {.top = {.roughness = 0.4}, .reflectance = 0.3});
+  const auto solver = detail::make_frequency_solver(stack, 12, 3);
+  const double axis = detail::through_rough_bottom(solver, detail::Unscattered::by_medium);
+  EXPECT_NEAR(detail::response(solver, 3000.0).transmittance, axis, 1e-3 * axis);
+  MonteCarloOptions options{.photons = 100'000, .seed = 9};
+  options.tallies.log_r = {.count = 1, .low = 1e-6, .high = 1.0};
+  const Estimate seen = trace_photons(stack, options).log_radial_outside.transmission[0];
+  EXPECT_NEAR(axis, seen.value, 4.0 * seen.standard_error);
+  EXPECT_EQ(detail::through_rough_bottom(detail::make_frequency_solver(thin_slab(0.4), 6, 1),
+                                         detail::Unscattered::by_medium),
+            0.0);
 }
 
 }  // namespace

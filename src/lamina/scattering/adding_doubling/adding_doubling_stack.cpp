@@ -187,28 +187,16 @@ StackOperators stack_operators(const GridStack& stack, int m, const RoughBoundar
   return operators;
 }
 
-namespace {
-
-void require_smooth_from(std::size_t first, const LayerStack& stack, const std::string& rule) {
+void require_smooth(const LayerStack& stack, const std::string& method) {
   const auto require = [&](const Interface& interface, const std::string& where) {
     if (interface.roughness > 0.0)
-      throw InvalidInput(where + ": " + rule + ", but the roughness is " +
+      throw InvalidInput(where + ": " + method + " needs smooth boundaries, but the roughness is " +
                          number_text(interface.roughness) +
                          "; photon Monte Carlo takes rough ones");
   };
-  for (std::size_t k = first; k < stack.layers().size(); ++k)
+  for (std::size_t k = 0; k < stack.layers().size(); ++k)
     require(stack.layers()[k].top, "layer " + std::to_string(k));
   require(stack.ground().top, "ground");
-}
-
-}  // namespace
-
-void require_smooth(const LayerStack& stack, const std::string& method) {
-  require_smooth_from(0, stack, method + " needs smooth boundaries");
-}
-
-void require_smooth_below_top(const LayerStack& stack, const std::string& method) {
-  require_smooth_from(1, stack, method + " needs smooth boundaries below the top");
 }
 
 GridStack turned_over(const GridStack& stack) {

@@ -96,9 +96,6 @@ using RoughBoundaries = std::vector<RoughBoundary>;
 /// @throws InvalidInput naming the layer whose boundary is rough; `method` names who refuses.
 void require_smooth(const LayerStack& stack, const std::string& method);
 
-/// The same for all boundaries but the top.
-void require_smooth_below_top(const LayerStack& stack, const std::string& method);
-
 /// The same stack seen from below: above and below exchanged. Not for half-spaces.
 [[nodiscard]] GridStack turned_over(const GridStack& stack);
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lamina/scattering/low_orders/diffuse_single_scattering.h"
 #include "lamina/scattering/low_orders/internal/diffuse_single_near.h"
 #include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
 
 namespace lamina::detail {
 namespace {
@@ -24,6 +26,7 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
                                     const StraightLight& light) {
   auto fine =
       make_frequency_solver(stack, light.nodes, fine_modes, {}, illumination, RoughModes::first);
+  fine.stack = above_rough_inside(std::move(fine.stack));
   std::vector<double> extinction;
   for (std::size_t l = 0; l < on_grid.layers.size(); ++l) {
     extinction.push_back(on_grid.layers[l].sigma_t);
@@ -34,8 +37,10 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
   // Light scattered once grows as 1/r near the point: a part that does the same and has the same
   // total is put in over radius, the rest over frequency.
   const double contact = single_at_contact(stack, on_grid, fine.top);
-  const double decay =
-      std::max(contact / single_response(single, 0.0).reflectance, 1e-3 * grid.highest);
+  const double slowest = 1e-3 * grid.highest;
+  const double decay = contact > 0.0
+                           ? std::max(contact / single_response(single, 0.0).reflectance, slowest)
+                           : slowest;
   std::vector<double> reflected, transmitted;
   for (const double k : grid.k) {
     const auto once = single_response(single, k);

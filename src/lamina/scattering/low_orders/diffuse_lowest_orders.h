@@ -24,7 +24,7 @@ struct StraightLight {
 /// scattered or scattered once and otherwise not reflected, over the plan's radii: all that
 /// `diffuse_response` has beyond `unscattered_response` and `diffuse_single_on_grid` comes on top.
 ///
-/// @param on_grid  the same stack on the grid of those.
+/// @param on_grid  the same stack on the grid of those, above rough boundaries inside.
 /// @param light    straight rays and how often they may be reflected.
 [[nodiscard]] ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on_grid,
                                                   Illumination illumination, const HankelPlan& plan,

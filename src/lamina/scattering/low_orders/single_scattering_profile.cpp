@@ -193,7 +193,7 @@ OnceScattered make_once_scattered(const LayerStack& stack, GridStack on_grid) {
   OnceScattered light{.stack = std::move(on_grid)};
   light.beam = unscattered_flux(light.stack, light.stack.grid.extra[0], Unscattered::scaled);
   std::vector<double> scattered;  // [layer]
-  for (std::size_t l = 0; l < stack.layers().size(); ++l) {
+  for (std::size_t l = 0; l < light.stack.layers.size(); ++l) {
     light.phase.push_back(phase_function(stack.layers()[l]));
     light.sigma_s.push_back(stack.layers()[l].medium.sigma_s);
     const GridLayer& layer = light.stack.layers[l];

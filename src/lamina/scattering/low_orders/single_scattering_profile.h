@@ -33,7 +33,8 @@ struct OnceScattered {
   UnscatteredFlux beam;
   std::vector<WayOut> ways;
 };
-/// @param on_grid  the same stack on a grid with the beam as its first extra node.
+/// @param on_grid  the same stack, or its first layers, on a grid with the beam as its first extra
+///                 node.
 [[nodiscard]] OnceScattered make_once_scattered(const LayerStack& stack, GridStack on_grid);
 
 /// At distance r [mm], > 0 [1/mm²].

@@ -174,7 +174,7 @@ std::vector<UnscatteredPath> unscattered_paths(const GridStack& stack, int most_
       add(std::move(ray.path), true);
     else if (ray.medium <= layers)
       going.push_back(std::move(ray));
-    else if (stack.ground_reflectance == 0.0)
+    else if (has_open_bottom(stack))
       add(std::move(ray.path), false);
   }
   return found;

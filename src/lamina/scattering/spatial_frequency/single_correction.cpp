@@ -4,16 +4,18 @@
 #include <array>
 #include <cstddef>
 
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
+
 namespace lamina::detail {
 namespace {
 
 constexpr int nodes_of_single = 32, modes_of_single = 21;
 
 FrequencySolver solver_of_mode_0(const LayerStack& stack, int nodes, int modes) {
-  FrequencySolver solver{
-      .stack = make_grid_stack(stack, nodes, std::array{direction_in(stack.ior_above(), 0.0)}),
-      .modes = modes,
-      .azimuth = make_azimuth_chain(modes)};
+  FrequencySolver solver{.stack = above_rough_inside(make_grid_stack(
+                             stack, nodes, std::array{direction_in(stack.ior_above(), 0.0)})),
+                         .modes = modes,
+                         .azimuth = make_azimuth_chain(modes)};
   solver.waves = azimuth_waves(solver.azimuth);
   for (const GridLayer& layer : solver.stack.layers)
     solver.phase.push_back({phase_mode(layer.moments, layer.cos, 0)});

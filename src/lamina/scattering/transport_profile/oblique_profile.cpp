@@ -318,9 +318,9 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
     for (std::size_t side = 0; side < 2; ++side)
       for (std::size_t i = 0; i < size; ++i)
         (known.curves.*curve_of(side))[i] = of_medium[side][i * count];
-    const auto refined =
-        detail::refine_by_photons(stacks[b], {.theta = theta}, plan, mean, known,
-                                  events_of_mean * detail::events_for(accuracy), part(1.0, 1.0));
+    const auto refined = detail::refine_by_photons(
+        stacks[b], {.theta = theta}, plan, mean, known,
+        events_of_mean * detail::events_for(stacks[b], accuracy), part(1.0, 1.0));
     // What of higher moments is not scattered once keeps its ratio to the mean.
     for (std::size_t side = 0; side < 2; ++side)
       for (std::size_t i = 0; i < size; ++i) {

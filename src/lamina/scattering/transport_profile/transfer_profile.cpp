@@ -10,6 +10,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/optics/absorbing_sheet.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/scattering/transport_profile/internal/profile_input.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_band.h"
 
@@ -25,7 +26,8 @@ constexpr double least_of_absorber = 3.0;
 /// @throws InvalidInput naming the layer.
 void refuse_clear_plates_under_rough_tops(std::span<const LayerStack> stacks) {
   for (std::size_t b = 0; b < stacks.size(); ++b)
-    for (std::size_t l = 0; l < stacks[b].layers().size() && !is_smooth(stacks[b]); ++l) {
+    for (std::size_t l = 0; l < stacks[b].layers().size(); ++l) {
+      if (stacks[b].layers().front().top.roughness == 0.0) break;
       const Layer& layer = stacks[b].layers()[l];
       const double optical_thickness = layer.medium.sigma_a * layer.thickness;
       const bool has_bottom = std::isfinite(layer.thickness);  // else nothing comes back
@@ -37,6 +39,14 @@ void refuse_clear_plates_under_rough_tops(std::span<const LayerStack> stacks) {
                          "for a profile by radiative transfer under a rough top, but is " +
                          number_text(optical_thickness) + "; monte_carlo takes such plates");
     }
+}
+
+/// Of a beam, what leaves below at r = 0 through a rough last boundary: in the total alone.
+double light_at_the_axis(const LayerStack& stack, Illumination illumination) {
+  if (is_smooth(stack) || illumination == Illumination::diffuse) return 0.0;
+  constexpr int nodes = 24, modes = 1;
+  return detail::through_rough_bottom(detail::make_frequency_solver(stack, nodes, modes),
+                                      detail::Unscattered::by_medium);
 }
 
 /// 1 where an error is no smaller than its value.
@@ -91,7 +101,8 @@ TransferProfile transfer_profile(std::span<const LayerStack> stacks, const Radia
 
   std::vector<detail::BandProfile> solved(bands);
   parallel_for(bands, [&](std::size_t b) {
-    const auto flux = detail::flux_of_profile(totals[b], stacks[b], options.illumination);
+    auto flux = detail::flux_of_profile(totals[b], stacks[b], options.illumination);
+    flux.transmittance -= light_at_the_axis(stacks[b], options.illumination);
     solved[b] = detail::solve_band(stacks[b], plan, options, flux);
   });
   for (std::size_t b = 0; b < bands; ++b) {

@@ -49,13 +49,15 @@ struct TransferProfile {
 /// entry and one at the exit needs: see docs/radiative_transfer_profiles.md.
 ///
 /// @param stacks  [band], at least one; every band must scatter.
-/// The top may be rough. What it throws back by itself is not in R(r), as a smooth top's mirror
-/// light is not.
 ///
-/// Where waves do not reach the accuracy, photons refine the profile; boundaries must be smooth.
+/// Boundaries may be rough. What a rough top throws back by itself is not in R(r), as a smooth
+/// top's mirror light is not; what a rough bottom lets out where a beam arrives unscattered is not
+/// in T(r). Both leave at r = 0, and are in the totals.
 ///
-/// @throws InvalidInput naming a rough boundary below the top, a wrong grid, a stack without a
-/// lower side, or under a rough top a plate that neither scatters nor absorbs nine tenths.
+/// Where waves do not reach the accuracy, photons refine the profile; the top must be smooth.
+///
+/// @throws InvalidInput naming a wrong grid, a stack without a lower side, or under a rough top a
+/// plate that neither scatters nor absorbs nine tenths.
 /// @throws Interrupted if progress asks to stop.
 ///
 /// Source: docs/radiative_transfer_profiles.md.

@@ -23,7 +23,6 @@ void check_profile_input(std::span<const LayerStack> stacks,
                        number_text(options.accuracy));
   for (std::size_t b = 0; b < stacks.size(); ++b) {
     const std::string band = "band " + std::to_string(b);
-    require_smooth_below_top(stacks[b], "the profile by radiative transfer of " + band);
     const bool scatters = std::any_of(stacks[b].layers().begin(), stacks[b].layers().end(),
                                       [](const Layer& l) { return l.medium.sigma_s > 0.0; });
     if (!scatters) throw InvalidInput(band + ": at least one layer must scatter, but none does");

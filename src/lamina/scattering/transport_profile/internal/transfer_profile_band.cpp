@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/frequency_spectrum.h"
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_photons.h"
 
@@ -159,7 +161,7 @@ const Curves& BandSolver::lowest_curves(std::size_t node_step) {
   const auto [place, is_new] = lowest_curves_.try_emplace(node_step);
   if (!is_new) return place->second;
   const std::vector<GridDirection> beams{direction_in(stack_.ior_above(), 0.0)};
-  GridStack on_grid = make_grid_stack(stack_, node_steps[node_step], beams);
+  GridStack on_grid = above_rough_inside(make_grid_stack(stack_, node_steps[node_step], beams));
   if (node_step > 0 && lowest_curves_.contains(node_step - 1) &&
       extinction_change(node_step) < same_extinction)
     return place->second = lowest_curves_.at(node_step - 1);
@@ -184,12 +186,20 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
   if (!is_new) return place->second;
   const FrequencySolver solver = make_frequency_solver(stack_, node_steps[resolution.node_step],
                                                        resolution.modes, {}, options_.illumination);
+  // Light that has met facets inside is of no low order.
+  std::optional<FrequencySolver> upper;
+  if (has_rough_inside(solver.stack)) {
+    upper = solver;
+    upper->stack = above_rough_inside(solver.stack);
+  }
+  const FrequencySolver& lowest = upper ? *upper : solver;
+  const double at_the_axis = is_spread_ ? 0.0 : through_rough_bottom(solver, Unscattered::on_grid);
   const FrequencyGrid grid =
       make_frequency_grid(solver.stack, frequency_steps[resolution.frequency_step],
                           beam_frequencies_per_sigma_t(solver.stack));
   const std::size_t frequencies = grid.k.size();
   std::vector<UnscatteredPath> paths;
-  if (is_spread_) paths = unscattered_paths(solver.stack);
+  if (is_spread_) paths = unscattered_paths(lowest.stack);
   std::vector<double> reflected(frequencies), transmitted(frequencies);
   // Neighbours share the lanes of the processor; the same ones, however many threads there are.
   const auto lanes = slabs_at_once();
@@ -200,12 +210,12 @@ const Solution& BandSolver::solution(const Resolution& resolution) {
     for (std::size_t i = first; i < first + count; ++i) {
       const double k = grid.k[i];
       const FrequencyResponse once =
-          is_spread_ ? diffuse_single_on_grid(solver, k) : single_scattering_response(solver, k);
+          is_spread_ ? diffuse_single_on_grid(lowest, k) : single_scattering_response(lowest, k);
       FrequencyResponse unscattered;
-      if (is_spread_) unscattered = unscattered_response(solver, paths, k);
+      if (is_spread_) unscattered = unscattered_response(lowest, paths, k);
       reflected[i] = every[i - first].reflectance - once.reflectance - unscattered.reflectance;
-      transmitted[i] =
-          every[i - first].transmittance - once.transmittance - unscattered.transmittance;
+      transmitted[i] = every[i - first].transmittance - once.transmittance -
+                       unscattered.transmittance - at_the_axis;
     }
   };
   parallel_for((frequencies + lanes - 1) / lanes, respond, progress_);
@@ -276,8 +286,9 @@ void BandSolver::add_error_of_straight_rays(std::size_t node_step, Curves& error
   if (is_diffuse_ || !is_spread_) return;
   const FrequencySolver solver = make_frequency_solver(
       stack_, node_steps[node_step], fewest_modes, {}, options_.illumination, RoughModes::first);
-  const Curves fewer = diffuse_lowest_orders(stack_, solver.stack, options_.illumination, plan_,
-                                             {.nodes = fewer_nodes_of_rays});
+  const Curves fewer =
+      diffuse_lowest_orders(stack_, above_rough_inside(solver.stack), options_.illumination, plan_,
+                            {.nodes = fewer_nodes_of_rays});
   const Curves& known = lowest_curves(node_step);
   const auto add = [](const std::vector<double>& a, const std::vector<double>& b,
                       std::vector<double>& to) {
@@ -470,7 +481,7 @@ void BandSolver::refine_by_photons(const Resolution& chosen, BandProfile& result
   PhotonRefinement refined = detail::refine_by_photons(
       stack_, {.is_diffuse = is_diffuse_}, plan_,
       {result.profile, result.error, changes_, known.reflected.grid.highest},
-      detail::lowest_orders(stack_, options_.illumination, plan_), events_for(options_.accuracy),
+      detail::lowest_orders(stack_, options_.illumination, plan_), events_for(stack_, options_.accuracy),
       progress_);
   result.profile = std::move(refined.profile);
   result.error = std::move(refined.error);

@@ -11,6 +11,7 @@
 #include "lamina/scattering/low_orders/unscattered_paths.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/monte_carlo/ring_density.h"
+#include "lamina/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/scattering/transport_profile/internal/wave_photon_blend.h"
 
 namespace lamina::detail {
@@ -69,6 +70,20 @@ LowestOrders of_normal_beam(const LayerStack& stack, const HankelPlan& plan) {
   return lowest;
 }
 
+/// Above rough boundaries inside, of a beam: what never meets facets nor is scattered, at r = 0.
+/// All else is for photons, but for what a rough bottom lets out there.
+LowestOrders over_rough_boundaries(const LayerStack& stack, Illumination illumination,
+                                   const HankelPlan& plan) {
+  const std::vector<double> none(plan.r.size(), 0.0);
+  LowestOrders lowest{.curves = {none, none}};
+  if (illumination == Illumination::diffuse) return lowest;
+  lowest.above.unscattered = lowest.below.unscattered = KnownLight::all;
+  constexpr int modes = 1;
+  lowest.below_axis = through_rough_bottom(
+      make_frequency_solver(stack, nodes_of_lowest_orders, modes), Unscattered::by_medium);
+  return lowest;
+}
+
 struct CountedRings {
   RingFlux above, below;
   double photons = 0.0;
@@ -119,24 +134,30 @@ CountedRings count_rings(const LayerStack& stack, const Incidence& incidence,
 
 }  // namespace
 
-double events_for(double accuracy) {
+double events_for(const LayerStack& stack, double accuracy) {
   constexpr double usual = 1e8, usual_accuracy = 0.005, fewest = 2e7, most = 1e9;
-  return std::clamp(usual * std::pow(usual_accuracy / accuracy, 2.0), fewest, most);
+  constexpr double of_facets = 0.5;  // an event with facets takes several times as long
+  return (is_smooth(stack) ? 1.0 : of_facets) *
+         std::clamp(usual * std::pow(usual_accuracy / accuracy, 2.0), fewest, most);
 }
 
 LowestOrders lowest_orders(const LayerStack& stack, Illumination illumination,
                            const HankelPlan& plan) {
+  if (!is_smooth(stack)) return over_rough_boundaries(stack, illumination, plan);
   return illumination == Illumination::diffuse ? of_diffuse_light(stack, plan)
                                                : of_normal_beam(stack, plan);
 }
 
-bool can_refine_by_photons(const LayerStack& stack) { return is_smooth(stack); }
+bool can_refine_by_photons(const LayerStack& stack) {
+  return stack.layers().front().top.roughness == 0.0;
+}
 
 PhotonRefinement refine_by_photons(const LayerStack& stack, const Incidence& incidence,
                                    const HankelPlan& plan, const WaveProfile& waves,
                                    const LowestOrders& lowest, double events,
                                    const Progress& progress) {
-  const CountedRings counted = count_rings(stack, incidence, plan, lowest, events, progress);
+  CountedRings counted = count_rings(stack, incidence, plan, lowest, events, progress);
+  counted.below.nearer.value -= lowest.below_axis;
   const auto refine_side = [&](std::vector<double> ProfileCurves::*side, const RingFlux& rings) {
     WaveCurve curve{.density = waves.profile.*side,
                     .error = waves.error.*side,

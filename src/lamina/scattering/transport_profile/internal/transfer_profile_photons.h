@@ -26,7 +26,8 @@ struct WaveProfile {
 struct LowestOrders {
   ProfileCurves curves;
   KnownLight above, below;
-  double unseen = 0.0;  ///< fraction of the light scattered once that it takes for unscattered
+  double below_axis = 0.0;  ///< flux that leaves below at r = 0, and that photons count
+  double unseen = 0.0;      ///< fraction of the light scattered once that it takes for unscattered
 };
 [[nodiscard]] LowestOrders lowest_orders(const LayerStack& stack, Illumination illumination,
                                          const HankelPlan& plan);
@@ -36,10 +37,10 @@ struct PhotonRefinement {
   std::uint64_t photons = 0;
 };
 
-/// Events that photons get for an accuracy, relative: for 0.005 a second's.
-[[nodiscard]] double events_for(double accuracy);
+/// Events that photons get for an accuracy, relative: for 0.005 a second's, with facets some five.
+[[nodiscard]] double events_for(const LayerStack& stack, double accuracy);
 
-/// Whether photons can refine a profile of this stack: its boundaries are smooth.
+/// Whether photons can refine a profile of this stack: its top is smooth.
 [[nodiscard]] bool can_refine_by_photons(const LayerStack& stack);
 
 /// The profile of a band by waves and photons together, each where it knows more.
