@@ -5,7 +5,9 @@
 
 #include "commands.h"
 #include "console.h"
+#include "fit_batch.h"
 #include "fit_report.h"
+#include "lamina/core/error.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/materials/material.h"
 
@@ -14,15 +16,28 @@ namespace {
 
 struct FitCommandOptions {
   CommonOptions common;
-  std::string measurement, output, plot;
+  std::string measurement, output, plot, batch;
   std::vector<std::string> settings;
 };
 
+/// The ending that the output of --output has. @throws InvalidInput
+void require_ending(const FitCommandOptions& options) {
+  const std::string ending = options.batch.empty() ? ".json" : ".csv";
+  if (!options.output.empty() && lower_case_ending(options.output) != ending)
+    throw InvalidInput("--output: must end in " + ending +
+                       (options.batch.empty() ? ", the material" : " with --batch, a table") +
+                       ", but is " + options.output);
+}
+
 void run_fit(const FitCommandOptions& options) {
+  require_ending(options);
   require_different({{"--output", options.output},
                      {"--plot", options.plot},
                      {"--json", options.common.json},
                      {"the measurement", options.measurement}});
+  if (!options.batch.empty())
+    return run_fit_batch({options.measurement, options.settings, options.batch, options.output},
+                         options.common);
   const Measurement measurement =
       load_measurement(options.measurement, options.common.memory, options.settings);
   const MeasurementFit fit = fit_measurement(
@@ -48,20 +63,30 @@ void add_fit_command(CLI::App& app) {
       .type_name("MEASUREMENT")
       .required();
   command
-      .add_output_file("-o,--output", options->output, "write the material as it was found",
-                       ".json")
+      .add_output_file("-o,--output", options->output,
+                       "write the material as it was found; with --batch a table, .csv")
       .type_name("FILE.json");
   command
       .add_output_file("--plot", options->plot,
                        "plot what was measured, what the fit predicts and what is left", ".svg")
       .type_name("FILE.svg");
+  command
+      .add_option("--batch", options->batch,
+                  "fits each CSV file of a folder in place of that of the first measured entry")
+      .type_name("FOLDER");
   add_settings_option(command, options->settings, "measurement");
   add_common_options(command, options->common);
   command.footer(
       "Errors are one standard deviation; notes say what the measurement cannot tell.\n\n"
       "Example: absorption and scattering of a phantom from its reflectance and transmittance\n"
-      "  lamina fit examples/measurements/phantom.json -o phantom.json --plot phantom.svg");
-  command.callback([options] { run_fit(*options); });
+      "  lamina fit examples/measurements/liquid.json -o liquid_found.json --plot liquid.svg\n"
+      "Many samples, measured alike\n"
+      "  lamina fit examples/measurements/liquid.json --batch spectra -o found.csv");
+  command.callback([options, command] {
+    if (!options->batch.empty() && command.is_given("--plot"))
+      throw InvalidInput("--plot: must be left out with --batch");
+    run_fit(*options);
+  });
 }
 
 }  // namespace lamina::cli

@@ -69,6 +69,43 @@ class RoundTrip(unittest.TestCase):
             self.assertIn(words, text)
 
 
+class Batch(unittest.TestCase):
+    def test_goes_on_past_a_bad_file_and_says_so(self):
+        table = (EXAMPLES / "cuvette.csv").read_text().splitlines()
+        with tempfile.TemporaryDirectory() as folder:
+            spectra = pathlib.Path(folder, "spectra")
+            spectra.mkdir()
+            (spectra / "b.csv").write_text("\n".join(table))
+            (spectra / "a.csv").write_text("\n".join(table[:4]))  # two bands less
+            (spectra / "bad.csv").write_text("\n".join(table).replace("50.63", "-50.63"))
+            batch = ["fit", EXAMPLES / "liquid.json", "--batch", "spectra", "-o", "found.csv"]
+            result = run(*batch, cwd=folder)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("bad.csv:3: reflectance must lie in", result.stderr)
+            self.assertIn("1 of 3 files could not be fitted", result.stderr)
+            rows = pathlib.Path(folder, "found.csv").read_text().splitlines()
+            self.assertEqual([row.split(",")[0] for row in rows], ["file", "a.csv", "b.csv"])
+            columns = rows[0].split(",")
+            alone = json_of("fit", EXAMPLES / "liquid.json")["free"][0]
+            place = columns.index("layers[1].sigma_a at 600 nm")
+            self.assertEqual(rows[1].split(",")[place], "")
+            self.assertAlmostEqual(float(rows[2].split(",")[place]), alone["value"][3], delta=1e-9)
+            self.assertEqual(columns[place + 1], "layers[1].sigma_a at 600 nm sd")
+            (spectra / "bad.csv").unlink()
+            found = json_of("fit", EXAMPLES / "liquid.json", "--batch", "spectra", cwd=folder)
+            self.assertEqual([fit["file"] for fit in found["fits"]], ["a.csv", "b.csv"])
+
+    def test_of_nothing_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = run("fit", EXAMPLES / "liquid.json", "--batch", folder, "-o", "found.csv", cwd=folder)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("holds no CSV file", result.stderr)
+            result = run("fit", EXAMPLES / "liquid.json", "-o", "found.csv", cwd=folder)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("must end in .json", result.stderr)
+            self.assertEqual(os.listdir(folder), [])
+
+
 class WrongInput(unittest.TestCase):
     def test_is_one_line_with_exit_code_2_and_writes_nothing(self):
         files = sorted((INPUTS / "bad").glob("*.json"))

@@ -1,0 +1,131 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "fit_batch.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include "fit_report.h"
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
+#include "lamina/fit/measurement_fit.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file of the batch: fitted, or why not.
+struct FittedFile {
+  std::string name;
+  std::optional<MeasurementFit> fit = {};
+  JsonOutput json = {};
+  std::string refusal = {};
+};
+
+std::vector<fs::path> csv_files(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (lower_case_ending(entry.path()) == ".csv") files.push_back(entry.path());
+  if (error) throw FileError("--batch: " + folder + ": " + error.message());
+  if (files.empty()) throw InvalidInput("--batch: " + folder + ": holds no CSV file");
+  std::ranges::sort(files);
+  return files;
+}
+
+FittedFile fit_file(const FitBatch& batch, const CommonOptions& common, const fs::path& file) {
+  FittedFile fitted{.name = file.filename().string()};
+  std::vector<std::string> settings = batch.settings;
+  settings.push_back("measured[0].file=" + json_quoted(fs::absolute(file).string()));
+  try {
+    const Measurement measurement = load_measurement(batch.measurement, common.memory, settings);
+    fitted.fit = fit_measurement(measurement, {.seed = common.seed});
+    fitted.json = fit_json(measurement, *fitted.fit);
+    fitted.json["file"] = fitted.name;
+  } catch (const InvalidInput& error) {
+    fitted.refusal = error.what();
+  } catch (const FileError& error) {
+    fitted.refusal = error.what();
+  }
+  return fitted;
+}
+
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// A row for each file that was fitted, a value and an error for each number that any of them has.
+std::string csv_table(const std::vector<FittedFile>& files) {
+  std::vector<std::string> names;
+  for (const FittedFile& file : files)
+    if (file.fit)
+      for (const FittedNumber& number : file.fit->numbers)
+        if (std::ranges::count(names, number.name) == 0) names.push_back(number.name);
+  std::string text = "file,chi_squared,degrees_of_freedom,has_converged";
+  for (const std::string& name : names) text += "," + cell(name) + "," + cell(name + " sd");
+  for (const FittedFile& file : files) {
+    if (!file.fit) continue;
+    std::map<std::string, const FittedParameter*> found;
+    for (const FittedNumber& number : file.fit->numbers) found[number.name] = &number.fitted;
+    text += fmt::format("\n{},{},{},{}", cell(file.name), number_text(file.fit->chi_squared),
+                        file.fit->degrees_of_freedom, file.fit->has_converged ? 1 : 0);
+    for (const std::string& name : names) {
+      const auto number = found.find(name);
+      if (number == found.end()) {
+        text += ",,";
+        continue;
+      }
+      const FittedParameter& fitted = *number->second;
+      const double error = 0.5 * (fitted.low_error + fitted.high_error);
+      const bool has_error = std::isfinite(error) && !fitted.is_at_bound;
+      text += "," + number_text(fitted.value) + "," + (has_error ? number_text(error) : "");
+    }
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
+  const std::vector<fs::path> paths = csv_files(batch.folder);
+  std::vector<FittedFile> files(paths.size());
+  parallel_for(
+      paths.size(), [&](std::size_t i) { files[i] = fit_file(batch, common, paths[i]); },
+      make_progress("fits", Keeps::nothing));
+
+  JsonOutput json = make_result("fit");
+  json["fits"] = JsonOutput::array();
+  json["refused"] = JsonOutput::array();
+  std::string text;
+  std::size_t refused = 0;
+  for (const FittedFile& file : files) {
+    if (file.fit) {
+      json["fits"].push_back(file.json);
+      text += fmt::format("{}: chi squared {:.3g}, {} degrees of freedom{}\n", file.name,
+                          file.fit->chi_squared, file.fit->degrees_of_freedom,
+                          file.fit->has_converged ? "" : ", not converged");
+    } else {
+      ++refused;
+      json["refused"].push_back(JsonOutput{{"file", file.name}, {"reason", file.refusal}});
+      say(file.refusal);
+    }
+  }
+  if (!batch.output.empty()) write_file(batch.output, csv_table(files));
+  write_json(json, common);
+  print(common, text);
+  if (refused > 0)
+    throw std::runtime_error(
+        fmt::format("{} of {} files could not be fitted", refused, files.size()));
+}
+
+}  // namespace lamina::cli

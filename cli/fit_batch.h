@@ -1,0 +1,24 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "console.h"
+
+namespace lamina::cli {
+
+/// What a batch fits, and where its table goes.
+struct FitBatch {
+  std::string measurement;            ///< file
+  std::vector<std::string> settings;  ///< of it
+  std::string folder;                 ///< of CSV files, each in place of that of the first entry
+  std::string output;                 ///< CSV; may be empty
+};
+
+/// Fits all files, goes on past those that cannot be, and lists these at the end.
+/// @throws InvalidInput if there is no CSV file; std::runtime_error if some were not fitted, after
+///         the results are written.
+void run_fit_batch(const FitBatch& batch, const CommonOptions& common);
+
+}  // namespace lamina::cli
