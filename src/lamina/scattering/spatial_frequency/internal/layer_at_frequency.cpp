@@ -12,6 +12,9 @@ namespace {
 /// Of a layer without bottom; what its reflection lacks is the square of that.
 constexpr double opaque_transmission = 1e-7;
 constexpr int most_doublings = 60;
+/// Beyond, matrices of several frequencies together are more than caches hold: one by one is
+/// faster.
+constexpr std::size_t most_states_together = 64;
 
 /// Light in a clear layer from or to directions that never get there would stay for ever.
 void keep_out_of_reach(const GridLayer& layer, const FrequencyStates& states, Matrix& passes) {
@@ -125,8 +128,9 @@ std::vector<LayerOperators> layer_at_frequencies(const FrequencySolver& solver, 
     reflection.push_back(operators[i].reflection.values.data());
     transmission.push_back(operators[i].transmission.values.data());
   }
-  if (problems.size() == 1)
-    double_slab(problems[0], reflection[0], transmission[0]);
+  if (n > most_states_together || problems.size() == 1)
+    for (std::size_t i = 0; i < problems.size(); ++i)
+      double_slab(problems[i], reflection[i], transmission[i]);
   else if (!problems.empty())
     double_slabs(problems, reflection.data(), transmission.data());
   for (LayerOperators& of_frequency : operators) {

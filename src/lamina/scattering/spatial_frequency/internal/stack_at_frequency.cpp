@@ -40,6 +40,14 @@ Covered cover_by_rough_interface(const FrequencySolver& solver, std::size_t inde
   return {{std::move(pass), std::move(below)}, std::move(reflection)};
 }
 
+/// An interface between equal indices.
+Covered cover_by_nothing(Matrix below) {
+  Matrix all(below.rows, below.rows);
+  for (std::size_t a = 0; a < below.rows; ++a) all(a, a) = 1.0;
+  Matrix reflection = below;
+  return {{all, std::move(below), all}, std::move(reflection)};
+}
+
 }  // namespace
 
 Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Matrix below) {
@@ -47,21 +55,23 @@ Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Mat
   if (is_rough(stack.interfaces[index], stack.ior[index], stack.ior[index + 1]))
     return cover_by_rough_interface(solver, index, std::move(below));
   const double ior_before = stack.ior[index], ior_behind = stack.ior[index + 1];
+  if (ior_before == ior_behind) return cover_by_nothing(std::move(below));
   const FrequencyStates before = make_states(solver, ior_before),
                         behind = make_states(solver, ior_behind);
-  const std::size_t common =
-      std::min(active_count(stack.grid, ior_before), active_count(stack.grid, ior_behind));
-  const auto reflectance = [&](std::size_t node) {
-    return node < common ? node_fresnel(stack.grid, node, ior_before, ior_behind) : 1.0;
-  };
+  const std::size_t active_before = active_count(stack.grid, ior_before),
+                    active_behind = active_count(stack.grid, ior_behind);
+  const std::size_t common = std::min(active_before, active_behind);
+  std::vector<double> reflectance(std::max(active_before, active_behind), 1.0);  // [node]
+  for (std::size_t i = 0; i < common; ++i)
+    reflectance[i] = node_fresnel(stack.grid, i, ior_before, ior_behind);
   Matrix mirror(behind.size(), behind.size());
-  for (std::size_t a = 0; a < behind.size(); ++a) mirror(a, a) = reflectance(behind.node[a]);
+  for (std::size_t a = 0; a < behind.size(); ++a) mirror(a, a) = reflectance[behind.node[a]];
   Matrix returns = between(mirror, below);
   const Matrix sent_back = product(below, returns);
   Covered covered{{Matrix(behind.size(), before.size()), std::move(below)},
                   Matrix(before.size(), before.size())};
   for (std::size_t b = 0; b < before.size(); ++b) {
-    const double r_b = reflectance(before.node[b]);
+    const double r_b = reflectance[before.node[b]];
     covered.reflection(b, b) += r_b;
     if (before.node[b] >= common) continue;
     const std::size_t from = place(behind, before.mode[b], before.node[b]);
@@ -71,7 +81,7 @@ Covered cover_by_interface(const FrequencySolver& solver, std::size_t index, Mat
       if (before.node[a] >= common) continue;
       const std::size_t to = place(behind, before.mode[a], before.node[a]);
       covered.reflection(a, b) +=
-          (1.0 - reflectance(before.node[a])) * sent_back(to, from) * (1.0 - r_b);
+          (1.0 - reflectance[before.node[a]]) * sent_back(to, from) * (1.0 - r_b);
     }
   }
   covered.crossing.returns = std::move(returns);
