@@ -24,7 +24,7 @@ JsonOutput result_with(const JsonOutput& head) {
 }
 
 /// [side][by what][layer][k][band]
-JsonOutput derivatives_json(const SpatialFrequencyDerivatives& found, std::size_t bands) {
+JsonOutput wave_derivatives_json(const SpatialFrequencyDerivatives& found, std::size_t bands) {
   const auto of_side = [&](const std::vector<std::vector<LayerDerivatives>>& side) {
     return layer_derivatives_json(side[0].size(),
                                   [&](std::size_t layer, double LayerDerivatives::*derivative) {
@@ -39,8 +39,8 @@ JsonOutput derivatives_json(const SpatialFrequencyDerivatives& found, std::size_
 }
 
 /// At the first, the middle and the last frequency.
-std::string derivatives_text(const Material& material, const std::vector<LayerStack>& stacks,
-                             const SpatialFrequencyDerivatives& found) {
+std::string wave_derivatives_text(const Material& material, const std::vector<LayerStack>& stacks,
+                                  const SpatialFrequencyDerivatives& found) {
   std::string text;
   const std::vector<double>& k = found.response.k;
   for (const std::size_t i : {std::size_t{0}, k.size() / 2, k.size() - 1}) {
@@ -97,7 +97,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   if (worst > options.accuracy)
     text += fmt::format("\nnote: accurate to {:.2g} % only, where {:.2g} % was asked for",
                         100.0 * worst, 100.0 * options.accuracy);
-  if (has_derivatives) text += "\n" + derivatives_text(material, stacks, derivatives);
+  if (has_derivatives) text += "\n" + wave_derivatives_text(material, stacks, derivatives);
   JsonOutput json = result_with(head);
   json["estimated_error"] = response.largest_error;
   json["nodes"] = response.nodes;
@@ -107,7 +107,7 @@ void run_profile_frequency(const Material& material, const RadialGrid& grid,
   json["transmittance"] = table_json(response.transmittance, stacks.size());
   json["reflectance_error"] = table_json(response.reflectance_error, stacks.size());
   json["transmittance_error"] = table_json(response.transmittance_error, stacks.size());
-  if (has_derivatives) json["derivatives"] = derivatives_json(derivatives, stacks.size());
+  if (has_derivatives) json["derivatives"] = wave_derivatives_json(derivatives, stacks.size());
   write_json(json, common);
   print(common, text + "\n");
 }
