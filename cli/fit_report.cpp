@@ -58,7 +58,8 @@ JsonOutput free_json(const FreeNumber& free, const std::vector<const FittedNumbe
 
 JsonOutput series_json(const Measurement& measurement, const MeasurementFit& fit, std::size_t s) {
   const MeasuredSeries& series = measurement.series[s];
-  JsonOutput json = {{"kind", name_of(series.kind)}};
+  JsonOutput json = {{"kind", name_of(series.kind)},
+                     {"derivatives", fit.has_exact_derivatives[s] ? "exact" : "differences"}};
   for (std::size_t p = 0; p < series.points.size(); ++p) {
     const MeasuredPoint& point = series.points[p];
     JsonOutput row = {{"band", band_name(measurement.bands, point.band)},

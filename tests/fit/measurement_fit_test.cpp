@@ -63,6 +63,7 @@ TEST(MeasurementFit, BandsComeBack) {
   const MeasurementFit fit = fit_measurement(measurement);
   EXPECT_TRUE(fit.has_converged);
   EXPECT_EQ(fit.groups.size(), 3U);
+  EXPECT_TRUE(fit.has_exact_derivatives[0]);
   EXPECT_EQ(fit.numbers[5].name, "layers[1].g at 560 nm");
   for (std::size_t band = 0; band < 3; ++band) {
     const Medium is = layer_stack(truth, band).layers()[1].medium;
@@ -112,6 +113,7 @@ TEST(MeasurementFit, DerivativesAreThoseOfThePrediction) {
   const std::vector<double> at = {0.3, 1.5, 0.6, 0.3, 1.38};
   const DenseMatrix slopes = model.derivatives(at);
   ASSERT_EQ(slopes.rows, 7U);
+  EXPECT_FALSE(model.is_exact(0, at));  // for its index
   for (std::size_t u = 0; u < at.size(); ++u) {
     std::vector<double> below = at, above = at;
     const double h = 3e-4 * at[u];

@@ -103,6 +103,8 @@ void add_fit(const Measurement& measurement, const MeasurementModel& model, cons
     all.predicted[places[i].series][places[i].point] = model.plain(i, fit.prediction[i]);
     all.residual[places[i].series][places[i].point] = fit.residual[i];
   }
+  for (std::size_t s = 0; s < measurement.series.size(); ++s)
+    if (!model.is_exact(s, values_of(fit))) all.has_exact_derivatives[s] = false;
   all.chi_squared += fit.chi_squared;
   all.prior_squares += fit.prior_squares;
   all.degrees_of_freedom += fit.degrees_of_freedom;
@@ -135,6 +137,7 @@ MeasurementFit fit_measurement(const Measurement& measurement,
   fit.has_converged = true;
   for (const FreeNumber& free : measurement.free)
     fit.values.emplace_back(free.is_per_band ? bands.size() : 1);
+  fit.has_exact_derivatives.assign(measurement.series.size(), true);
   for (const MeasuredSeries& series : measurement.series) {
     fit.predicted.emplace_back(series.points.size());
     fit.residual.emplace_back(series.points.size());

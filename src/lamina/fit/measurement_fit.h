@@ -35,6 +35,7 @@ struct MeasurementFit {
   std::vector<std::vector<double>> values;     ///< [free number][band], as material_with takes them
   std::vector<std::vector<double>> predicted;  ///< [series][point]
   std::vector<std::vector<double>> residual;   ///< [series][point], in standard deviations
+  std::vector<bool> has_exact_derivatives;     ///< [series] else some are by differences
   double chi_squared = 0.0, prior_squares = 0.0;
   std::ptrdiff_t degrees_of_freedom = 0;
   bool has_converged = false;

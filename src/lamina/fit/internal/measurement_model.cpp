@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/fit/internal/layer_change.h"
 #include "lamina/fit/internal/series_prediction.h"
 
 namespace lamina::fit_detail {
@@ -20,47 +20,6 @@ constexpr double short_step = 1e-4, long_step = 0.1;
 
 /// The logarithm of a correction is a straight line no farther than this.
 constexpr double longest_correction = 1.0;
-
-/// What a layer is made of, as LayerDerivatives are by it.
-struct LayerChange {
-  double sigma_a = 0.0, sigma_s = 0.0, g = 0.0, thickness = 0.0;
-};
-
-double difference(double a, double b) { return std::isfinite(a) && std::isfinite(b) ? b - a : 0.0; }
-
-/// By which a stack differs from another, [layer]; none where more than this differs.
-std::optional<std::vector<LayerChange>> change_between(const LayerStack& a, const LayerStack& b) {
-  if (a.layers().size() != b.layers().size() || a.ior_above() != b.ior_above() ||
-      a.ior_below() != b.ior_below() || a.ground().reflectance != b.ground().reflectance ||
-      a.ground().top != b.ground().top)
-    return std::nullopt;
-  std::vector<LayerChange> changes;
-  for (std::size_t k = 0; k < a.layers().size(); ++k) {
-    const Layer &from = a.layers()[k], &to = b.layers()[k];
-    const double g = to.medium.g - from.medium.g;
-    // A phase function that is no single lobe may change with its mean cosine kept, but not here:
-    // lobes are of parts of different g.
-    const bool has_lobes = from.phase.has_value() || to.phase.has_value();
-    if (from.medium.ior != to.medium.ior || from.top != to.top ||
-        std::isfinite(from.thickness) != std::isfinite(to.thickness) ||
-        (has_lobes && std::abs(g) > 1e-14))
-      return std::nullopt;
-    changes.push_back({difference(from.medium.sigma_a, to.medium.sigma_a),
-                       difference(from.medium.sigma_s, to.medium.sigma_s), g,
-                       difference(from.thickness, to.thickness)});
-  }
-  return changes;
-}
-
-double along(const std::vector<LayerDerivatives>& derivatives,
-             const std::vector<LayerChange>& change) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < change.size(); ++k)
-    sum += derivatives[k].by_sigma_a * change[k].sigma_a +
-           derivatives[k].by_sigma_s * change[k].sigma_s + derivatives[k].by_g * change[k].g +
-           derivatives[k].by_thickness * change[k].thickness;
-  return sum;
-}
 
 /// The values of an unknown below and above another.
 std::pair<double, double> sides_of(const FitParameter& parameter, double value, double step) {
@@ -162,29 +121,55 @@ std::vector<double> MeasurementModel::predict(std::span<const double> values) co
   return predicted;
 }
 
+std::vector<MeasurementModel::Sides> MeasurementModel::both_sides(
+    std::span<const double> values, const std::vector<LayerStack>& at) const {
+  const std::vector<FitParameter> parameters = this->parameters();
+  std::vector<Sides> sides;
+  for (std::size_t f = 0; f < measurement_.free.size(); ++f) {
+    Sides of_free{.value_below = {values.begin(), values.end()},
+                  .value_above = {values.begin(), values.end()},
+                  .below = {},
+                  .above = {}};
+    for (std::size_t u = 0; u < unknowns_.size(); ++u)
+      if (unknowns_[u].free == f)
+        std::tie(of_free.value_below[u], of_free.value_above[u]) =
+            sides_of(parameters[u], values[u], short_step);
+    // Where the material cannot be so, as beyond the range of a fraction, to the other side only.
+    const auto look = [&](std::vector<double>& side) {
+      try {
+        return stacks(side);
+      } catch (const InvalidInput&) {
+        side.assign(values.begin(), values.end());
+        return at;
+      }
+    };
+    of_free.below = look(of_free.value_below);
+    of_free.above = look(of_free.value_above);
+    sides.push_back(std::move(of_free));
+  }
+  return sides;
+}
+
+bool MeasurementModel::is_exact(std::size_t series, std::span<const double> values) const {
+  const std::vector<LayerStack> at = stacks(values);
+  const std::vector<Sides> sides = both_sides(values, at);
+  return std::ranges::all_of(parts_, [&](const Part& part) {
+    const std::size_t b = place_of(part.band);
+    return part.series != series ||
+           (has_derivatives(at[b], measurement_.series[series]) &&
+            std::ranges::all_of(sides, [&](const Sides& side) {
+              return change_between(side.below[b], side.above[b]).has_value();
+            }));
+  });
+}
+
 DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const {
   const std::vector<LayerStack> at = stacks(values);
   const std::vector<FitParameter> parameters = this->parameters();
   const std::vector<double> place = coordinates(values);
   DenseMatrix jacobian(is_logarithmic_.size(), unknowns_.size());
 
-  // Both ways from the values, for all bands of a number at once.
-  struct Sides {
-    std::vector<LayerStack> below, above;  ///< [band]
-  };
-  std::vector<double> step_below(unknowns_.size()), step_above(unknowns_.size());
-  for (std::size_t u = 0; u < unknowns_.size(); ++u)
-    std::tie(step_below[u], step_above[u]) = sides_of(parameters[u], values[u], short_step);
-  std::vector<Sides> sides;
-  for (std::size_t f = 0; f < measurement_.free.size(); ++f) {
-    std::vector<double> below(values.begin(), values.end()), above = below;
-    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
-      if (unknowns_[u].free != f) continue;
-      below[u] = step_below[u];
-      above[u] = step_above[u];
-    }
-    sides.push_back({stacks(below), stacks(above)});
-  }
+  const std::vector<Sides> sides = both_sides(values, at);
 
   parallel_for(parts_.size(), [&](std::size_t i) {
     const Part& part = parts_[i];
@@ -194,12 +179,13 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
     const SeriesPrediction here = predict_quickly(at[b], series, part.points, is_exact);
     for (std::size_t u = 0; u < unknowns_.size(); ++u) {
       if (!depends(part, u)) continue;
-      const std::size_t free = unknowns_[u].free;
-      const LayerStack &below = sides[free].below[b], &above = sides[free].above[b];
+      const Sides& of_free = sides[unknowns_[u].free];
+      const LayerStack &below = of_free.below[b], &above = of_free.above[b];
       const auto change = is_exact ? change_between(below, above) : std::nullopt;
       std::vector<double> by(part.points.size());
       if (change) {
-        for (std::size_t j = 0; j < by.size(); ++j) by[j] = along(here.derivatives[j], *change);
+        for (std::size_t j = 0; j < by.size(); ++j)
+          by[j] = derivative_along(here.derivatives[j], *change);
       } else {
         const auto low = predict_quickly(below, series, part.points, false).values;
         const auto high = predict_quickly(above, series, part.points, false).values;
@@ -207,7 +193,7 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
       }
       for (std::size_t j = 0; j < by.size(); ++j) {
         const std::size_t row = part.first + j;
-        double derivative = by[j] / (step_above[u] - step_below[u]);
+        double derivative = by[j] / (of_free.value_above[u] - of_free.value_below[u]);
         if (!derivative_correction_.values.empty())
           derivative += here.values[j] * derivative_correction_(row, u) /
                         fit_value_derivative(parameters[u], place[u]);

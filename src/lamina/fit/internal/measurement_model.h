@@ -41,6 +41,9 @@ class MeasurementModel {
   /// change, and of profiles.
   [[nodiscard]] DenseMatrix derivatives(std::span<const double> values) const;
 
+  /// Whether all derivatives of a series are exact there.
+  [[nodiscard]] bool is_exact(std::size_t series, std::span<const double> values) const;
+
   /// From now on predictions are times what makes them right at these values; with jacobian, those
   /// of profiles also times what makes their derivatives right there, by differences of accurate
   /// solutions.
@@ -60,6 +63,13 @@ class MeasurementModel {
     std::vector<MeasuredPoint> points;
   };
   [[nodiscard]] std::vector<LayerStack> stacks(std::span<const double> values) const;
+  struct Sides {                                   ///< of a free number, in all its bands
+    std::vector<double> value_below, value_above;  ///< [unknown]
+    std::vector<LayerStack> below, above;          ///< [band]
+  };
+  /// [free number] A little less and a little more of each.
+  [[nodiscard]] std::vector<Sides> both_sides(std::span<const double> values,
+                                              const std::vector<LayerStack>& at) const;
   [[nodiscard]] std::size_t place_of(std::size_t band) const;  ///< in bands_
   [[nodiscard]] bool depends(const Part& part, std::size_t unknown) const;
   [[nodiscard]] std::vector<double> coordinates(std::span<const double> values) const;

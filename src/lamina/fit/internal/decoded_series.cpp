@@ -1,0 +1,186 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/fit/internal/decoded_series.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <string_view>
+
+#include "lamina/core/number_text.h"
+#include "lamina/fit/internal/measured_table.h"
+
+namespace lamina::fit_detail {
+namespace {
+
+constexpr double largest_fraction = 1.2;
+
+Incidence decode_incidence(const JsonInput& value) {
+  if (value.is_number())
+    return {.theta =
+                value.number({.low = 0.0, .high = 90.0, .includes_high = false, .unit = "deg"}) *
+                std::numbers::pi / 180.0};
+  return value.choice<Incidence>({{"normal", {}}, {"diffuse", {.is_diffuse = true}}});
+}
+
+/// What numbers of an entry are times to be fractions or 1/mm².
+struct Unit {
+  std::string_view name;
+  double factor = 1.0;
+};
+
+Unit decode_unit(const JsonInput& value, MeasurementKind kind) {
+  if (kind == MeasurementKind::radial_profile)
+    return value.choice<Unit>({{"1/mm2", {"1/mm2", 1.0}}, {"1/cm2", {"1/cm2", 0.01}}});
+  return value.choice<Unit>({{"fraction", {"", 1.0}}, {"percent", {"%", 0.01}}});
+}
+
+/// A column, with its errors, of a table.
+struct MeasuredColumn {
+  std::vector<double> values, standard_deviations;  ///< [row]; empty without the column
+};
+
+/// Errors from a column, or from "sd" and "relative_sd" of the entry, which add in quadrature.
+MeasuredColumn read_column(const MeasuredTable& table, const JsonObject& entry,
+                           MeasuredQuantity quantity, const Unit& unit, bool is_fraction) {
+  const std::string name(name_of(quantity));
+  const double largest = is_fraction ? largest_fraction : 1e9;
+  MeasuredColumn column{
+      .values = table.numbers(name, closed_interval(0.0, largest / unit.factor, unit.name)),
+      .standard_deviations = {}};
+  if (column.values.empty()) return column;
+  column.standard_deviations =
+      table.numbers(name + "_sd", {.low = 0.0, .includes_low = false, .unit = unit.name});
+  if (column.standard_deviations.empty()) {
+    const auto absolute = entry.optional("sd"), relative = entry.optional("relative_sd");
+    if (!absolute && !relative)
+      entry.value().fail("must say how well \"" + name + "\" is known: \"" + name +
+                         "_sd\", \"sd\" or \"relative_sd\"");
+    const double sd = absolute ? absolute->number(greater_than(0.0, unit.name)) : 0.0;
+    const double share =
+        relative ? relative->number({.low = 0.0, .high = 1.0, .includes_low = false}) : 0.0;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const double error = std::hypot(sd, share * column.values[row]);
+      if (!(error > 0.0))
+        table.fail(row, name, "is 0, of which \"relative_sd\" is no error; give \"sd\", too");
+      column.standard_deviations.push_back(error);
+    }
+  }
+  for (double& value : column.values) value *= unit.factor;
+  for (double& sd : column.standard_deviations) sd *= unit.factor;
+  return column;
+}
+
+/// Totals cannot exceed 1 by more than their errors.
+void check_sums(const MeasuredTable& table, const std::array<MeasuredColumn, 3>& columns) {
+  const auto& [r, t, unscattered] = columns;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (!r.values.empty() && !t.values.empty()) {
+      const double noise = 5.0 * std::hypot(r.standard_deviations[row], t.standard_deviations[row]);
+      const double sum = r.values[row] + t.values[row];
+      if (sum > 1.0 + noise)
+        table.fail(
+            row, "reflectance",
+            "and transmittance must not exceed 1 together, but are " + printf_text("%.6g", sum));
+    }
+    if (!t.values.empty() && !unscattered.values.empty()) {
+      const double noise =
+          5.0 * std::hypot(t.standard_deviations[row], unscattered.standard_deviations[row]);
+      if (unscattered.values[row] > t.values[row] + noise)
+        table.fail(row, "unscattered_transmittance",
+                   "must not exceed the transmittance, " + number_text(t.values[row]) +
+                       ", but is " + number_text(unscattered.values[row]));
+    }
+  }
+}
+
+std::vector<std::string_view> keys_of(MeasurementKind kind) {
+  std::vector<std::string_view> keys = {"kind", "unit", "file", "sd", "relative_sd"};
+  for (const std::string_view column : measured_columns()) {
+    const bool is_place = column == "k_per_mm" || column == "r_mm";
+    const bool is_transmitted = column.find("transmittance") != std::string_view::npos;
+    if ((column == "k_per_mm" && kind != MeasurementKind::spatial_frequency) ||
+        (column == "r_mm" && kind != MeasurementKind::radial_profile) ||
+        (is_transmitted && !is_place && kind == MeasurementKind::radial_profile) ||
+        (column.starts_with("unscattered") && kind != MeasurementKind::totals))
+      continue;
+    keys.push_back(column);
+  }
+  if (kind == MeasurementKind::totals) keys.insert(keys.end(), {"incidence", "specular"});
+  if (kind == MeasurementKind::spatial_frequency) keys.push_back("incidence");
+  if (kind == MeasurementKind::radial_profile) keys.push_back("detector_width_mm");
+  return keys;
+}
+
+}  // namespace
+
+DecodedSeries decode_series(const JsonInput& value) {
+  const auto kind_value = value.peek("kind");
+  if (!kind_value) value.fail("\"kind\" is required");
+  DecodedSeries decoded;
+  MeasuredSeries& series = decoded.series;
+  series.kind = kind_value->choice<MeasurementKind>();
+  const JsonObject entry = value.object(keys_of(series.kind));
+  const Unit unit = decode_unit(entry.required("unit"), series.kind);
+  const bool is_totals = series.kind == MeasurementKind::totals;
+  if (const auto incidence = entry.optional("incidence"))
+    series.incidence = decode_incidence(*incidence);
+  if (!is_totals && series.incidence.theta != 0.0)
+    entry.required("incidence").refuse("must be \"normal\" or \"diffuse\"");
+  if (const auto width = entry.optional("detector_width_mm"))
+    series.detector_width = width->number(closed_interval(0.0, 1e3, "mm"));
+
+  const MeasuredTable table(entry);
+  std::array<MeasuredColumn, 3> columns;
+  for (std::size_t q = 0; q < columns.size(); ++q) {
+    const auto quantity = static_cast<MeasuredQuantity>(q);
+    if (q > 0 && series.kind == MeasurementKind::radial_profile) continue;
+    if (quantity == MeasuredQuantity::unscattered_transmittance && !is_totals) continue;
+    columns[q] =
+        read_column(table, entry, quantity, unit, series.kind != MeasurementKind::radial_profile);
+  }
+  if (columns[0].values.empty() && columns[1].values.empty())
+    value.fail("must have \"reflectance\" or \"transmittance\", as columns of its file or arrays");
+  check_sums(table, columns);
+  if (is_totals && !columns[0].values.empty())
+    series.has_specular =
+        entry.required("specular").choice<bool>({{"included", true}, {"excluded", false}});
+
+  std::vector<double> at(table.rows(), 0.0), wavelengths;
+  if (is_totals) {
+    wavelengths = table.ascending_wavelengths();
+  } else {
+    const std::string place =
+        series.kind == MeasurementKind::spatial_frequency ? "k_per_mm" : "r_mm";
+    at = table.numbers(place, series.kind == MeasurementKind::spatial_frequency
+                                  ? closed_interval(0.0, 100.0, "1/mm")
+                                  : closed_interval(1e-3, 1e3, "mm"));
+    if (at.empty()) value.fail("must have \"" + place + "\", as a column of its file or an array");
+    wavelengths = table.numbers("wavelength_nm", closed_interval(200.0, 3000.0, "nm"));
+    for (std::size_t row = 0; row < at.size(); ++row)
+      for (std::size_t other = 0; other < row; ++other)
+        if (at[row] == at[other] && (wavelengths.empty() || wavelengths[row] == wavelengths[other]))
+          table.fail(
+              row, place,
+              "must be there once for each wavelength, but is " + number_text(at[row]) + " again");
+    if (series.detector_width > 0.0)
+      for (std::size_t row = 0; row < at.size(); ++row)
+        if (at[row] <= 0.5 * series.detector_width)
+          table.fail(row, place,
+                     "must exceed half the width of the detector, " +
+                         number_text(0.5 * series.detector_width) + " mm, but is " +
+                         number_text(at[row]));
+  }
+  for (std::size_t q = 0; q < columns.size(); ++q)
+    for (std::size_t row = 0; row < columns[q].values.size(); ++row) {
+      series.points.push_back({.band = is_totals ? row : 0,
+                               .quantity = static_cast<MeasuredQuantity>(q),
+                               .at = at[row],
+                               .value = columns[q].values[row],
+                               .standard_deviation = columns[q].standard_deviations[row]});
+      if (!wavelengths.empty()) decoded.wavelengths.push_back(wavelengths[row]);
+    }
+  return decoded;
+}
+
+}  // namespace lamina::fit_detail
