@@ -73,6 +73,23 @@ TEST(MeasurementFit, BandsComeBack) {
   }
 }
 
+// Thin slabs that scatter sharply forward take many directions: quick solutions alone would miss.
+TEST(MeasurementFit, IsAsRightAsAccurateSolutions) {
+  const MeasuredMaterial thin{
+      R"({ "lamina": "material", "version": 1, "length_unit": "mm", "bands": [600], "ior_below": 1,
+    "layers": [{ "sigma_a": 0.3, "sigma_s_prime": 0.4, "g": 0.95, "ior": 1.33, "thickness": 0.1 }] })",
+      "thin"};
+  Measurement measurement{.material = thin, .bands = BandSet({600.0})};
+  measurement.series = {totals_of(thin.with({}), 1e-7, true)};
+  measurement.free = {free_number("layers[0].sigma_a", 0.1, 1e-4, 10),
+                      free_number("layers[0].sigma_s_prime", 1.0, 1e-2, 100),
+                      free_number("layers[0].g", 0.9, -0.9, 0.99, FitScale::linear)};
+  const MeasurementFit fit = fit_measurement(measurement);
+  EXPECT_NEAR(fit.values[0][0], 0.3, 3e-5);
+  EXPECT_NEAR(fit.values[1][0], 0.4, 4e-5);
+  EXPECT_NEAR(fit.values[2][0], 0.95, 1e-4);
+}
+
 // Numbers of laws that all bands share, and one of each band.
 TEST(MeasurementFit, SharedNumbersComeBack) {
   Measurement measurement{.material = layers, .bands = BandSet({500.0, 560.0, 620.0})};
