@@ -50,6 +50,15 @@ TEST(PatchPhotons, OfUniformMapsAreThoseOfTheStack) {
   }
 }
 
+TEST(PatchPhotons, LeaveBelowAsWell) {
+  const LayerStack slab({{.medium = {0.5, 20.0, 0.7, 1.4}, .thickness = 0.3}}, 1.0, 1.2);
+  const Patch patch{
+      .stack = slab, .columns = 2, .rows = 1, .texel = 200.0, .sigma_a = {{0.5, 3.0}}};
+  const auto photons = trace_patch_photons(patch, {.photons = 60'000, .seed = 7});
+  expect_within(photons.transmitted[0], adding_doubling(slab).totals.transmittance);
+  EXPECT_LT(photons.transmitted[1].value, 0.6 * photons.transmitted[0].value);
+}
+
 TEST(PatchPhotons, FarFromTheEdgesOfStripesEachStripeIsItsOwnStack) {
   // Texels of 200 mm: light does not reach the next.
   Patch patch{.stack = skin(), .columns = 2, .rows = 1, .texel = 200.0};

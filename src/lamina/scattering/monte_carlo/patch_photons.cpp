@@ -14,6 +14,7 @@
 #include "lamina/core/random.h"
 #include "lamina/core/vec.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/scattering/monte_carlo/internal/turned_direction.h"
 
 namespace lamina {
 namespace {
@@ -70,7 +71,8 @@ class Tracer {
 
   struct Exit {
     std::size_t texel = 0;
-    double weight = 0.0;  ///< 0: the photon did not leave at the top
+    double weight = 0.0;  ///< 0: the photon did not leave
+    bool is_below = false;
   };
   [[nodiscard]] Exit trace(Random random) const;
 
@@ -140,11 +142,6 @@ double Tracer::absorbance(const std::vector<double>& map, const Photon& p, doubl
   return sum * patch_.texel;
 }
 
-Vec3 turned(const Vec3& w, double cos_theta, double phi) {
-  const double sine = std::sqrt(std::max(0.0, 1.0 - cos_theta * cos_theta));
-  return normalize(make_frame(w).to_world({sine * std::cos(phi), sine * std::sin(phi), cos_theta}));
-}
-
 Tracer::Exit Tracer::trace(Random random) const {
   const auto layers = patch_.stack.layers();
   Photon p = start(random);
@@ -167,8 +164,8 @@ Tracer::Exit Tracer::trace(Random random) const {
     if (free_path < to_boundary) {
       p.z += p.w.z * path;
       const double u = random.uniform(), v = random.uniform();
-      p.w = turned(p.w, sample_cos_theta(phase_function(now), u, v),
-                   2.0 * std::numbers::pi * random.uniform());
+      p.w = detail::turned(p.w, sample_cos_theta(phase_function(now), u, v),
+                           2.0 * std::numbers::pi * random.uniform());
     } else {
       p.z = boundary;
       const double eta = ior(next) / ior(layer), mu = std::min(std::abs(p.w.z), 1.0);
@@ -176,8 +173,8 @@ Tracer::Exit Tracer::trace(Random random) const {
         p.w.z = -p.w.z;
       } else {
         p.w = {p.w.x / eta, p.w.y / eta, std::copysign(cos_refracted(mu, eta), p.w.z)};
-        if (next < 0) return {.texel = texel(p.x, p.y), .weight = p.weight};
-        if (next >= int(layers.size())) return {};
+        if (next < 0 || next >= int(layers.size()))
+          return {.texel = texel(p.x, p.y), .weight = p.weight, .is_below = next >= 0};
         const std::size_t crossed = std::size_t(std::min(layer, next));
         if (crossed < patch_.junction.size() && !patch_.junction[crossed].empty())
           p.weight *= patch_.junction[crossed][texel(p.x, p.y)];
@@ -201,7 +198,8 @@ PatchPhotons trace_patch_photons(const Patch& patch, const PatchPhotonOptions& o
   };
   constexpr std::uint64_t parts = 16,
                           in_part = 8192;  // a fixed order of sums, whatever the threads
-  std::vector<Sums> sums(parts, Sums{std::vector(texels, 0.0), std::vector(texels, 0.0)});
+  // Texels of the top, then those below.
+  std::vector<Sums> sums(parts, Sums{std::vector(2 * texels, 0.0), std::vector(2 * texels, 0.0)});
   PatchPhotons result;
   while (result.photons < options.photons) {
     const std::uint64_t first = result.photons;
@@ -210,20 +208,22 @@ PatchPhotons trace_patch_photons(const Patch& patch, const PatchPhotonOptions& o
       const std::uint64_t part_end = std::min(first + (part + 1) * in_part, end);
       for (std::uint64_t i = first + part * in_part; i < part_end; ++i) {
         const Tracer::Exit exit = tracer.trace(make_random(options.seed, i));
-        sums[part].weights[exit.texel] += exit.weight;
-        sums[part].squares[exit.texel] += exit.weight * exit.weight;
+        const std::size_t at = exit.texel + (exit.is_below ? texels : 0);
+        sums[part].weights[at] += exit.weight;
+        sums[part].squares[at] += exit.weight * exit.weight;
       }
     });
     result.photons = end;
     if (!report_progress(options.progress, double(end) / double(options.photons))) break;
   }
   const double n = double(result.photons);
-  for (std::size_t t = 0; t < texels; ++t) {
+  for (std::size_t t = 0; t < 2 * texels; ++t) {
     double weight = 0.0, square = 0.0;
     for (const Sums& part : sums) weight += part.weights[t], square += part.squares[t];
     const Estimate mean = sample_mean(n, weight, square);
-    result.exitance.push_back({.value = mean.value * tracer.flux(),
-                               .standard_error = mean.standard_error * tracer.flux()});
+    auto& leaving = t < texels ? result.exitance : result.transmitted;
+    leaving.push_back({.value = mean.value * tracer.flux(),
+                       .standard_error = mean.standard_error * tracer.flux()});
   }
   return result;
 }

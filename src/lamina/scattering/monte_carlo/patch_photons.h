@@ -36,8 +36,9 @@ struct PatchPhotonOptions {
 };
 
 struct PatchPhotons {
-  std::uint64_t photons = 0;       ///< that were followed
-  std::vector<Estimate> exitance;  ///< [row, column], in the unit of the irradiance
+  std::uint64_t photons = 0;          ///< that were followed
+  std::vector<Estimate> exitance;     ///< [row, column], in the unit of the irradiance
+  std::vector<Estimate> transmitted;  ///< likewise, of what leaves below
 };
 
 /// Follows photons through layers of varying absorption: the reference for solvers that blur.
