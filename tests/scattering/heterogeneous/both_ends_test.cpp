@@ -120,15 +120,30 @@ TEST(BothEnds, AreBetterOnStripesThanTheExitAlone) {
   EXPECT_LT(error(ProfileAt::both), 0.07);
 }
 
-TEST(PathAbsorption, IsBlurredByAPartOfTheDecayLengthWhereItChanges) {
+TEST(PathAbsorption, KnowsTheDecayLengthWhereItChanges) {
   LayerTexels texels = uniform_texels({.sigma_a = 1.0, .sigma_s = 20.0, .g = 0.75});
   texels.sigma_a = {0.82f, 0.82f, 4.5f, 4.5f};
   PathAbsorption<float> absorption(texels.sigma_a, reduced_scattering(texels));
   for (std::size_t i = 0; i < 3; ++i) absorption.add_neighbors(i, i + 1);
   const double decay = 0.5 * (std::sqrt(3.0 * 0.82 * 5.82) + std::sqrt(3.0 * 4.5 * 9.5));
-  EXPECT_NEAR(absorption.width(), 0.38 / decay, 1e-6);
+  EXPECT_NEAR(absorption.decay_length(), 1.0 / decay, 1e-6);
   texels.sigma_a.assign(4, 0.82f);
-  EXPECT_EQ(PathAbsorption<float>(texels.sigma_a, reduced_scattering(texels)).width(), 0.0);
+  const PathAbsorption<float> uniform(texels.sigma_a, reduced_scattering(texels));
+  EXPECT_EQ(uniform.decay_length(), 0.0);
+}
+
+// A wave that is much shorter than light goes keeps what scatters a few times only: without blurs
+// waves of 5/mm would show 1.5 times as strong, and with those of diffuse light alone none of
+// 20/mm would (docs/validation.md).
+TEST(PathAbsorption, KeepsShortWavesByThreeTenths) {
+  const std::array<double, 2> variances = path_variances(0.4);
+  const auto left = [&](double k) {
+    return sum_by_shares({std::vector{std::exp(-0.5 * variances[0] * k * k)},
+                          std::vector{std::exp(-0.5 * variances[1] * k * k)}})[0];
+  };
+  EXPECT_NEAR(left(0.0), 1.0, 1e-12);
+  EXPECT_NEAR(left(5.0), 0.72, 0.01);
+  EXPECT_NEAR(left(20.0), 0.28, 0.01);
 }
 
 }  // namespace

@@ -99,6 +99,35 @@ TEST(HeterogeneousTransport, UniformMapsGiveTheClosedFormOfTheLayers) {
   }
 }
 
+// Folds of skin so thick and dark that next to nothing comes back from their far side.
+TEST(HeterogeneousTransport, FoldsTransmitWhatRadiativeTransferSays) {
+  const Skin fold{
+      {1.0, {{38.0, 0.8, 1.4, 0.25}, {19.0, 0.8, 1.38, 2.5}, {38.0, 0.8, 1.4, 0.25}}, 1.0},
+      {0.6, 0.25, 0.6}};
+  const StackTables tables =
+      make_stack_tables(fold.stack, OperatorTotals::radiative_transfer, fold.sigma_a, small_grid());
+  for (const double epidermis : {0.3, 0.6, 1.5}) {
+    Skin at = fold;
+    at.sigma_a = {epidermis, 0.25, epidermis};
+    std::vector<Layer> layers;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MappedLayer& layer = at.stack.layers[i];
+      layers.push_back({.medium = {at.sigma_a[i], layer.sigma_s, layer.g, layer.ior},
+                        .thickness = layer.thickness});
+    }
+    const SlabTotals wanted = adding_doubling(LayerStack(layers)).totals;
+    const float entering = static_cast<float>(1.0 - wanted.specular_reflectance);
+    const TransportResult light =
+        transport(make_heterogeneous_layers(tables, planes(at, 16), sheets(at, 16, 0.0), 0.1),
+                  make_plane(16, 16, entering));
+    EXPECT_NEAR(light.transmitted.values[0], wanted.transmittance, 0.03 * wanted.transmittance)
+        << epidermis;
+    EXPECT_NEAR(light.reflected.values[0], wanted.diffuse_reflectance,
+                0.02 * wanted.diffuse_reflectance)
+        << epidermis;
+  }
+}
+
 // What leaves is the part that is lit times what leaves in full light, on either side of the middle
 // alike: mirrors at the ends take nothing, whatever the number of texels.
 TEST(HeterogeneousTransport, NoLightIsLostAtTheEndsOfPlanesOfAnySize) {

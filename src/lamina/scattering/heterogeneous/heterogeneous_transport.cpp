@@ -12,7 +12,7 @@
 #include "lamina/scattering/heterogeneous/internal/bounce_counter.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"
-#include "lamina/scattering/heterogeneous/internal/plane_neighbors.h"
+#include "lamina/scattering/heterogeneous/internal/plane_paths.h"
 
 namespace lamina {
 namespace {
@@ -164,9 +164,8 @@ LayerTexels along_plane_paths(const LayerTexels& texels, const BlurPyramid& pyra
   const auto for_neighbors = [&](const auto& take) {
     detail::for_plane_neighbors(pyramid.width, pyramid.height, take);
   };
-  return along_paths(texels, for_neighbors, [&](double width) {
-    const std::vector<double> scales =
-        scales_of_gaussians(pyramid, std::array{std::pow(width / mm_per_texel, 2)});
+  return along_paths(texels, for_neighbors, [&](double length) {
+    const std::vector<double> scales = detail::path_scales(pyramid, length / mm_per_texel);
     const MappedOperator blur{
         .terms = 1, .weights = {scales.begin(), scales.end()}, .totals = {1.0f}};
     return apply_operators(pyramid, Plane{pyramid.width, pyramid.height, texels.sigma_a},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -23,13 +24,10 @@ inline constexpr auto enum_names<ProfileAt> =
 
 /// How far around a point light meets the absorption of a layer, where nothing else varies. Light
 /// is not absorbed at the ends of its path but along it: profiles that follow the absorption of a
-/// point do so with that of a Gaussian around it. Its width is a part of the decay length of
-/// diffuse light, 1 / sigma_tr, as it is between places that differ:
+/// point do so with its mean around it, by the Gaussians of path_variances. These are as wide as
+/// parts of the decay length of diffuse light, 1 / sigma_tr, as it is between places that differ:
 ///
-///     width = .38 / (sum over neighbors of |difference of sigma_a| sigma_tr / sum of |difference|)
-///
-/// The part is such that stripes and edges agree with photons, of melanin .003 to .08, at 470 to
-/// 645 nm (tools/tables/heterogeneous_validation); source: lamina's own.
+///     length = 1 / (sum over neighbors of |difference of sigma_a| sigma_tr / sum of |difference|)
 template <class T>
 class PathAbsorption {
  public:
@@ -41,12 +39,12 @@ class PathAbsorption {
   /// Two texels side by side.
   void add_neighbors(std::size_t one, std::size_t other);
 
-  /// Standard deviation of the Gaussian [mm]; 0 where all neighbors are alike.
-  [[nodiscard]] double width() const;
+  /// [mm]; 0 where all neighbors are alike.
+  [[nodiscard]] double decay_length() const;
 
-  /// Adds to derivatives by the absorption of two neighbors what the width brings to them.
-  /// @param by_log_width  the derivative by the logarithm of the width
-  void add_derivatives(std::size_t one, std::size_t other, double by_log_width,
+  /// Adds to derivatives by the absorption of two neighbors what the length brings to them.
+  /// @param by_log_length  the derivative by its logarithm
+  void add_derivatives(std::size_t one, std::size_t other, double by_log_length,
                        std::span<T> by_sigma_a) const;
 
  private:
@@ -54,6 +52,15 @@ class PathAbsorption {
   double reduced_scattering_;
   double decays_ = 0.0, differences_ = 0.0;
 };
+
+/// Variances of the Gaussians around a point [mm²]: of seven tenths .5 of the decay length wide,
+/// for light that is diffuse; of the rest .05, for light that scatters a few times and comes out
+/// close by. So waves of melanin show as they do to photons, of .2 to 20 /mm at 470 to 645 nm, to
+/// .017 of the mean (tools/tables/heterogeneous_truths); source: lamina's own.
+[[nodiscard]] std::array<double, 2> path_variances(double decay_length);
+
+/// Weights of scales of these Gaussians, [Gaussian][scale], to those of their sum by shares.
+[[nodiscard]] std::vector<double> sum_by_shares(const std::array<std::vector<double>, 2>& scales);
 
 /// Whether only absorption varies. Layers of which scattering or thickness vary, too, take profiles
 /// of the exit: these return all light of surroundings that do not absorb.
@@ -65,16 +72,16 @@ class PathAbsorption {
 /// The texels of such a layer with absorption as light on its way meets it.
 ///
 /// @param for_neighbors  calls what it is given with each two cells side by side
-/// @param blur           (standard deviation [mm]) -> the absorption, blurred by such a Gaussian
+/// @param blur           (decay length [mm]) -> the absorption, blurred by path_variances
 template <class ForNeighbors, class Blur>
 [[nodiscard]] LayerTexels along_paths(const LayerTexels& texels, const ForNeighbors& for_neighbors,
                                       const Blur& blur) {
   PathAbsorption<float> absorption(texels.sigma_a, reduced_scattering(texels));
   for_neighbors([&](std::size_t one, std::size_t other) { absorption.add_neighbors(one, other); });
-  const double width = absorption.width();
-  if (width == 0.0) return texels;
+  const double length = absorption.decay_length();
+  if (length == 0.0) return texels;
   LayerTexels result = texels;
-  result.sigma_a = blur(width);
+  result.sigma_a = blur(length);
   // A Gaussian of several scales may undershoot beside a sharp edge.
   const auto [least, most] = std::ranges::minmax(texels.sigma_a);
   for (float& value : result.sigma_a) value = std::clamp(value, least, most);

@@ -126,9 +126,12 @@ LayerTexels along_surface_paths(const CellGraph& graph, const LayerTexels& texel
       for (std::uint32_t k = level.first[i]; k < level.first[i + 1]; ++k)
         if (level.neighbors[k].cell > i) take(i, level.neighbors[k].cell);
   };
-  return along_paths(texels, for_neighbors, [&](double width) {
+  return along_paths(texels, for_neighbors, [&](double length) {
+    std::array<std::vector<double>, 2> scales;
+    for (std::size_t i = 0; i < 2; ++i)
+      scales[i] = cell_scales_of_gaussians(graph, std::array{path_variances(length)[i]});
     CellOperator<lanes> blur{.terms = 1, .weights = {}, .totals = {}};
-    for (const double weight : cell_scales_of_gaussians(graph, std::array{std::pow(width, 2)}))
+    for (const double weight : sum_by_shares(scales))
       blur.weights.push_back(BandValues<lanes>::filled(static_cast<float>(weight)));
     CellField<lanes> field(texels.sigma_a.size());
     for (std::size_t i = 0; i < field.size(); ++i) field[i][0] = texels.sigma_a[i];

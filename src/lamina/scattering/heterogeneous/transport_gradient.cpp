@@ -11,7 +11,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/bounce_counter.h"
-#include "lamina/scattering/heterogeneous/internal/plane_neighbors.h"
+#include "lamina/scattering/heterogeneous/internal/plane_paths.h"
 #include "lamina/scattering/heterogeneous/internal/transport_tape.h"
 
 namespace lamina {
@@ -54,8 +54,8 @@ TapedPlane taped_along_paths(Tape<T>& tape, TapedPlane sigma_a, double reduced_s
     detail::for_plane_neighbors(pyramid.width, pyramid.height, take);
   };
   for_neighbors([&](std::size_t one, std::size_t other) { absorption.add_neighbors(one, other); });
-  if (absorption.width() == 0.0) return sigma_a;
-  const double variance = std::pow(absorption.width() / mm_per_texel, 2);
+  if (absorption.decay_length() == 0.0) return sigma_a;
+  const double length = absorption.decay_length() / mm_per_texel;
   const TexelBasisOf<T> basis{.coordinate = make_plane<T>(pyramid.width, pyramid.height)};
   const auto operator_of = [](const std::vector<double>& weights) {
     return MappedOperatorOf<T>{
@@ -65,7 +65,7 @@ TapedPlane taped_along_paths(Tape<T>& tape, TapedPlane sigma_a, double reduced_s
     return std::move(apply_operators(pyramid, plane, basis,
                                      std::array<const MappedOperatorOf<T>*, 1>{&blur})[0]);
   };
-  const MappedOperatorOf<T> blur = operator_of(scales_of_gaussians(pyramid, std::array{variance}));
+  const MappedOperatorOf<T> blur = operator_of(detail::path_scales(pyramid, length));
   PlaneOf<T> blurred = apply(tape.plane(sigma_a), blur);
   const auto [least, most] = std::ranges::minmax_element(values);
   std::vector<signed char> beyond(values.size(), 0);  // -1: below the least; 1: above the most
@@ -90,15 +90,13 @@ TapedPlane taped_along_paths(Tape<T>& tape, TapedPlane sigma_a, double reduced_s
     tape.add_derivative(sigma_a,
                         apply_transposed(pyramid, std::vector{by_blurred}, basis,
                                          std::array<const MappedOperatorOf<T>*, 1>{&blur}));
-    // The width follows the differences of neighbors.
-    const PlaneOf<T> by_variance =
-        apply(tape.plane(sigma_a), operator_of(scale_slopes(pyramid, variance)));
-    const double by_log_width =
-        2.0 * variance *
-        std::inner_product(by_variance.values.begin(), by_variance.values.end(),
-                           by_blurred.values.begin(), 0.0);
+    // The length follows the differences of neighbors.
+    const PlaneOf<T> slope =
+        apply(tape.plane(sigma_a), operator_of(detail::path_scale_slopes(pyramid, length)));
+    const double by_log_length = std::inner_product(slope.values.begin(), slope.values.end(),
+                                                    by_blurred.values.begin(), 0.0);
     for_neighbors([&](std::size_t one, std::size_t other) {
-      absorption.add_derivatives(one, other, by_log_width, by_sigma_a);
+      absorption.add_derivatives(one, other, by_log_length, by_sigma_a);
     });
   });
   return out;

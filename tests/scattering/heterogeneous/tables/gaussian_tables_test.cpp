@@ -141,7 +141,7 @@ TEST(GaussianTables, TransferProfilesAreThoseOfTheWholeStack) {
     };
     const std::vector<LayerStack> stacks = {
         LayerStack({solid(stack.layers[0], sigma_a), solid(stack.layers[1], dermis)}, 1.0, 1.38)};
-    const std::vector<double> k = {0.0, 0.3, 1.3, 5.0, 13.0};
+    const std::vector<double> k = {0.0, 0.3, 1.3, 5.0, 13.0, 32.0, 90.0};
     const auto exact = spatial_frequency_response(stacks, k, {.accuracy = 0.02}).reflectance;
     for (std::size_t j = 0; j < k.size(); ++j) {
       const auto at = [&](const GaussianTable& table, double absorption) {
@@ -153,8 +153,11 @@ TEST(GaussianTables, TransferProfilesAreThoseOfTheWholeStack) {
           at(top.reflection_below, sigma_a), at(top.transmission_up, sigma_a)};
       const LayerResponse lower{at(tables.layers[1].reflection_above, dermis), 0.0, 0.0, 0.0};
       const double entered = 1.0 - fresnel(1.0, 1.4);
-      EXPECT_NEAR(entered * stacked(upper, lower).reflection_above, exact[j], 0.015 * exact[0])
-          << "k " << k[j] << ", sigma_a " << sigma_a;
+      const double ours = entered * stacked(upper, lower).reflection_above;
+      EXPECT_NEAR(ours, exact[j], 0.015 * exact[0]) << "k " << k[j] << ", sigma_a " << sigma_a;
+      if (k[j] > 24.0) {
+        EXPECT_NEAR(ours, exact[j], 0.04 * exact[j]) << "k " << k[j];
+      }
     }
   }
 }

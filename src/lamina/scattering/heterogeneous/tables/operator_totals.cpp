@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -57,16 +58,17 @@ LayerResponse solve_layer(const MappedStack& stack, std::size_t i, const LayerSt
   return {above.reflection, above.transmission, below.reflection, below.transmission};
 }
 
-/// The last layer such that the whole stack reflects and transmits as `whole`.
-LayerResponse last_of(const LayerResponse& cover, const Entered& whole, LayerResponse last) {
-  const double through = std::max(0.0, whole.reflection - cover.reflection_above);
-  last.reflection_above = through / (cover.transmission_down * cover.transmission_up +
-                                     through * cover.reflection_below);
-  if (last.transmission_down > 0.0)
-    last.transmission_down = std::max(0.0, whole.transmission) *
-                             (1.0 - cover.reflection_below * last.reflection_above) /
-                             cover.transmission_down;
-  return last;
+/// The reflection of a last layer such that the whole stack reflects so much.
+double last_reflection(const LayerResponse& cover, double whole) {
+  const double through = std::max(0.0, whole - cover.reflection_above);
+  return through /
+         (cover.transmission_down * cover.transmission_up + through * cover.reflection_below);
+}
+
+/// The transmission of a last layer such that the whole stack transmits so much.
+double last_transmission(const LayerResponse& cover, double whole, double last_reflection) {
+  return std::max(0.0, whole) * (1.0 - cover.reflection_below * last_reflection) /
+         cover.transmission_down;
 }
 
 }  // namespace
@@ -83,20 +85,24 @@ Layer solid_layer(const MappedStack& stack, std::size_t layer, const LayerState&
 
 namespace {
 
-/// The layers above one, at their reference states, or with so much less absorption that enough
-/// light comes back through them to tell how that one reflects.
+/// The layers above one.
 struct Cover {
   LayerResponse response;
   std::vector<Layer> layers;
+  double share = 1.0;  ///< of their absorption
 };
 
+/// They are at their reference states, or with so much less absorption that a part of the light
+/// gets through them and back.
+///
 /// @param at_reference  [layer] responses of the layers above at their reference states
+/// @param enough        that part
 Cover cover_of(const MappedStack& stack, std::span<const LayerResponse> at_reference,
-               std::span<const LayerState> reference, From outside) {
-  constexpr double enough = 1e-3;
+               std::span<const LayerState> reference, From outside, double enough) {
   Cover cover;
   for (double share = 1.0; cover.layers.empty(); share *= 0.5) {
     cover.response = LayerResponse{};
+    cover.share = share;
     for (std::size_t i = 0; i < at_reference.size(); ++i) {
       LayerState state = reference[i];
       state.sigma_a *= share;
@@ -110,17 +116,36 @@ Cover cover_of(const MappedStack& stack, std::span<const LayerResponse> at_refer
   return cover;
 }
 
+/// What a layer is under: its reflection is told by light that comes back through a cover that
+/// lets enough of it through, its transmission by light that passes the cover as it is.
+struct Covers {
+  Cover for_reflection;
+  std::optional<Cover> for_transmission;  ///< absent: the same
+};
+
 /// A layer alone if it is the first, else such that it and those above it reflect and transmit as
 /// they should.
 LayerResponse solve_on(const MappedStack& stack, std::size_t i, const LayerState& state,
-                       const Cover& cover, From outside) {
+                       const Covers& covers, From outside) {
+  const bool is_finite = std::isfinite(state.thickness);
   LayerResponse r{0.0, 0.0, 0.0, 0.0};
-  if (i == 0 || std::isfinite(state.thickness)) r = solve_layer(stack, i, state, outside);
+  if (i == 0 || is_finite) r = solve_layer(stack, i, state, outside);
   if (i == 0) return r;
-  std::vector<Layer> layers = cover.layers;
-  layers.push_back(solid_layer(stack, i, state));
-  return last_of(cover.response,
-                 solve(LayerStack(layers, stack.ior_above, ior_under(stack, i)), outside), r);
+  const auto under = [&](const Cover& cover) {
+    std::vector<Layer> layers = cover.layers;
+    layers.push_back(solid_layer(stack, i, state));
+    return solve(LayerStack(layers, stack.ior_above, ior_under(stack, i)), outside);
+  };
+  const Cover& cover = covers.for_reflection;
+  const Entered whole = under(cover);
+  r.reflection_above = last_reflection(cover.response, whole.reflection);
+  if (!is_finite) return r;
+  r.transmission_down =
+      covers.for_transmission
+          ? last_transmission(covers.for_transmission->response,
+                              under(*covers.for_transmission).transmission, r.reflection_above)
+          : last_transmission(cover.response, whole.transmission, r.reflection_above);
+  return r;
 }
 
 /// The first layer such that the whole stack reflects and transmits as `whole`, with `below` under
@@ -145,11 +170,17 @@ std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
   std::vector<std::vector<LayerResponse>> at_points(size);
   std::vector<LayerResponse> at_reference;
   for (std::size_t i = 0; i < size; ++i) {
-    const Cover cover = i > 0 ? cover_of(stack, at_reference, reference, outside) : Cover{};
+    constexpr double enough = 1e-3;
+    Covers covers;
+    if (i > 0) {
+      covers.for_reflection = cover_of(stack, at_reference, reference, outside, enough);
+      if (covers.for_reflection.share < 1.0)
+        covers.for_transmission = cover_of(stack, at_reference, reference, outside, 0.0);
+    }
     boxes.emplace_back(lattices[i], 4.0, 28);
     for (std::size_t point = 0; point < boxes[i].size(); ++point)
-      at_points[i].push_back(solve_on(stack, i, boxes[i].state(point), cover, outside));
-    at_reference.push_back(solve_on(stack, i, reference[i], cover, outside));
+      at_points[i].push_back(solve_on(stack, i, boxes[i].state(point), covers, outside));
+    at_reference.push_back(solve_on(stack, i, reference[i], covers, outside));
   }
   if (size > 1 && stack.layers[0].states) {
     LayerResponse below;

@@ -11,7 +11,7 @@
 namespace lamina::detail {
 namespace {
 
-constexpr std::size_t frequencies = 12;
+constexpr std::size_t frequencies = 16;
 constexpr double lowest_sigma_a = 0.02, highest_sigma_a = 40.0, lowest_frequency = 0.08;
 
 /// The part of a lattice that is solved: of absorption alone what matters.

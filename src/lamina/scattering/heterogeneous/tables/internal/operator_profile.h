@@ -15,13 +15,13 @@ namespace lamina::detail {
 /// reference states.
 ///
 /// Solved for at most 8 states along one axis, 4 along each of two and 3 along each of more; of
-/// absorption alone from .02 to 40/mm; and for 12 frequencies up to 24/mm. Beyond these it stays as
-/// at the nearest. About a second of CPU time for 8 states.
+/// absorption alone from .02 to 40/mm; and for 16 frequencies up to 200/mm. Beyond these it stays
+/// as at the nearest. Two to three seconds of CPU time for 8 states.
 [[nodiscard]] std::vector<std::vector<double>> transfer_stack_shapes(
     const MappedStack& stack, std::span<const LayerState> reference, const StateLattice& lattice,
     std::span<const double> k);
 
 /// Beyond this frequency the shapes are those at it [1/mm].
-inline constexpr double highest_transfer_frequency = 24.0;
+inline constexpr double highest_transfer_frequency = highest_fitted_frequency;
 
 }  // namespace lamina::detail
