@@ -265,9 +265,9 @@ void write_list(std::FILE* file, const char* name, const std::vector<double>& va
   std::fprintf(file, "};\n");
 }
 
-void write_table(const char* name, const SkinPopulation& known) {
+bool write_table(const char* name, const SkinPopulation& known) {
   std::FILE* file = std::fopen(name, "w");
-  if (!file) return;
+  if (!file) return false;
   constexpr std::size_t every = 2;  // wavelengths
   const auto thinned = [&](std::span<const double> curve) {
     std::vector<double> values;
@@ -308,7 +308,7 @@ void write_table(const char* name, const SkinPopulation& known) {
     std::fprintf(file, "}");
   }
   std::fprintf(file, "}};\n\n}  // namespace lamina::fit_detail::forearms\n");
-  std::fclose(file);
+  return std::fclose(file) == 0;
 }
 
 }  // namespace
@@ -378,6 +378,7 @@ int main(int argc, char** argv) {
       "\nconstants: baseline_scale %.4f, scattering_scale %.4f, saturation %.4f; one fit of eight "
       "values %.2f CPU-ms\n",
       shared.baseline_scale, shared.scattering_scale, shared.saturation_dermis, each);
-  if (argc == 3) write_table(argv[2], learn(study, people, skin));
+  if (argc == 3 && !write_table(argv[2], learn(study, people, skin)))
+    return std::fprintf(stderr, "%s: cannot be written\n", argv[2]), 1;
   return 0;
 }
