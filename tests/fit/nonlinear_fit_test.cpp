@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "fit/normal_number.h"
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/core/symmetric_eigen.h"
@@ -16,11 +17,6 @@ namespace lamina {
 namespace {
 
 using Values = std::span<const double>;
-
-double normal(Random& random) {
-  const double u = 1.0 - random.uniform(), v = random.uniform();
-  return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
-}
 
 std::string refusal(const std::vector<FitParameter>& parameters, const FitData& data,
                     const FitModel& model, const FitOptions& options = {}) {
@@ -267,11 +263,11 @@ TEST(NonlinearFit, ErrorBarsCoverTheTruthAsOftenAsTheySay) {
     std::vector<double> truth, coordinates;
     for (const FitParameter& p : parameters) {
       coordinates.push_back(fit_coordinate(p, p.prior->mean) +
-                            p.prior->standard_deviation * normal(random));
+                            p.prior->standard_deviation * normal_number(random));
       truth.push_back(fit_value(p, coordinates.back()));
     }
     FitData data{.measured = decay.predict(truth), .standard_deviation = std::vector(12, 0.03)};
-    for (double& value : data.measured) value += 0.03 * normal(random);
+    for (double& value : data.measured) value += 0.03 * normal_number(random);
     const FitResult result = fit_parameters(parameters, data, decay);
     for (std::size_t j = 0; j < parameters.size(); ++j) {
       const double off =

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "fit/normal_number.h"
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -19,11 +20,6 @@ namespace lamina {
 namespace {
 
 constexpr Incidence beam{.theta = 8.0 * std::numbers::pi / 180.0};
-
-double normal(Random& random) {
-  return std::sqrt(-2.0 * std::log(1.0 - random.uniform())) *
-         std::cos(2.0 * std::numbers::pi * random.uniform());
-}
 
 /// 400 to 700 nm, 20 nm apart.
 const std::vector<double>& wavelengths() {
@@ -185,7 +181,7 @@ TEST(SkinFit, HasHonestErrorBars) {
   int used = 0;
   while (used < measurements) {
     std::vector<double> z(n), u(n), values(n);
-    for (double& each : z) each = normal(random);
+    for (double& each : z) each = normal_number(random);
     bool is_inside = true;
     for (std::size_t i = 0; i < n; ++i) {
       const FitParameter& parameter = numbers[i].parameter;
@@ -199,10 +195,10 @@ TEST(SkinFit, HasHonestErrorBars) {
     SkinMeasurement measurement;
     measurement.measured = table().reflectance(with_numbers({}, numbers, values));
     std::vector<double> part(population.missed_components.rows);
-    for (double& each : part) each = normal(random);
+    for (double& each : part) each = normal_number(random);
     for (std::size_t w = 0; w < wavelengths().size(); ++w) {
       double& r = measurement.measured[w];
-      r += table().specular_reflectance() + error * normal(random) +
+      r += table().specular_reflectance() + error * normal_number(random) +
            at_wavelength(population, population.missed, wavelengths()[w]);
       for (std::size_t c = 0; c < part.size(); ++c)
         r += part[c] *

@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/optics/absorbing_sheet.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
@@ -16,9 +17,9 @@ namespace lamina {
 namespace {
 
 constexpr std::array<int, 3> orders = {14, 9, 11};  // Chebyshev points along each coordinate
-constexpr int grid_nodes = 10;             // of the first segment: totals to 2e-4 of themselves
+constexpr int grid_nodes = 10;  // of the first segment: totals to 2e-4 of themselves
 constexpr double least_wavelength = 350.0, largest_wavelength = 1000.0;  // [nm] of skin_spectrum
-constexpr double least_scattering = 1e-3;  // epidermis sigma_s' d
+constexpr double least_scattering = 1e-3;                                // epidermis sigma_s' d
 
 // Coordinates in which the logarithm of the reflectance is nearly a polynomial: absorption of a
 // slab counts linearly while it is little and by its logarithm where it is much; that of a
@@ -105,7 +106,6 @@ void check(const SkinRange& range) {
 /// Indices and mean cosine of skin, the sheet between its layers without thickness.
 /// @param place  the thickness of the epidermis is 1 mm
 LayerStack stack_at(const std::array<double, 3>& place, const LayerStack& skin, double sheet) {
-  constexpr double thin = 1e-9;  // [mm]
   std::vector<Layer> layers(skin.layers().begin(), skin.layers().end());
   const double forward = 1.0 - layers[0].medium.g;
   layers[0].medium.sigma_a = place[0];
@@ -113,11 +113,8 @@ LayerStack stack_at(const std::array<double, 3>& place, const LayerStack& skin, 
   layers[0].thickness = 1.0;
   layers.back().medium.sigma_s = 0.5 * place[1] / forward;
   layers.back().medium.sigma_a = place[2] * 0.5 * place[1];
-  if (layers.size() == 3) {
-    layers[1].medium.sigma_s = 0.0;
-    layers[1].medium.sigma_a = sheet / thin;
-    layers[1].thickness = thin;
-  }
+  if (layers.size() == 3)
+    layers[1] = absorbing_sheet(sheet / std::numbers::ln10, layers[1].medium.ior);
   return LayerStack(std::move(layers), skin.ior_above(), skin.ior_below());
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "scattering/layer_parameters.h"
 
 namespace lamina {
 namespace {
@@ -23,26 +24,6 @@ Layer of(double sigma_a, double sigma_s, double g, double ior, double thickness)
 
 /// Always the same grid: the accuracy is out of reach.
 const AddingDoublingOptions one_grid{.accuracy = 1e-10, .max_nodes = 9};
-
-struct Parameter {
-  const char* name;
-  double LayerDerivatives::*derivative;
-  double& (*value)(Layer&);
-};
-const std::vector<Parameter> parameters{
-    {"sigma_a", &LayerDerivatives::by_sigma_a,
-     [](Layer& l) -> double& { return l.medium.sigma_a; }},
-    {"sigma_s", &LayerDerivatives::by_sigma_s,
-     [](Layer& l) -> double& { return l.medium.sigma_s; }},
-    {"g", &LayerDerivatives::by_g, [](Layer& l) -> double& { return l.medium.g; }},
-    {"thickness", &LayerDerivatives::by_thickness,
-     [](Layer& l) -> double& { return l.thickness; }}};
-
-LayerStack changed(const LayerStack& stack, std::size_t k, const Parameter& parameter, double by) {
-  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
-  parameter.value(layers[k]) += by;
-  return LayerStack(layers, stack.ior_above(), stack.ior_below(), stack.ground());
-}
 
 struct Case {
   const char* name;
@@ -72,7 +53,7 @@ TEST(AddingDoublingDerivatives, AreThoseOfCentralDifferences) {
     const AddingDoublingDerivatives exact = adding_doubling_derivatives(stack, incidence, one_grid);
     ASSERT_EQ(exact.totals.nodes, one_grid.max_nodes);
     for (std::size_t k = 0; k < stack.layers().size(); ++k)
-      for (const Parameter& parameter : parameters) {
+      for (const LayerParameter& parameter : layer_parameters) {
         Layer layer = stack.layers()[k];
         const double value = parameter.value(layer);
         const bool is_g = std::string(parameter.name) == "g";

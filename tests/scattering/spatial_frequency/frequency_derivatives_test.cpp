@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
+#include "scattering/layer_parameters.h"
 
 namespace lamina {
 namespace {
@@ -19,26 +20,6 @@ constexpr double endless = std::numeric_limits<double>::infinity();
 Layer of(double sigma_a, double sigma_s, double g, double ior, double thickness) {
   return {.medium = {.sigma_a = sigma_a, .sigma_s = sigma_s, .g = g, .ior = ior},
           .thickness = thickness};
-}
-
-struct Parameter {
-  const char* name;
-  double LayerDerivatives::*derivative;
-  double& (*value)(Layer&);
-};
-const std::vector<Parameter> parameters{
-    {"sigma_a", &LayerDerivatives::by_sigma_a,
-     [](Layer& l) -> double& { return l.medium.sigma_a; }},
-    {"sigma_s", &LayerDerivatives::by_sigma_s,
-     [](Layer& l) -> double& { return l.medium.sigma_s; }},
-    {"g", &LayerDerivatives::by_g, [](Layer& l) -> double& { return l.medium.g; }},
-    {"thickness", &LayerDerivatives::by_thickness, [](Layer& l) -> double& { return l.thickness; }},
-};
-
-LayerStack changed(const LayerStack& stack, std::size_t l, const Parameter& parameter, double by) {
-  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
-  parameter.value(layers[l]) += by;
-  return LayerStack(layers, stack.ior_above(), stack.ior_below(), stack.ground());
 }
 
 struct Case {
@@ -77,7 +58,7 @@ TEST(FrequencyDerivatives, AreThoseOfCentralDifferences) {
       EXPECT_NEAR(exact.response.reflectance, value.reflectance, 1e-12);
       EXPECT_NEAR(exact.response.transmittance, value.transmittance, 1e-12);
       for (std::size_t l = 0; l < stack.layers().size(); ++l)
-        for (const Parameter& parameter : parameters) {
+        for (const LayerParameter& parameter : layer_parameters) {
           Layer layer = stack.layers()[l];
           const double at = parameter.value(layer);
           const bool is_g = std::string(parameter.name) == "g";
@@ -113,7 +94,7 @@ TEST(FrequencyDerivatives, AreThoseOfTotalsAtZeroFrequency) {
                                                     {.accuracy = 1e-10, .max_nodes = nodes});
     ASSERT_EQ(totals.totals.nodes, nodes);
     for (std::size_t l = 0; l < stack.layers().size(); ++l)
-      for (const Parameter& parameter : parameters) {
+      for (const LayerParameter& parameter : layer_parameters) {
         const auto expect = [&](const char* what, double found, double expected) {
           EXPECT_NEAR(found, expected, 1e-9 * (1.0 + std::abs(expected)))
               << name << ": " << what << " by " << parameter.name << " of layer " << l;

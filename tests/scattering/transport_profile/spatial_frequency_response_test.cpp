@@ -11,6 +11,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "scattering/layer_parameters.h"
 
 namespace lamina {
 namespace {
@@ -31,30 +32,9 @@ const std::vector<Case> cases{
     {"half-space", LayerStack({of(.5, 4, 0, 1.3, .2), of(.02, 10, .8, 1.4, endless)}, 1, 1.4)},
     {"clear plate, ground",
      LayerStack({of(0, 0, 0, 1.5, .2), of(.1, 20, .7, 1.5, .5)}, 1, 1.5, {.reflectance = .6})},
-    {"four layers",
-     LayerStack({of(.3, 2, -.3, 1.5, .2), of(.05, 8, .6, 1.33, .4), of(1, 30, .95, 1.33, .1),
-                 of(.02, 1, .3, 1.33, 1)})},
+    {"four layers", LayerStack({of(.3, 2, -.3, 1.5, .2), of(.05, 8, .6, 1.33, .4),
+                                of(1, 30, .95, 1.33, .1), of(.02, 1, .3, 1.33, 1)})},
 };
-
-struct Parameter {
-  const char* name;
-  double LayerDerivatives::*derivative;
-  double& (*value)(Layer&);
-};
-const std::vector<Parameter> parameters{
-    {"sigma_a", &LayerDerivatives::by_sigma_a,
-     [](Layer& l) -> double& { return l.medium.sigma_a; }},
-    {"sigma_s", &LayerDerivatives::by_sigma_s,
-     [](Layer& l) -> double& { return l.medium.sigma_s; }},
-    {"g", &LayerDerivatives::by_g, [](Layer& l) -> double& { return l.medium.g; }},
-    {"thickness", &LayerDerivatives::by_thickness, [](Layer& l) -> double& { return l.thickness; }},
-};
-
-LayerStack changed(const LayerStack& stack, std::size_t l, const Parameter& parameter, double by) {
-  std::vector<Layer> layers(stack.layers().begin(), stack.layers().end());
-  parameter.value(layers[l]) += by;
-  return LayerStack(layers, stack.ior_above(), stack.ior_below(), stack.ground());
-}
 
 // Without waves: what adding-doubling finds, less what is not scattered of a beam.
 TEST(SpatialFrequencyResponse, IsTheTotalAtZeroFrequency) {
@@ -90,7 +70,7 @@ TEST(SpatialFrequencyDerivatives, AreThoseOfCentralDifferences) {
     const auto value = spatial_frequency_response(std::vector{stack}, k, options);
     EXPECT_EQ(exact.response.reflectance, value.reflectance);
     for (std::size_t l = 0; l < stack.layers().size(); ++l)
-      for (const Parameter& parameter : parameters) {
+      for (const LayerParameter& parameter : layer_parameters) {
         Layer layer = stack.layers()[l];
         const double at = parameter.value(layer);
         const bool is_g = std::string(parameter.name) == "g";
@@ -124,7 +104,7 @@ TEST(SpatialFrequencyDerivatives, FromBelowAreThoseOfTheStackTurnedOver) {
   const auto below =
       spatial_frequency_derivatives(stack, k, {.accuracy = .1, .is_from_below = true});
   const auto above = spatial_frequency_derivatives(turned, k, {.accuracy = .1});
-  for (const Parameter& parameter : parameters)
+  for (const LayerParameter& parameter : layer_parameters)
     for (std::size_t l = 0; l < 2; ++l) {
       EXPECT_EQ(below.reflectance[0][l].*parameter.derivative,
                 above.reflectance[0][1 - l].*parameter.derivative);
