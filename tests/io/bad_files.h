@@ -1,0 +1,45 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+namespace lamina {
+
+/// Expects every JSON file of a folder to be refused in one line that begins as expected.txt there
+/// says: its name, `:`, and the text; or, where the text begins with a table, the table's path.
+/// @param message_of  what is said of a file
+/// @return  how many files are listed
+template <class MessageOf>
+std::size_t expect_refusals(const std::filesystem::path& folder, const MessageOf& message_of) {
+  std::ifstream expected(folder / "expected.txt");
+  std::set<std::string> listed;
+  for (std::string line; std::getline(expected, line);) {
+    if (line.starts_with("#")) continue;
+    std::istringstream fields(line);
+    std::string file, level, text;
+    fields >> file >> level >> std::ws;
+    std::getline(fields, text);
+    listed.insert(file);
+    const std::filesystem::path path = folder / file;
+    const std::string message = message_of(path);
+    const std::size_t table = text.find(".csv:");
+    const bool is_of_table = table != std::string::npos && text.find(' ') > table;
+    const std::string start = is_of_table ? (folder / text).string() : path.string() + ":" + text;
+    EXPECT_TRUE(message.starts_with(start)) << "expected  " << start << "\ngot       " << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".json") continue;
+    EXPECT_TRUE(listed.contains(entry.path().filename())) << entry << " is not in expected.txt";
+  }
+  return listed.size();
+}
+
+}  // namespace lamina
