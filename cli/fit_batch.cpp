@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 /// A file of the batch: fitted, or why not.
 struct FittedFile {
   std::string name;
+  std::optional<Measurement> measurement = {};
   std::optional<MeasurementFit> fit = {};
   JsonOutput json = {};
   std::string refusal = {};
@@ -40,21 +41,34 @@ std::vector<fs::path> csv_files(const std::string& folder) {
   return files;
 }
 
-FittedFile fit_file(const FitBatch& batch, const CommonOptions& common, const fs::path& file) {
-  FittedFile fitted{.name = file.filename().string()};
-  std::vector<std::string> settings = batch.settings;
-  settings.push_back("measured[0].file=" + json_quoted(fs::absolute(file).string()));
+/// Does something with a file, or says why that cannot be.
+template <class Work>
+void attempt(FittedFile& file, const Work& work) {
   try {
-    const Measurement measurement = load_measurement(batch.measurement, common.memory, settings);
-    fitted.fit = fit_measurement(measurement, {.seed = common.seed});
-    fitted.json = fit_json(measurement, *fitted.fit);
-    fitted.json["file"] = fitted.name;
+    work();
   } catch (const InvalidInput& error) {
-    fitted.refusal = error.what();
+    file.refusal = error.what();
   } catch (const FileError& error) {
-    fitted.refusal = error.what();
+    file.refusal = error.what();
   }
-  return fitted;
+}
+
+FittedFile load_file(const FitBatch& batch, const CommonOptions& common, const fs::path& path) {
+  FittedFile file{.name = path.filename().string()};
+  std::vector<std::string> settings = batch.settings;
+  settings.push_back("measured[0].file=" + json_quoted(fs::absolute(path).string()));
+  attempt(file,
+          [&] { file.measurement = load_measurement(batch.measurement, common.memory, settings); });
+  return file;
+}
+
+void fit_file(FittedFile& file, const MeasurementFitOptions& options) {
+  if (!file.measurement) return;
+  attempt(file, [&] {
+    file.fit = fit_measurement(*file.measurement, options);
+    file.json = fit_json(*file.measurement, *file.fit);
+    file.json["file"] = file.name;
+  });
 }
 
 std::string cell(const std::string& text) {
@@ -99,8 +113,14 @@ std::string csv_table(const std::vector<FittedFile>& files) {
 void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
   const std::vector<fs::path> paths = csv_files(batch.folder);
   std::vector<FittedFile> files(paths.size());
+  parallel_for(paths.size(), [&](std::size_t i) { files[i] = load_file(batch, common, paths[i]); });
+  MeasurementTables tables;
+  for (const FittedFile& file : files)
+    if (file.measurement)
+      tables.prepare(*file.measurement, make_progress("tables", Keeps::nothing));
   parallel_for(
-      paths.size(), [&](std::size_t i) { files[i] = fit_file(batch, common, paths[i]); },
+      paths.size(),
+      [&](std::size_t i) { fit_file(files[i], {.tables = &tables, .seed = common.seed}); },
       make_progress("fits", Keeps::nothing));
 
   JsonOutput json = make_result("fit");

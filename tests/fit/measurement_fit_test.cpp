@@ -126,7 +126,7 @@ TEST(MeasurementFit, DerivativesAreThoseOfThePrediction) {
                       free_number("layers[1].g", 0.6, -0.9, 0.95, FitScale::linear),
                       free_number("layers[0].thickness", 0.3, 0.01, 1),
                       free_number("layers[1].ior", 1.38, 1.3, 1.5, FitScale::linear)};
-  const fit_detail::MeasurementModel model(measurement, {0}, {});
+  const fit_detail::MeasurementModel model(measurement, {0}, {}, {});
   const std::vector<double> at = {0.3, 1.5, 0.6, 0.3, 1.38};
   const DenseMatrix slopes = model.derivatives(at);
   ASSERT_EQ(slopes.rows, 7U);

@@ -71,13 +71,13 @@ FitResult fit_model(MeasurementModel& model, const Measurement& measurement, std
     options.tolerance = 1e-5;
     result = fit_parameters(parameters, data, as_fitted, options);
     move = largest_move(parameters, result, values);
-    if (move <= 1.0) break;
+    if (move <= 1.0 || !model.has_solutions()) break;
   }
   result.agreeing_starts = agreeing_starts;
   if (measurement.starts > 1)
     result.notes.push_back(std::to_string(agreeing_starts) + " of " +
                            std::to_string(measurement.starts) + " starts led to the same place");
-  if (move > 10.0)
+  if (move > 10.0 && model.has_solutions())
     result.notes.push_back("accurate solutions still move the result by " +
                            printf_text("%.1f", small_share * move) + " of its errors");
   return result;
@@ -125,9 +125,12 @@ MeasurementFit fit_measurement(const Measurement& measurement,
   else
     groups.push_back(bands);
 
+  MeasurementTables own;
+  if (!options.tables) own.prepare(measurement, of_unknown_length(options.progress));
   std::vector<MeasurementModel> models;
   for (const auto& group : groups)
-    models.emplace_back(measurement, group, of_unknown_length(options.progress));
+    models.emplace_back(measurement, group, options.tables ? *options.tables : own,
+                        of_unknown_length(options.progress));
   std::vector<FitResult> results(models.size());
   parallel_for(models.size(), [&](std::size_t i) {
     results[i] = fit_model(models[i], measurement, options.seed);

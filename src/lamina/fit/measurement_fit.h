@@ -10,6 +10,7 @@
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
 #include "lamina/fit/measurement.h"
+#include "lamina/fit/measurement_tables.h"
 #include "lamina/fit/nonlinear_fit.h"
 
 namespace lamina {
@@ -43,6 +44,8 @@ struct MeasurementFit {
 };
 
 struct MeasurementFitOptions {
+  /// Prepared for the measurement, where many are fitted; null: it has its own.
+  const MeasurementTables* tables = nullptr;
   std::uint64_t seed = 0;  ///< of further starts
   Progress progress = {};  ///< told that the work goes on, not how far it is
 };

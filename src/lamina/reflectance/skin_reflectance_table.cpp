@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
 #include "lamina/optics/absorbing_sheet.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
@@ -16,7 +17,9 @@
 namespace lamina {
 namespace {
 
-constexpr std::array<int, 3> orders = {14, 9, 11};  // Chebyshev points along each coordinate
+// Points along each coordinate, for one wavelength and for any.
+constexpr ChebyshevTable::Counts band_counts = {14, 9, 11}, all_counts = {24, 11, 13};
+constexpr int mean_cosines = 3;
 constexpr int grid_nodes = 10;  // of the first segment: totals to 2e-4 of themselves
 constexpr double least_wavelength = 350.0, largest_wavelength = 1000.0;  // [nm] of skin_spectrum
 constexpr double least_scattering = 1e-3;                                // epidermis sigma_s' d
@@ -40,36 +43,6 @@ std::array<double, 3> place_at(const std::array<double, 3>& coordinate) {
 std::array<double, 3> coordinate_derivatives(const std::array<double, 3>& place) {
   const double root = std::sqrt(std::max(place[2], 1e-10));
   return {1.0 / (place[0] + slab_scale), 1.0 / place[1], 0.5 / (root * (root + half_space_scale))};
-}
-
-/// T_n(x) and, if asked for, T_n'(x), n = 0 .. count - 1.
-void chebyshev(double x, int count, double* values, double* derivatives) {
-  double second_kind = 0.0, last_second_kind = 0.0;  // U_{n-1}(x), U_{n-2}(x)
-  for (int n = 0; n < count; ++n) {
-    values[n] = n == 0 ? 1.0 : n == 1 ? x : 2.0 * x * values[n - 1] - values[n - 2];
-    if (n == 1) second_kind = 1.0;
-    if (n > 1)
-      last_second_kind = std::exchange(second_kind, 2.0 * x * second_kind - last_second_kind);
-    if (derivatives) derivatives[n] = n * second_kind;
-  }
-}
-
-double chebyshev_point(int i, int count) { return std::cos(std::numbers::pi * (i + 0.5) / count); }
-
-/// Values at Chebyshev points of one dimension become coefficients, in place.
-void to_coefficients(std::vector<double>& values, std::size_t stride, std::size_t count) {
-  std::vector<double> old(count);
-  for (std::size_t start = 0; start < values.size(); ++start) {
-    if (start / stride % count != 0) continue;
-    for (std::size_t i = 0; i < count; ++i) old[i] = values[start + i * stride];
-    for (std::size_t n = 0; n < count; ++n) {
-      double sum = 0.0;
-      for (std::size_t i = 0; i < count; ++i)
-        sum += old[i] * std::cos(std::numbers::pi * static_cast<double>(n) *
-                                 (static_cast<double>(i) + 0.5) / static_cast<double>(count));
-      values[start + n * stride] = sum * (n == 0 ? 1.0 : 2.0) / static_cast<double>(count);
-    }
-  }
 }
 
 /// Of a mixture, that of a share of 0 to 1.
@@ -118,6 +91,110 @@ LayerStack stack_at(const std::array<double, 3>& place, const LayerStack& skin, 
   return LayerStack(std::move(layers), skin.ior_above(), skin.ior_below());
 }
 
+/// What adding-doubling makes of a box of places, with mean cosine and sheet of a wavelength.
+struct Solutions {
+  double wavelength = 0.0;  ///< [nm]
+  double sheet = 0.0;       ///< as in stack_at
+  ChebyshevTable::Box box = {};
+  ChebyshevTable::Counts counts = {};
+  std::vector<double> values = {};  ///< logarithm of what comes out
+
+  [[nodiscard]] std::array<double, 3> place(std::size_t i, std::size_t j, std::size_t k) const {
+    const std::array<std::size_t, 3> index = {i, j, k};
+    std::array<double, 3> coordinate;
+    for (std::size_t d = 0; d < index.size(); ++d)
+      coordinate[d] = ChebyshevTable::points(box.low[d], box.high[d], counts[d])[index[d]];
+    return place_at(coordinate);
+  }
+  [[nodiscard]] ChebyshevTable table() const { return {box, counts, values}; }
+};
+
+/// Fills the solutions of a row of epidermises of one scattering, j.
+void solve_row(Solutions& solutions, std::size_t j, const LayerStack& like,
+               const std::vector<GridDirection>& beams, const Incidence& incidence,
+               const std::vector<detail::LayerOperators>& dermis) {
+  const auto count = [&](std::size_t d) { return static_cast<std::size_t>(solutions.counts[d]); };
+  for (std::size_t i = 0; i < count(0); ++i) {
+    const detail::GridStack stack = detail::make_grid_stack(
+        stack_at(solutions.place(i, j, 0), like, solutions.sheet), grid_nodes, beams);
+    std::vector<detail::LayerOperators> layers;
+    for (std::size_t l = 0; l + 1 < stack.layers.size(); ++l)
+      layers.push_back(detail::layer_operators(stack.layers[l], 0));
+    layers.emplace_back();
+    std::vector<double> down(active_count(stack.grid, 1.0), 0.0);
+    double all = 0.0;
+    for (std::size_t node = 0; node < down.size(); ++node) all += stack.grid.etendue[node];
+    if (incidence.is_diffuse)
+      for (std::size_t node = 0; node < down.size(); ++node)
+        down[node] = std::sqrt(stack.grid.etendue[node]) / all;
+    else
+      down[stack.grid.extra[0]] = 1.0 / std::sqrt(stack.grid.etendue[stack.grid.extra[0]]);
+    const detail::RoughBoundaries smooth(stack.interfaces.size());
+    for (std::size_t k = 0; k < count(2); ++k) {
+      layers.back() = dermis[k];
+      const detail::StackOperators operators = detail::stack_operators(stack, 0, smooth, layers);
+      const std::vector<double> up = detail::product(operators.reflection, down);
+      double sum = 0.0;
+      for (std::size_t node = 0; node < up.size(); ++node)
+        sum += std::sqrt(stack.grid.etendue[node]) *
+               (up[node] - operators.first_reflection(node, node) * down[node]);
+      solutions.values[(k * count(1) + j) * count(0) + i] = std::log(sum);
+    }
+  }
+}
+
+/// Fills all values. @param skin  whose indices and layers they have
+void solve(std::vector<Solutions>& all, const Incidence& incidence, const SkinParameters& skin,
+           const Progress& progress) {
+  std::vector<GridDirection> beams;
+  if (!incidence.is_diffuse) beams.push_back(direction_in(1.0, incidence.theta));
+  std::vector<LayerStack> like;
+  std::vector<std::vector<detail::LayerOperators>> dermis(all.size());
+  std::vector<std::array<std::size_t, 2>> rows;
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    like.push_back(skin_layer_stack(skin, all[s].wavelength));
+    const ChebyshevTable::Counts& counts = all[s].counts;
+    all[s].values.resize(static_cast<std::size_t>(counts[0] * counts[1] * counts[2]));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(counts[1]); ++j) rows.push_back({s, j});
+  }
+  parallel_for(all.size(), [&](std::size_t s) {  // of any size: a half-space has none
+    for (std::size_t k = 0; k < static_cast<std::size_t>(all[s].counts[2]); ++k) {
+      const detail::GridStack stack = detail::make_grid_stack(
+          stack_at(all[s].place(0, 0, k), like[s], all[s].sheet), grid_nodes, beams);
+      dermis[s].push_back(detail::layer_operators(stack.layers.back(), 0));
+    }
+  });
+  parallel_for(
+      rows.size(),
+      [&](std::size_t r) {
+        const auto [s, j] = rows[r];
+        solve_row(all[s], j, like[s], beams, incidence, dermis[s]);
+      },
+      progress);
+}
+
+ChebyshevTable::Box hull(std::span<const ChebyshevTable::Box> boxes) {
+  ChebyshevTable::Box all = boxes[0];
+  for (const ChebyshevTable::Box& box : boxes)
+    for (std::size_t d = 0; d < box.low.size(); ++d) {
+      all.low[d] = std::min(all.low[d], box.low[d]);
+      all.high[d] = std::max(all.high[d], box.high[d]);
+    }
+  return all;
+}
+
+/// Weights of values at nodes in that of the polynomial through them.
+std::vector<double> lagrange(std::span<const double> nodes, double at) {
+  std::vector<double> weights;
+  for (const double node : nodes) {
+    double weight = 1.0;
+    for (const double other : nodes)
+      if (other != node) weight *= (at - other) / (node - other);
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
 }  // namespace
 
 SkinReflectanceTable::Place SkinReflectanceTable::place(const Band& band,
@@ -129,59 +206,41 @@ SkinReflectanceTable::Place SkinReflectanceTable::place(const Band& band,
           dermis_absorption(skin, band.spectrum) / (0.5 * scattering)};
 }
 
-void SkinReflectanceTable::fill(Band& band, Incidence incidence, const SkinParameters& skin) const {
-  const LayerStack like = skin_layer_stack(skin, band.wavelength);
-  const double sheet = 0.5 * junction_absorbance(skin, band.wavelength);
-  std::vector<GridDirection> beams;
-  if (!incidence.is_diffuse) beams.push_back(direction_in(1.0, incidence.theta));
-  const auto at = [&](int i, int j, int k) {
-    const std::array<int, 3> index = {i, j, k};
-    Place coordinate;
-    for (std::size_t d = 0; d < dimensions; ++d)
-      coordinate[d] = 0.5 * (band.low[d] + band.high[d]) +
-                      0.5 * (band.high[d] - band.low[d]) * chebyshev_point(index[d], orders[d]);
-    return detail::make_grid_stack(stack_at(place_at(coordinate), like, sheet), grid_nodes, beams);
+SkinReflectanceTable::Band SkinReflectanceTable::make_band(double wavelength) {
+  Band band{.wavelength = wavelength, .spectrum = skin_spectrum(wavelength)};
+  SkinParameters plain;
+  plain.scattering_scale = 1.0;
+  plain.scattering_power = 0.0;
+  band.scattering = epidermis_scattering(plain, wavelength);
+  plain.scattering_power = 1.0;
+  band.log_ratio = std::log(epidermis_scattering(plain, wavelength) / band.scattering);
+  return band;
+}
+
+ChebyshevTable::Box SkinReflectanceTable::box_of(const Band& band, const SkinRange& range) {
+  const auto s = extremes(range, [&](const SkinParameters& skin) {
+    return epidermis_scattering(skin, band.wavelength);
+  });
+  const auto a = extremes(
+      range, [&](const SkinParameters& skin) { return epidermis_absorption(skin, band.spectrum); });
+  const auto b = extremes(
+      range, [&](const SkinParameters& skin) { return dermis_absorption(skin, band.spectrum); });
+  const std::array d = {range.low.epidermis_thickness, range.high.epidermis_thickness};
+  const auto corner = [&](std::size_t side) {
+    return coordinates({a[side] * d[side], std::max(s[side] * d[side], least_scattering),
+                        2.0 * b[side] / s[1 - side]});
   };
-  const auto dermis_of = [&](int k) {  // of any size: a half-space has none
-    const detail::GridStack stack = at(0, 0, k);
-    return detail::layer_operators(stack.layers.back(), 0);
-  };
-  std::vector<detail::LayerOperators> dermis;
-  for (int k = 0; k < orders[2]; ++k) dermis.push_back(dermis_of(k));
-  band.coefficients.resize(static_cast<std::size_t>(orders[0] * orders[1] * orders[2]));
-  for (int j = 0; j < orders[1]; ++j)
-    for (int i = 0; i < orders[0]; ++i) {
-      const detail::GridStack stack = at(i, j, 0);
-      std::vector<detail::LayerOperators> layers;
-      for (std::size_t l = 0; l + 1 < stack.layers.size(); ++l)
-        layers.push_back(detail::layer_operators(stack.layers[l], 0));
-      layers.emplace_back();
-      std::vector<double> down(active_count(stack.grid, 1.0), 0.0);
-      double all = 0.0;
-      for (std::size_t node = 0; node < down.size(); ++node) all += stack.grid.etendue[node];
-      if (incidence.is_diffuse)
-        for (std::size_t node = 0; node < down.size(); ++node)
-          down[node] = std::sqrt(stack.grid.etendue[node]) / all;
-      else
-        down[stack.grid.extra[0]] = 1.0 / std::sqrt(stack.grid.etendue[stack.grid.extra[0]]);
-      const detail::RoughBoundaries smooth(stack.interfaces.size());
-      for (int k = 0; k < orders[2]; ++k) {
-        layers.back() = dermis[static_cast<std::size_t>(k)];
-        const detail::StackOperators operators = detail::stack_operators(stack, 0, smooth, layers);
-        const std::vector<double> up = detail::product(operators.reflection, down);
-        double sum = 0.0;
-        for (std::size_t node = 0; node < up.size(); ++node)
-          sum += std::sqrt(stack.grid.etendue[node]) *
-                 (up[node] - operators.first_reflection(node, node) * down[node]);
-        band.coefficients[static_cast<std::size_t>((k * orders[1] + j) * orders[0] + i)] =
-            std::log(sum);
-      }
-    }
-  std::size_t stride = 1;
-  for (const int count : orders) {
-    to_coefficients(band.coefficients, stride, static_cast<std::size_t>(count));
-    stride *= static_cast<std::size_t>(count);
+  return {corner(0), corner(1)};
+}
+
+double SkinReflectanceTable::log_reflectance(const Band& band, const Place& at,
+                                             Place* derivatives) {
+  const double value = band.table.at(coordinates(at), derivatives);
+  if (derivatives) {
+    const Place chain = coordinate_derivatives(at);
+    for (std::size_t d = 0; d < chain.size(); ++d) (*derivatives)[d] *= chain[d];
   }
+  return value;
 }
 
 SkinReflectanceTable::SkinReflectanceTable(std::vector<double> wavelengths, Incidence incidence,
@@ -191,80 +250,37 @@ SkinReflectanceTable::SkinReflectanceTable(std::vector<double> wavelengths, Inci
   for (const double nm : wavelengths_)
     if (!(least_wavelength <= nm && nm <= largest_wavelength))
       throw InvalidInput("wavelength: must lie in [350, 1000] nm, but is " + number_text(nm));
+  if (wavelengths_.empty()) throw InvalidInput("wavelengths: must be given");
+  std::vector<ChebyshevTable::Box> boxes;
   for (const double nm : wavelengths_) {
-    Band& band = bands_.emplace_back();
-    band.wavelength = nm;
-    band.spectrum = skin_spectrum(nm);
-    SkinParameters plain;
-    plain.scattering_scale = 1.0;
-    plain.scattering_power = 0.0;
-    band.scattering = epidermis_scattering(plain, nm);
-    plain.scattering_power = 1.0;
-    band.log_ratio = std::log(epidermis_scattering(plain, nm) / band.scattering);
-    const auto scattering = [&](const SkinParameters& skin) {
-      return epidermis_scattering(skin, nm);
-    };
-    const std::array<double, 2> s = extremes(range, scattering);
-    const std::array<double, 2> d = {range.low.epidermis_thickness, range.high.epidermis_thickness};
-    const std::array<double, 2> a = extremes(range, [&](const SkinParameters& skin) {
-      return epidermis_absorption(skin, band.spectrum);
-    });
-    const std::array<double, 2> b = extremes(
-        range, [&](const SkinParameters& skin) { return dermis_absorption(skin, band.spectrum); });
-    band.low =
-        coordinates({a[0] * d[0], std::max(s[0] * d[0], least_scattering), 2.0 * b[0] / s[1]});
-    band.high =
-        coordinates({a[1] * d[1], std::max(s[1] * d[1], least_scattering), 2.0 * b[1] / s[0]});
-    for (std::size_t i = 0; i < dimensions; ++i) {  // so that nothing is divided by no width
-      band.low[i] -= 1e-6;
-      band.high[i] += 1e-6;
-    }
+    bands_.push_back(make_band(nm));
+    boxes.push_back(box_of(bands_.back(), range));
   }
-  parallel_for(
-      bands_.size(), [&](std::size_t b) { fill(bands_[b], incidence, range.low); }, progress);
+  const auto sheet_at = [&](double nm) { return 0.5 * junction_absorbance(range.low, nm); };
+  const bool has_one_sheet = std::ranges::all_of(
+      wavelengths_, [&](double nm) { return sheet_at(nm) == sheet_at(wavelengths_[0]); });
+  std::vector<Solutions> solutions;
+  if (wavelengths_.size() <= mean_cosines || !has_one_sheet) {
+    for (std::size_t b = 0; b < bands_.size(); ++b)
+      solutions.push_back({wavelengths_[b], sheet_at(wavelengths_[b]), boxes[b], band_counts});
+    solve(solutions, incidence, range.low, progress);
+    for (std::size_t b = 0; b < bands_.size(); ++b) bands_[b].table = solutions[b].table();
+  } else {
+    // Apart from the place, wavelengths differ in the mean cosine alone, and at one reduced
+    // scattering that does little: a parabola through three of them.
+    const auto [first, last] = std::ranges::minmax(wavelengths_);
+    const std::vector<double> nodes = ChebyshevTable::points(first, last, mean_cosines);
+    const ChebyshevTable::Box all = hull(boxes);
+    for (const double nm : nodes) solutions.push_back({nm, sheet_at(first), all, all_counts});
+    solve(solutions, incidence, range.low, progress);
+    std::vector<ChebyshevTable> tables;
+    for (const Solutions& each : solutions) tables.push_back(each.table());
+    for (std::size_t b = 0; b < bands_.size(); ++b)
+      bands_[b].table = ChebyshevTable::mixed(tables, lagrange(nodes, wavelengths_[b]))
+                            .over(boxes[b], band_counts);
+  }
   const double ior = skin_layer_stack(range.low, 500.0).layers()[0].medium.ior;
   specular_ = incidence.is_diffuse ? fresnel_diffuse(ior) : fresnel(std::cos(incidence.theta), ior);
-}
-
-double SkinReflectanceTable::log_reflectance(const Band& band, const Place& at,
-                                             Place* derivatives) {
-  const Place coordinate = coordinates(at);
-  std::array<std::array<double, 16>, dimensions> value, slope;
-  Place inside = {1.0, 1.0, 1.0}, width;
-  for (std::size_t d = 0; d < dimensions; ++d) {
-    width[d] = 0.5 * (band.high[d] - band.low[d]);
-    const double x = (coordinate[d] - band.low[d]) / width[d] - 1.0;
-    if (std::abs(x) > 1.0) inside[d] = 0.0;
-    chebyshev(std::clamp(x, -1.0, 1.0), orders[d], value[d].data(),
-              derivatives ? slope[d].data() : nullptr);
-  }
-  double sum = 0.0;
-  Place by = {};
-  const double* c = band.coefficients.data();
-  for (int k = 0; k < orders[2]; ++k) {
-    double plane = 0.0, plane_by_0 = 0.0, plane_by_1 = 0.0;
-    for (int j = 0; j < orders[1]; ++j, c += orders[0]) {
-      double row = 0.0, row_by_0 = 0.0;
-      for (int i = 0; i < orders[0]; ++i) row += c[i] * value[0][i];
-      if (derivatives)
-        for (int i = 0; i < orders[0]; ++i) row_by_0 += c[i] * slope[0][i];
-      plane += row * value[1][j];
-      if (!derivatives) continue;
-      plane_by_0 += row_by_0 * value[1][j];
-      plane_by_1 += row * slope[1][j];
-    }
-    sum += plane * value[2][k];
-    if (!derivatives) continue;
-    by[0] += plane_by_0 * value[2][k];
-    by[1] += plane_by_1 * value[2][k];
-    by[2] += plane * slope[2][k];
-  }
-  if (derivatives) {
-    const Place chain = coordinate_derivatives(at);
-    for (std::size_t d = 0; d < dimensions; ++d)
-      (*derivatives)[d] = by[d] / width[d] * chain[d] * inside[d];
-  }
-  return sum;
 }
 
 std::vector<double> SkinReflectanceTable::reflectance(const SkinParameters& skin) const {
@@ -279,26 +295,35 @@ std::vector<double> SkinReflectanceTable::reflectance(
     DenseMatrix& derivatives) const {
   derivatives = DenseMatrix(bands_.size(), numbers.size());
   std::vector<double> result;
-  for (std::size_t b = 0; b < bands_.size(); ++b) {
-    const Band& band = bands_[b];
-    Place by;
-    const double value = std::exp(log_reflectance(band, place(band, skin), &by));
-    result.push_back(value);
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-      // The place is a polynomial of low degree in each number, or a power: its difference is exact
-      // to 1e-10.
-      SkinParameters more = skin, less = skin;
-      const double step = 1e-5 * std::max(std::abs(skin.*numbers[n]), 1e-3);
-      more.*numbers[n] += step;
-      less.*numbers[n] -= step;
-      const Place above = place(band, more), below = place(band, less);
-      double sum = 0.0;
-      for (std::size_t d = 0; d < dimensions; ++d)
-        sum += by[d] * (above[d] - below[d]) / (2.0 * step);
-      derivatives(b, n) = value * sum;
-    }
-  }
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    result.push_back(reflectance_at(b, skin, numbers, derivatives.row(b)));
   return result;
+}
+
+double SkinReflectanceTable::reflectance_at(std::size_t wavelength, const SkinParameters& skin,
+                                            std::span<double SkinParameters::*const> numbers,
+                                            std::span<double> derivatives) const {
+  const Band& band = bands_[wavelength];
+  if (numbers.empty()) return std::exp(log_reflectance(band, place(band, skin), nullptr));
+  Place by;
+  const double value = std::exp(log_reflectance(band, place(band, skin), &by));
+  SkinParameters moved = skin;
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    // The place is a polynomial of low degree in each number, or a power: its difference is exact
+    // to 1e-10.
+    double& number = moved.*numbers[n];
+    const double step = 1e-5 * std::max(std::abs(number), 1e-3);
+    number = skin.*numbers[n] + step;
+    const Place above = place(band, moved);
+    number = skin.*numbers[n] - step;
+    const Place below = place(band, moved);
+    number = skin.*numbers[n];
+    double sum = 0.0;
+    for (std::size_t d = 0; d < by.size(); ++d)
+      sum += by[d] * (above[d] - below[d]) / (2.0 * step);
+    derivatives[n] = value * sum;
+  }
+  return value;
 }
 
 SkinRange skin_fit_range(const SkinParameters& skin) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/core/chebyshev_table.h"
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
 #include "lamina/materials/skin.h"
@@ -27,7 +28,7 @@ struct SkinRange {
 /// the dermis. The table holds totals by adding-doubling at Chebyshev points of these three, and
 /// interpolates the logarithm of what comes out of the skin. Its error is below 1e-3 of the
 /// reflectance over the range of skin_fit_range (tests); making it takes some .1 CPU-s a
-/// wavelength.
+/// wavelength, and half a second for any number of them.
 class SkinReflectanceTable {
  public:
   /// @param wavelengths  [nm], in [350, 1000]
@@ -47,25 +48,29 @@ class SkinReflectanceTable {
                                                 std::span<double SkinParameters::*const> numbers,
                                                 DenseMatrix& derivatives) const;
 
+  /// At one of the wavelengths, with its derivatives by numbers of the skin if any, [number].
+  [[nodiscard]] double reflectance_at(std::size_t wavelength, const SkinParameters& skin,
+                                      std::span<double SkinParameters::*const> numbers = {},
+                                      std::span<double> derivatives = {}) const;
+
   /// What the surface mirrors, the same at all wavelengths.
   [[nodiscard]] double specular_reflectance() const { return specular_; }
 
  private:
-  static constexpr std::size_t dimensions = 3;
-  using Place = std::array<double, dimensions>;  ///< epidermis sigma_a d, sigma_s' d; dermis
-                                                 ///< sigma_a / sigma_s'
+  using Place = ChebyshevTable::Point;  ///< epidermis sigma_a d, sigma_s' d; dermis
+                                        ///< sigma_a / sigma_s'
   struct Band {
     double wavelength = 0.0;
     SkinSpectrum spectrum = {};
-    double scattering = 0.0;           ///< of the epidermis at scale 1 and power 0 [1/mm]
-    double log_ratio = 0.0;            ///< of the wavelength to that where the power is 1
-    Place low = {}, high = {};         ///< of the coordinates of the place
-    std::vector<double> coefficients;  ///< [3rd][2nd][1st order] of the logarithm
+    double scattering = 0.0;  ///< of the epidermis at scale 1 and power 0 [1/mm]
+    double log_ratio = 0.0;   ///< of the wavelength to that where the power is 1
+    ChebyshevTable table;     ///< of the logarithm, over coordinates of the place
   };
+  [[nodiscard]] static Band make_band(double wavelength);
+  [[nodiscard]] static ChebyshevTable::Box box_of(const Band& band, const SkinRange& range);
   [[nodiscard]] static Place place(const Band& band, const SkinParameters& skin);
   [[nodiscard]] static double log_reflectance(const Band& band, const Place& at,
                                               Place* derivatives);
-  void fill(Band& band, Incidence incidence, const SkinParameters& skin) const;
 
   std::vector<double> wavelengths_;
   std::vector<Band> bands_;

@@ -38,8 +38,10 @@ bool spans_decades(const MeasuredSeries& series, const MeasuredPoint& point) {
 }  // namespace
 
 MeasurementModel::MeasurementModel(const Measurement& measurement, std::vector<std::size_t> bands,
-                                   Progress progress)
+                                   const MeasurementTables& tables, Progress progress)
     : measurement_(measurement), bands_(std::move(bands)), progress_(std::move(progress)) {
+  for (const MeasuredSeries& series : measurement.series)
+    tables_.push_back(tables.find(measurement, series));
   for (std::size_t f = 0; f < measurement.free.size(); ++f) {
     if (!measurement.free[f].is_per_band)
       unknowns_.push_back({f, 0});
@@ -56,7 +58,7 @@ MeasurementModel::MeasurementModel(const Measurement& measurement, std::vector<s
         part.points.push_back(series.points[p]);
         is_logarithmic_.push_back(spans_decades(series, series.points[p]));
       }
-      if (!part.points.empty()) parts_.push_back(std::move(part));
+      if (!part.points.empty()) (tables_[s] ? looked_up_ : parts_).push_back(std::move(part));
     }
   correction_.assign(is_logarithmic_.size(), 1.0);
 }
@@ -74,14 +76,19 @@ std::vector<FitParameter> MeasurementModel::parameters() const {
 }
 
 FitData MeasurementModel::data() const {
-  FitData data;
-  for (const Part& part : parts_)
-    for (const MeasuredPoint& point : part.points) {
-      const bool is_log = is_logarithmic_[data.measured.size()];
-      data.measured.push_back(is_log ? std::log(point.value) : point.value);
-      data.standard_deviation.push_back(is_log ? point.standard_deviation / point.value
-                                               : point.standard_deviation);
-    }
+  const std::size_t rows = is_logarithmic_.size();
+  FitData data{.measured = std::vector<double>(rows),
+               .standard_deviation = std::vector<double>(rows)};
+  for (const auto& parts : {&parts_, &looked_up_})
+    for (const Part& part : *parts)
+      for (std::size_t j = 0; j < part.points.size(); ++j) {
+        const MeasuredPoint& point = part.points[j];
+        const std::size_t row = part.first + j;
+        const bool is_log = is_logarithmic_[row];
+        data.measured[row] = is_log ? std::log(point.value) : point.value;
+        data.standard_deviation[row] =
+            is_log ? point.standard_deviation / point.value : point.standard_deviation;
+      }
   return data;
 }
 
@@ -100,6 +107,8 @@ std::vector<LayerStack> MeasurementModel::stacks(std::span<const double> values)
 std::vector<double> MeasurementModel::predict(std::span<const double> values) const {
   report_or_throw(progress_, 0.0);
   std::vector<double> predicted(is_logarithmic_.size(), std::nan(""));
+  for (const Part& part : looked_up_) look_up(part, values, predicted, nullptr);
+  if (parts_.empty()) return predicted;
   std::vector<LayerStack> at;
   try {
     at = stacks(values);
@@ -119,6 +128,23 @@ std::vector<double> MeasurementModel::predict(std::span<const double> values) co
     }
   });
   return predicted;
+}
+
+void MeasurementModel::look_up(const Part& part, std::span<const double> values,
+                               std::span<double> predicted, DenseMatrix* derivatives) const {
+  const MeasuredSeries& series = measurement_.series[part.series];
+  const RecipeTotals& table = *tables_[part.series];
+  std::vector<RecipeTotals::Totals> by(derivatives ? values.size() : 0);
+  const RecipeTotals::Totals totals = table.at(values, part.band, by);
+  for (std::size_t j = 0; j < part.points.size(); ++j) {
+    const bool is_reflected = part.points[j].quantity == MeasuredQuantity::reflectance;
+    const std::size_t row = part.first + j;
+    predicted[row] = is_reflected ? totals.reflectance +
+                                        (series.has_specular ? table.specular_reflectance() : 0.0)
+                                  : totals.transmittance;
+    for (std::size_t u = 0; u < by.size(); ++u)
+      (*derivatives)(row, u) = is_reflected ? by[u].reflectance : by[u].transmittance;
+  }
 }
 
 std::vector<MeasurementModel::Sides> MeasurementModel::both_sides(
@@ -151,6 +177,7 @@ std::vector<MeasurementModel::Sides> MeasurementModel::both_sides(
 }
 
 bool MeasurementModel::is_exact(std::size_t series, std::span<const double> values) const {
+  if (tables_[series]) return true;
   const std::vector<LayerStack> at = stacks(values);
   const std::vector<Sides> sides = both_sides(values, at);
   return std::ranges::all_of(parts_, [&](const Part& part) {
@@ -164,11 +191,13 @@ bool MeasurementModel::is_exact(std::size_t series, std::span<const double> valu
 }
 
 DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const {
+  DenseMatrix jacobian(is_logarithmic_.size(), unknowns_.size());
+  std::vector<double> predicted(is_logarithmic_.size());
+  for (const Part& part : looked_up_) look_up(part, values, predicted, &jacobian);
+  if (parts_.empty()) return jacobian;
   const std::vector<LayerStack> at = stacks(values);
   const std::vector<FitParameter> parameters = this->parameters();
   const std::vector<double> place = coordinates(values);
-  DenseMatrix jacobian(is_logarithmic_.size(), unknowns_.size());
-
   const std::vector<Sides> sides = both_sides(values, at);
 
   parallel_for(parts_.size(), [&](std::size_t i) {
@@ -265,6 +294,7 @@ void MeasurementModel::correct_derivatives(std::span<const double> values) {
 }
 
 void MeasurementModel::correct(std::span<const double> values, bool with_derivatives) {
+  if (parts_.empty()) return;
   if (with_derivatives) correct_derivatives(values);
   corrected_at_ = coordinates(values);
   const std::vector<LayerStack> at = stacks(values);
@@ -281,9 +311,11 @@ void MeasurementModel::correct(std::span<const double> values, bool with_derivat
 }
 
 std::vector<MeasurementModel::Place> MeasurementModel::places() const {
-  std::vector<Place> places;
-  for (const Part& part : parts_)
-    for (const std::size_t index : part.indices) places.push_back({part.series, index});
+  std::vector<Place> places(is_logarithmic_.size());
+  for (const auto& parts : {&parts_, &looked_up_})
+    for (const Part& part : *parts)
+      for (std::size_t j = 0; j < part.indices.size(); ++j)
+        places[part.first + j] = {part.series, part.indices[j]};
   return places;
 }
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
+#include "lamina/fit/internal/recipe_totals.h"
 #include "lamina/fit/measurement.h"
+#include "lamina/fit/measurement_tables.h"
 #include "lamina/fit/nonlinear_fit.h"
 #include "lamina/optics/layer_stack.h"
 
@@ -25,9 +28,10 @@ struct Unknown {
 /// logarithm where it is known to better than a third.
 class MeasurementModel {
  public:
-  /// @param bands  of the points that count; what is free per band is unknown in these.
+  /// @param bands   of the points that count; what is free per band is unknown in these.
+  /// @param tables  that series use in place of solvers
   MeasurementModel(const Measurement& measurement, std::vector<std::size_t> bands,
-                   Progress progress);
+                   const MeasurementTables& tables, Progress progress);
 
   [[nodiscard]] const std::vector<Unknown>& unknowns() const { return unknowns_; }
   [[nodiscard]] std::vector<FitParameter> parameters() const;
@@ -43,6 +47,9 @@ class MeasurementModel {
 
   /// Whether all derivatives of a series are exact there.
   [[nodiscard]] bool is_exact(std::size_t series, std::span<const double> values) const;
+
+  /// Whether there are solutions that can be corrected, and not only tables.
+  [[nodiscard]] bool has_solutions() const { return !parts_.empty(); }
 
   /// From now on predictions are times what makes them right at these values; with jacobian, those
   /// of profiles also times what makes their derivatives right there, by differences of accurate
@@ -70,6 +77,9 @@ class MeasurementModel {
   /// [free number] A little less and a little more of each.
   [[nodiscard]] std::vector<Sides> both_sides(std::span<const double> values,
                                               const std::vector<LayerStack>& at) const;
+  /// Puts what a table says of a part in its rows; of derivatives if they are given.
+  void look_up(const Part& part, std::span<const double> values, std::span<double> predicted,
+               DenseMatrix* derivatives) const;
   [[nodiscard]] std::size_t place_of(std::size_t band) const;  ///< in bands_
   [[nodiscard]] bool depends(const Part& part, std::size_t unknown) const;
   [[nodiscard]] std::vector<double> coordinates(std::span<const double> values) const;
@@ -80,9 +90,10 @@ class MeasurementModel {
   std::vector<std::size_t> bands_;
   Progress progress_;
   std::vector<Unknown> unknowns_;
-  std::vector<Part> parts_;
-  std::vector<bool> is_logarithmic_;  ///< [point]
-  std::vector<double> correction_;    ///< [point] factor
+  std::vector<std::shared_ptr<const RecipeTotals>> tables_;  ///< [series] null: it is solved
+  std::vector<Part> parts_, looked_up_;                      ///< solved, and by tables
+  std::vector<bool> is_logarithmic_;                         ///< [point]
+  std::vector<double> correction_;                           ///< [point] factor
   DenseMatrix
       derivative_correction_;  ///< [point][unknown] of its logarithm by coordinates, or empty
   std::vector<double> corrected_at_;  ///< [unknown] coordinates

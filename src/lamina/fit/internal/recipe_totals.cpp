@@ -1,0 +1,182 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/fit/internal/recipe_totals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "lamina/core/number_text.h"
+#include "lamina/reflectance/leaf_totals_table.h"
+#include "lamina/reflectance/skin_reflectance_table.h"
+
+namespace lamina::fit_detail {
+namespace {
+
+/// What tables are off at most, of totals; of smaller ones as of the least.
+constexpr double table_error = 1e-3, least_total = 3e-3;
+
+/// The members of a recipe that are free, by their paths; nothing if a path is another's, or its
+/// range is not within that of tables.
+template <class Parameters, class Range>
+std::optional<std::vector<double Parameters::*>> free_members(const Measurement& measurement,
+                                                              std::string_view recipe,
+                                                              std::span<const Range> all,
+                                                              const Parameters& low,
+                                                              const Parameters& high) {
+  std::vector<double Parameters::*> members;
+  for (const FreeNumber& free : measurement.free) {
+    const auto found = std::ranges::find_if(all, [&](const Range& range) {
+      return free.parameter.name == std::string(recipe) + "." + std::string(range.name);
+    });
+    if (found == all.end() || found->is_length) return {};
+    if (free.parameter.low < low.*found->value || free.parameter.high > high.*found->value)
+      return {};
+    members.push_back(found->value);
+  }
+  return members;
+}
+
+bool is_same(const LayerStack& a, const LayerStack& b) {
+  const auto same_layer = [](const Layer& x, const Layer& y) {
+    return x.medium.sigma_a == y.medium.sigma_a && x.medium.sigma_s == y.medium.sigma_s &&
+           x.medium.g == y.medium.g && x.medium.ior == y.medium.ior && x.thickness == y.thickness &&
+           x.top == y.top;
+  };
+  return a.ior_above() == b.ior_above() && a.ior_below() == b.ior_below() &&
+         a.ground().reflectance == b.ground().reflectance && a.ground().top == b.ground().top &&
+         std::ranges::equal(a.layers(), b.layers(), same_layer);
+}
+
+/// The material where the fit starts, if it has nothing that its recipe does not say.
+template <class Recipe>
+bool is_recipe_alone(const Material& material, Recipe recipe) {
+  const std::vector<LayerStack> stacks = layer_stacks(material);
+  for (std::size_t band = 0; band < stacks.size(); ++band)
+    if (!is_same(stacks[band], recipe(material.bands.wavelengths()[band]))) return false;
+  return true;
+}
+
+Material at_start(const Measurement& measurement) {
+  std::vector<std::vector<double>> values;
+  for (const FreeNumber& free : measurement.free)
+    values.emplace_back(free.is_per_band ? measurement.bands.size() : 1, free.parameter.start);
+  return material_with(measurement, values);
+}
+
+std::vector<double> wavelengths_of(const Measurement& measurement) {
+  const std::span<const double> nm = measurement.bands.wavelengths();
+  return {nm.begin(), nm.end()};
+}
+
+class SkinTotals final : public RecipeTotals {
+ public:
+  SkinTotals(const Measurement& measurement, const Incidence& incidence, const Material& material,
+             const Progress& progress)
+      : skin_(material.skin->skin),
+        members_(*members(measurement, skin_)),
+        table_(wavelengths_of(measurement), incidence, skin_fit_range(skin_), progress) {}
+
+  static std::optional<std::vector<double SkinParameters::*>> members(
+      const Measurement& measurement, const SkinParameters& skin) {
+    const SkinRange range = skin_fit_range(skin);
+    return free_members(measurement, "skin", skin_parameter_ranges(), range.low, range.high);
+  }
+
+  Totals at(std::span<const double> numbers, std::size_t band,
+            std::span<Totals> derivatives) const override {
+    SkinParameters skin = skin_;
+    for (std::size_t i = 0; i < members_.size(); ++i) skin.*members_[i] = numbers[i];
+    if (derivatives.empty()) return {table_.reflectance_at(band, skin), 0.0};
+    std::vector<double> by(members_.size());
+    const double value = table_.reflectance_at(band, skin, members_, by);
+    for (std::size_t i = 0; i < by.size(); ++i) derivatives[i] = {by[i], 0.0};
+    return {value, 0.0};
+  }
+  double specular_reflectance() const override { return table_.specular_reflectance(); }
+
+ private:
+  SkinParameters skin_;
+  std::vector<double SkinParameters::*> members_;  ///< [free number]
+  SkinReflectanceTable table_;
+};
+
+class LeafTotals final : public RecipeTotals {
+ public:
+  LeafTotals(const Measurement& measurement, const Incidence& incidence, const Material& material,
+             const Progress& progress)
+      : leaf_(*material.leaf),
+        members_(*members(measurement, leaf_)),
+        table_(wavelengths_of(measurement), incidence, leaf_fit_range(leaf_), progress) {}
+
+  static std::optional<std::vector<double LeafParameters::*>> members(
+      const Measurement& measurement, const LeafParameters& leaf) {
+    const LeafRange range = leaf_fit_range(leaf);
+    return free_members(measurement, "leaf", leaf_parameter_ranges(), range.low, range.high);
+  }
+
+  Totals at(std::span<const double> numbers, std::size_t band,
+            std::span<Totals> derivatives) const override {
+    LeafParameters leaf = leaf_;
+    for (std::size_t i = 0; i < members_.size(); ++i) leaf.*members_[i] = numbers[i];
+    if (derivatives.empty()) {
+      const LeafTotalsTable::Totals totals = table_.totals(leaf, band);
+      return {totals.reflectance, totals.transmittance};
+    }
+    std::vector<LeafTotalsTable::Totals> by(members_.size());
+    const LeafTotalsTable::Totals totals = table_.totals(leaf, band, members_, by);
+    for (std::size_t i = 0; i < by.size(); ++i)
+      derivatives[i] = {by[i].reflectance, by[i].transmittance};
+    return {totals.reflectance, totals.transmittance};
+  }
+  double specular_reflectance() const override { return table_.specular_reflectance(); }
+
+ private:
+  LeafParameters leaf_;
+  std::vector<double LeafParameters::*> members_;  ///< [free number]
+  LeafTotalsTable table_;
+};
+
+}  // namespace
+
+bool has_recipe_totals(const Measurement& measurement, const MeasuredSeries& series) {
+  if (series.kind != MeasurementKind::totals || measurement.bands.is_rgb()) return false;
+  const std::string_view path = measurement.free[0].parameter.name;
+  if (!path.starts_with("skin.") && !path.starts_with("leaf.")) return false;
+  if (std::ranges::any_of(measurement.free, &FreeNumber::is_per_band)) return false;
+  const Material material = at_start(measurement);
+  const bool is_skin = material.skin.has_value();
+  for (const MeasuredPoint& point : series.points) {
+    const bool is_reflected = point.quantity == MeasuredQuantity::reflectance;
+    if (!is_reflected && (is_skin || point.quantity != MeasuredQuantity::transmittance))
+      return false;
+    const double error = table_error * std::max(point.value, least_total);
+    if (error > 0.5 * point.standard_deviation) return false;
+  }
+  if (is_skin) {
+    const SkinParameters& skin = material.skin->skin;
+    return SkinTotals::members(measurement, skin) && !std::isfinite(skin.dermis_thickness) &&
+           is_recipe_alone(material, [&](double nm) { return skin_layer_stack(skin, nm); });
+  }
+  return material.leaf && LeafTotals::members(measurement, *material.leaf) &&
+         is_recipe_alone(material, [&](double nm) { return leaf_layer_stack(*material.leaf, nm); });
+}
+
+std::shared_ptr<const RecipeTotals> make_recipe_totals(const Measurement& measurement,
+                                                       const MeasuredSeries& series,
+                                                       const Progress& progress) {
+  const Material material = at_start(measurement);
+  if (material.skin)
+    return std::make_shared<SkinTotals>(measurement, series.incidence, material, progress);
+  return std::make_shared<LeafTotals>(measurement, series.incidence, material, progress);
+}
+
+std::string recipe_totals_key(const Measurement& measurement, const MeasuredSeries& series) {
+  std::string key = series.incidence.is_diffuse ? "diffuse" : number_text(series.incidence.theta);
+  for (const double nm : measurement.bands.wavelengths()) key += " " + number_text(nm);
+  for (const FreeNumber& free : measurement.free) key += "\n" + free.parameter.name;
+  return key + "\n" + measurement.material.name + "\n" + measurement.material.text;
+}
+
+}  // namespace lamina::fit_detail
