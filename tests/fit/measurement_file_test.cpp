@@ -11,6 +11,7 @@
 
 #include "io/bad_files.h"
 #include "lamina/core/error.h"
+#include "lamina/fit/internal/measurement_model.h"
 #include "lamina/fit/measurement.h"
 
 namespace lamina {
@@ -80,6 +81,16 @@ TEST(MeasurementFile, PutsNumbersIntoTheMaterial) {
   EXPECT_EQ(material.layers[0].sigma_a, (std::vector{0.3, 0.4}));
   EXPECT_NEAR(sigma_s_prime(layer_stack(material, 1).layers()[0].medium), 2.5, 1e-12);
   EXPECT_EQ(material.layers[0].thickness, 2.0);
+}
+
+// Without a start, that of the material, by band where it has one for each.
+TEST(MeasurementFile, StartsWhereTheMaterialIs) {
+  const Measurement measurement = load_measurement(inputs / "good/starts.json");
+  EXPECT_EQ(measurement.free[0].starts(2), (std::vector{0.1, 0.2}));
+  EXPECT_EQ(measurement.free[1].starts(2), std::vector{1.5});
+  const fit_detail::MeasurementModel model(measurement, {0, 1}, {});
+  EXPECT_EQ(model.parameters()[1].start, 0.2);
+  EXPECT_EQ(model.parameters()[2].start, 1.5);
 }
 
 TEST(MeasurementFile, ChangesBySettings) {

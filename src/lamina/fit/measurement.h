@@ -65,6 +65,16 @@ struct MeasuredSeries {
 struct FreeNumber {
   FitParameter parameter;  ///< its name is the path in the file, as that of --set
   bool is_per_band = false;
+  std::vector<double> band_starts = {};  ///< [band] in place of parameter.start; may be empty
+
+  [[nodiscard]] double start(std::size_t band) const {
+    return band_starts.empty() ? parameter.start : band_starts[band];
+  }
+  /// One, or as many as bands.
+  [[nodiscard]] std::vector<double> starts(std::size_t bands) const {
+    if (!band_starts.empty()) return band_starts;
+    return std::vector<double>(is_per_band ? bands : 1, parameter.start);
+  }
 };
 
 /// A material file with settings to be put in.
@@ -75,6 +85,15 @@ struct MeasuredMaterial {
   /// @param settings  as parse_json takes them. @throws InvalidInput as load_material.
   [[nodiscard]] Material with(std::span<const std::string> settings) const;
 };
+
+/// A number that the file of a material states, or one for each of its bands.
+struct StatedNumber {
+  std::string path;  ///< as that of --set
+  std::vector<double> values;
+};
+
+/// All of them, in the order of the file; wavelengths of bands and versions are none.
+[[nodiscard]] std::vector<StatedNumber> stated_numbers(const MeasuredMaterial& material);
 
 /// What a measurement file says.
 struct Measurement {

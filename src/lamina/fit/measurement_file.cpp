@@ -37,20 +37,61 @@ FitPrior decode_prior(const JsonInput& value) {
           .standard_deviation = object.required("sd").number(greater_than(0.0))};
 }
 
-FreeNumber decode_free(const JsonInput& value) {
+void add_stated_numbers(const JsonInput& value, std::vector<StatedNumber>& numbers) {
+  if (value.is_number()) {
+    numbers.push_back({value.path(), {value.number()}});
+  } else if (value.is_array()) {
+    const std::vector<JsonInput> elements = value.array();
+    if (elements.empty() || !std::ranges::all_of(elements, &JsonInput::is_number)) {
+      for (const JsonInput& element : elements) add_stated_numbers(element, numbers);
+      return;
+    }
+    StatedNumber& number = numbers.emplace_back(StatedNumber{value.path(), {}});
+    for (const JsonInput& element : elements) number.values.push_back(element.number());
+  } else if (value.is_object()) {
+    for (const auto& [key, entry] : value.entries())
+      if (key != "version" && key != "bands") add_stated_numbers(entry, numbers);
+  }
+}
+
+/// Without a "start": what the material has.
+void start_where_the_material_is(const JsonInput& value, std::span<const StatedNumber> stated,
+                                 std::size_t bands, FreeNumber& free) {
+  const std::string& path = free.parameter.name;
+  const auto found = std::ranges::find(stated, path, &StatedNumber::path);
+  if (found == stated.end())
+    value.fail("\"start\" is required, since the material states no number at " + path);
+  const std::vector<double>& values = found->values;
+  if (values.size() > 1 && !(free.is_per_band && values.size() == bands))
+    value.fail("\"start\" is required: the material states " + std::to_string(values.size()) +
+               " numbers at " + path + ", and " + std::to_string(free.is_per_band ? bands : 1) +
+               (free.is_per_band && bands > 1 ? " are free" : " is free"));
+  free.parameter.start = values[0];
+  if (values.size() > 1) free.band_starts = values;
+}
+
+FreeNumber decode_free(const JsonInput& value, std::span<const StatedNumber> stated,
+                       std::size_t bands) {
   const JsonObject object =
       value.object({"parameter", "start", "low", "high", "scale", "prior", "per_band"});
   FreeNumber free;
   FitParameter& parameter = free.parameter;
   parameter.name = object.required("parameter").string();
-  parameter.start = object.required("start").number();
   parameter.low = object.required("low").number();
   parameter.high = object.required("high").number();
   if (const auto scale = object.optional("scale")) parameter.scale = scale->choice<FitScale>();
   if (const auto prior = object.optional("prior")) parameter.prior = decode_prior(*prior);
   if (const auto per_band = object.optional("per_band")) free.is_per_band = per_band->boolean();
+  if (const auto start = object.optional("start"))
+    parameter.start = start->number();
+  else
+    start_where_the_material_is(value, stated, bands, free);
   try {
-    check_fit_parameter(parameter);
+    FitParameter at = parameter;
+    for (const double start : free.starts(bands)) {
+      at.start = start;
+      check_fit_parameter(at);
+    }
   } catch (const InvalidInput& error) {
     value.fail(error.what());
   }
@@ -101,7 +142,7 @@ void check_free(const JsonInput& free, Measurement& measurement) {
     for (std::size_t j = 0; j < i; ++j)
       if (measurement.free[j].parameter.name == number.parameter.name)
         places[i].fail(number.parameter.name + " is free already");
-    values.emplace_back(number.is_per_band ? bands : 1, number.parameter.start);
+    values.push_back(number.starts(bands));
     if (number.parameter.prior) continue;
     unknowns += number.is_per_band ? bands : 1;
     names += (names.empty() ? "" : ", ") + number.parameter.name;
@@ -127,6 +168,14 @@ Material MeasuredMaterial::with(std::span<const std::string> settings) const {
   MemoryBudget memory;
   const JsonDocument document = parse_json(text, name, memory, settings);
   return decode_material(document.root());
+}
+
+std::vector<StatedNumber> stated_numbers(const MeasuredMaterial& material) {
+  MemoryBudget memory;
+  const JsonDocument document = parse_json(material.text, material.name, memory);
+  std::vector<StatedNumber> numbers;
+  add_stated_numbers(document.root(), numbers);
+  return numbers;
 }
 
 Material material_with(const Measurement& measurement,
@@ -156,8 +205,7 @@ Measurement load_measurement(const std::filesystem::path& file, MemoryBudget mem
   if (const auto name = root.optional("name")) measurement.name = name->string();
   if (const auto source = root.optional("source")) measurement.source = source->string();
   measurement.material = decode_measured_material(root.required("material"), file.string());
-  for (const JsonInput& free : root.required("free").array(1, 100))
-    measurement.free.push_back(decode_free(free));
+  const std::vector<JsonInput> free_numbers = root.required("free").array(1, 100);
   if (const auto starts = root.optional("starts"))
     measurement.starts = static_cast<int>(starts->integer(1, 1000));
   if (const auto limit = root.optional("robust_limit"))
@@ -166,6 +214,9 @@ Measurement load_measurement(const std::filesystem::path& file, MemoryBudget mem
   for (const JsonInput& entry : root.required("measured").array(1, 100))
     entries.push_back(fit_detail::decode_series(entry));
   set_bands(root.required("measured"), std::move(entries), measurement);
+  const std::vector<StatedNumber> stated = stated_numbers(measurement.material);
+  for (const JsonInput& free : free_numbers)
+    measurement.free.push_back(decode_free(free, stated, measurement.bands.size()));
   check_free(root.required("free"), measurement);
   return measurement;
 }

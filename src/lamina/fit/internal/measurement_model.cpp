@@ -68,6 +68,7 @@ std::vector<FitParameter> MeasurementModel::parameters() const {
   for (const Unknown& unknown : unknowns_) {
     const FreeNumber& free = measurement_.free[unknown.free];
     parameters.push_back(free.parameter);
+    parameters.back().start = free.start(unknown.band);
     if (free.is_per_band && measurement_.bands.size() > 1)
       parameters.back().name += " at " + band_name(measurement_.bands, unknown.band) +
                                 (measurement_.bands.is_rgb() ? "" : " nm");
@@ -95,7 +96,7 @@ FitData MeasurementModel::data() const {
 std::vector<LayerStack> MeasurementModel::stacks(std::span<const double> values) const {
   std::vector<std::vector<double>> table;
   for (const FreeNumber& free : measurement_.free)
-    table.emplace_back(free.is_per_band ? measurement_.bands.size() : 1, free.parameter.start);
+    table.push_back(free.starts(measurement_.bands.size()));
   for (std::size_t u = 0; u < unknowns_.size(); ++u)
     table[unknowns_[u].free][unknowns_[u].band] = values[u];
   const Material material = material_with(measurement_, table);
