@@ -76,7 +76,8 @@ void add_merge_command(CLI::App& app) {
   command.add_option("files", options->files, "what `lamina photons --shard I/N --json` wrote")
       .required()
       .type_name("FILE");
-  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG", ".svg");
+  command.add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG",
+                          ".svg");
   add_common_options(command, options->common);
   command.footer(
       "Example: two machines share a run\n"

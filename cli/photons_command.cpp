@@ -21,8 +21,8 @@
 namespace lamina::cli {
 namespace {
 
-constexpr std::string_view tally_names[] = {"r",     "angle", "rz",     "fluence",
-                                            "log_r", "bsdf",  "orders", "path"};
+constexpr std::string_view tally_names[] = {"r",    "angle",  "rz",   "fluence", "log_r",
+                                            "bsdf", "orders", "path", "time"};
 
 void read_tallies(const PhotonsOptions& options, PhotonTallies& t) {
   for (const std::string& name : options.tallies) {
@@ -44,10 +44,13 @@ void read_tallies(const PhotonsOptions& options, PhotonTallies& t) {
     else if (name == "path") {
       t.path_length = {options.path_bins, options.dl};
       t.mean_path_length = true;
-    } else
+    } else if (name == "time")
+      t.time = {options.time_bins, options.dt};
+    else
       throw InvalidInput(
           fmt::format("--tally: unknown tally \"{}\"{}", name, did_you_mean(name, tally_names)));
   }
+  t.frequencies = options.frequencies;
   t.detectors = options.detectors;
   if (!t.detectors.empty()) t.detector_width = options.detector_width;
   if (options.directions.size() % 2 != 0)
@@ -84,8 +87,8 @@ void check_options(const Command& command, const PhotonsOptions& options) {
     if (is_given(name)) throw InvalidInput(name + ": " + reason);
   };
   if (is_mcml(options))
-    for (const char* name :
-         {"--tally", "--incidence", "--beam", "--detector", "--direction", "--bands"})
+    for (const char* name : {"--tally", "--incidence", "--beam", "--detector", "--direction",
+                             "--frequency", "--bands"})
       refuse(name, "must be left out for a .mci file, which says what to count");
   else
     refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
@@ -101,13 +104,15 @@ void check_options(const Command& command, const PhotonsOptions& options) {
                                            {"--bsdf-cosines", {"bsdf"}},
                                            {"--bsdf-azimuths", {"bsdf"}},
                                            {"--path-bins", {"path"}},
-                                           {"--dl", {"path"}}};
+                                           {"--dl", {"path"}},
+                                           {"--time-bins", {"time"}},
+                                           {"--dt", {"time"}}};
   for (const auto& [name, tallies] : needs)
     if (std::ranges::find_first_of(tallies, options.tallies) == tallies.end())
       refuse(name, fmt::format("needs --tally {}, which is not given", fmt::join(tallies, " or ")));
-  if (!is_mcml(options) && std::ranges::count(options.tallies, "r") == 0 &&
-      std::ranges::count(options.tallies, "angle") == 0)
-    refuse("--plot", "needs --tally r or angle, which is not given");
+  const std::vector<std::string> plotted = {"r", "angle", "time"};
+  if (!is_mcml(options) && std::ranges::find_first_of(plotted, options.tallies) == plotted.end())
+    refuse("--plot", "needs --tally r, angle or time, which is not given");
   if (options.detectors.empty()) refuse("--detector-width", "needs --detector, which is not given");
   if (options.checkpoint.empty()) refuse("--resume", "needs --checkpoint FILE, which is not given");
   if (options.beam == Beam::Shape::pencil) refuse("--beam-radius", "needs --beam gaussian or flat");
@@ -182,7 +187,7 @@ void add_photons_command(CLI::App& app) {
   const std::string tallies = "Tallies";
   command
       .add_option("--tally", options->tallies,
-                  "r, angle, rz, fluence, log_r, bsdf, orders, path; separated by commas")
+                  "r, angle, rz, fluence, log_r, bsdf, orders, path, time; separated by commas")
       .delimiter(',')
       .group(tallies);
   const auto bins = [&](const char* name, int& value, const char* text) {
@@ -210,6 +215,18 @@ void add_photons_command(CLI::App& app) {
   bins("--bsdf-azimuths", options->azimuths, "columns of bsdf");
   bins("--path-bins", options->path_bins, "bins of path length");
   width("--dl", options->dl, "width of a bin of path length");
+  bins("--time-bins", options->time_bins, "bins of the time of flight");
+  command.add_option("--dt", options->dt, "width of a bin of time")
+      .type_name("PS")
+      .range(1e-9, 1e9)
+      .group(tallies)
+      .show_default();
+  command
+      .add_option("--frequency", options->frequencies,
+                  "frequencies of modulated light [MHz]: its amplitude and phase")
+      .delimiter(',')
+      .range(0.0, 1e6)
+      .group(tallies);
   command.add_option("--detector", options->detectors, "distances of ring detectors [mm]")
       .delimiter(',')
       .range(0.0, 1e9)
@@ -226,7 +243,8 @@ void add_photons_command(CLI::App& app) {
       .type_name("DIR")
       .group(output)
       .show_default();
-  command.add_output_file("--plot", options->plot, "plot of R(r), or of R(angle), as SVG", ".svg")
+  command
+      .add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG", ".svg")
       .group(output);
   command
       .add_flag("--counts", options->with_counts,

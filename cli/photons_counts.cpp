@@ -47,18 +47,22 @@ JsonOutput tallies_json(const PhotonTallies& t) {
   JsonOutput directions = JsonOutput::array();
   for (const ExitDirection& d : t.directions)
     directions.push_back({{"theta", d.theta}, {"phi", d.phi}, {"is_below", d.is_below}});
-  return {{"r", JsonOutput::array({t.r.count, t.r.width})},
-          {"angles", t.angles},
-          {"log_r", JsonOutput::array({t.log_r.count, t.log_r.low, t.log_r.high})},
-          {"depth", JsonOutput::array({t.depth.count, t.depth.width})},
-          {"fluence", t.fluence},
-          {"bsdf", JsonOutput::array({t.bsdf_cosines, t.bsdf_azimuths})},
-          {"orders", t.orders},
-          {"path_length", JsonOutput::array({t.path_length.count, t.path_length.width})},
-          {"mean_path_length", t.mean_path_length},
-          {"detectors", t.detectors},
-          {"detector_width", t.detector_width},
-          {"directions", directions}};
+  JsonOutput json = {{"r", JsonOutput::array({t.r.count, t.r.width})},
+                     {"angles", t.angles},
+                     {"log_r", JsonOutput::array({t.log_r.count, t.log_r.low, t.log_r.high})},
+                     {"depth", JsonOutput::array({t.depth.count, t.depth.width})},
+                     {"fluence", t.fluence},
+                     {"bsdf", JsonOutput::array({t.bsdf_cosines, t.bsdf_azimuths})},
+                     {"orders", t.orders},
+                     {"path_length", JsonOutput::array({t.path_length.count, t.path_length.width})},
+                     {"mean_path_length", t.mean_path_length},
+                     {"detectors", t.detectors},
+                     {"detector_width", t.detector_width},
+                     {"directions", directions}};
+  // Only where asked for, so that files of other runs stay as they were.
+  if (t.time.count > 0) json["time"] = JsonOutput::array({t.time.count, t.time.width});
+  if (!t.frequencies.empty()) json["frequencies"] = t.frequencies;
+  return json;
 }
 
 JsonOutput counts_json(const PhotonCounts& counts) {
@@ -106,9 +110,9 @@ UniformBins uniform_bins(const JsonInput& input) {
 }
 
 PhotonTallies read_tallies(const JsonInput& input) {
-  const JsonObject object =
-      input.object({"r", "angles", "log_r", "depth", "fluence", "bsdf", "orders", "path_length",
-                    "mean_path_length", "detectors", "detector_width", "directions"});
+  const JsonObject object = input.object({"r", "angles", "log_r", "depth", "fluence", "bsdf",
+                                          "orders", "path_length", "mean_path_length", "detectors",
+                                          "detector_width", "directions", "time", "frequencies"});
   PhotonTallies t;
   t.r = uniform_bins(object.required("r"));
   t.angles = count_of(object.required("angles"));
@@ -122,6 +126,10 @@ PhotonTallies read_tallies(const JsonInput& input) {
   t.orders = object.required("orders").boolean();
   t.path_length = uniform_bins(object.required("path_length"));
   t.mean_path_length = object.required("mean_path_length").boolean();
+  if (const auto time = object.optional("time")) t.time = uniform_bins(*time);
+  if (const auto frequencies = object.optional("frequencies"))
+    for (const JsonInput& frequency : frequencies->array(1))
+      t.frequencies.push_back(frequency.number(closed_interval(0.0, 1e6, "MHz")));
   for (const JsonInput& r : object.required("detectors").array())
     t.detectors.push_back(r.number(at_least(0.0, "mm")));
   t.detector_width = object.required("detector_width").number(at_least(0.0, "mm"));

@@ -20,8 +20,11 @@ struct PhotonsOptions {
   Beam::Shape beam = Beam::Shape::pencil;
   double beam_radius = 0.0;
   std::vector<std::string> tallies;
-  int r_bins = 100, z_bins = 100, angles = 30, cosines = 10, azimuths = 18, path_bins = 100;
+  int r_bins = 100, z_bins = 100, angles = 30, cosines = 10, azimuths = 18, path_bins = 100,
+      time_bins = 100;
   double dr = 0.05, dz = 0.02, dl = 1.0;
+  double dt = 20.0;                 ///< [ps]
+  std::vector<double> frequencies;  ///< [MHz]
   std::vector<double> log_r = {1e-3, 1e2};
   int log_bins = 100;
   std::vector<double> detectors;

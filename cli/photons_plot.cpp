@@ -36,8 +36,8 @@ void add_curves(const PhotonRun& run, const std::vector<double>& x,
         curve.low.push_back(std::max(0.0, e.value - e.standard_error));
         curve.high.push_back(e.value + e.standard_error);
       }
-      // The last ring holds all that lies beyond: no density.
-      if (member == &MonteCarloResult::radial && curve.y.size() > 1) {
+      // The last ring, and the last time, hold all that lies beyond: no density.
+      if (member != &MonteCarloResult::angular && curve.y.size() > 1) {
         curve.x.pop_back(), curve.y.pop_back(), curve.low.pop_back(), curve.high.pop_back();
       }
       curve.color = color;
@@ -54,8 +54,8 @@ void add_curves(const PhotonRun& run, const std::vector<double>& x,
 
 void plot_photons(const PhotonRun& run, const std::string& file) {
   const PhotonTallies& t = run.counts[0].tallies;
-  if (t.r.count == 0 && t.angles == 0)
-    throw InvalidInput("--plot: needs --tally r or angle, but neither is given");
+  if (t.r.count == 0 && t.angles == 0 && t.time.count == 0)
+    throw InvalidInput("--plot: needs --tally r, angle or time, but none is given");
   Plot plot;
   plot.title = title_of(run);
   plot.caption = fmt::format("Photon Monte Carlo, {} photons per band; shaded: one standard error",
@@ -75,6 +75,14 @@ void plot_photons(const PhotonRun& run, const std::string& file) {
     std::vector<double> x;
     for (int i = 0; i < t.angles; ++i) x.push_back((i + 0.5) * 90.0 / t.angles);
     add_curves(run, x, &MonteCarloResult::angular, panel);
+  }
+  if (t.time.count > 0) {
+    PlotPanel& panel = plot.panels.emplace_back();
+    panel.x = {.label = "time of flight [ps]"};
+    panel.y = {.label = "flux [1/ps]", .scale = AxisScale::logarithmic};
+    std::vector<double> x;
+    for (int i = 0; i < t.time.count; ++i) x.push_back((i + 0.5) * t.time.width);
+    add_curves(run, x, &MonteCarloResult::time, panel);
   }
   save_svg(plot, file);
 }

@@ -60,7 +60,7 @@ void add_grid(JsonOutput& to, const std::string& name, const Results& results, M
 
 /// Reflected and transmitted light as two tallies.
 void add_sides(JsonOutput& to, const std::string& name, const Results& results,
-               TwoSided MonteCarloResult::* member, const std::vector<std::size_t>& sizes) {
+               TwoSided MonteCarloResult::*member, const std::vector<std::size_t>& sizes) {
   add(
       to, name + "_reflected", results,
       [member](const MonteCarloResult& r, std::size_t i) -> const Estimate& {
@@ -73,6 +73,38 @@ void add_sides(JsonOutput& to, const std::string& name, const Results& results,
         return (r.*member).transmission[i];
       },
       sizes);
+}
+
+/// Amplitudes and phases as two tallies.
+void add_modulation(
+    JsonOutput& to, const std::string& amplitude, const std::string& phase, const Results& results,
+    const std::function<const Modulation&(const MonteCarloResult&, std::size_t)>& at,
+    const std::vector<std::size_t>& sizes) {
+  add(
+      to, amplitude, results,
+      [&](const MonteCarloResult& r, std::size_t i) -> const Estimate& {
+        return at(r, i).amplitude;
+      },
+      sizes);
+  add(
+      to, phase, results,
+      [&](const MonteCarloResult& r, std::size_t i) -> const Estimate& { return at(r, i).phase; },
+      sizes);
+}
+
+void add_modulated_sides(JsonOutput& to, const std::string& amplitude, const std::string& phase,
+                         const Results& results, TwoSidedModulation MonteCarloResult::*member,
+                         const std::vector<std::size_t>& sizes) {
+  for (const bool is_reflected : {true, false}) {
+    const std::string side = is_reflected ? "_reflected" : "_transmitted";
+    add_modulation(
+        to, amplitude + side, phase + side, results,
+        [&](const MonteCarloResult& r, std::size_t i) -> const Modulation& {
+          const TwoSidedModulation& both = r.*member;
+          return (is_reflected ? both.reflection : both.transmission)[i];
+        },
+        sizes);
+  }
 }
 
 std::vector<double> middles(int count, double width) {
@@ -134,9 +166,44 @@ void add_tallies(JsonOutput& to, const PhotonTallies& t, const Results& results)
     add_sides(to, "path_length", results, &MonteCarloResult::path_length,
               {size(t.path_length.count)});
   }
+  if (t.time.count > 0) {
+    to["time_ps"] = middles(t.time.count, t.time.width);
+    add_total(to, "mean_time_reflected_ps", results, &MonteCarloResult::mean_time_reflected);
+    add_total(to, "mean_time_transmitted_ps", results, &MonteCarloResult::mean_time_transmitted);
+    for (const bool is_reflected : {true, false})
+      add(to, is_reflected ? "mean_layer_path_reflected_mm" : "mean_layer_path_transmitted_mm",
+          results,
+          [&](const MonteCarloResult& r, std::size_t layer) -> const Estimate& {
+            const TwoSided& both = r.mean_layer_path;
+            return (is_reflected ? both.reflection : both.transmission)[layer];
+          },
+          {results[0].mean_layer_path.reflection.size()});
+    add_sides(to, "time", results, &MonteCarloResult::time, {size(t.time.count)});
+    if (t.r.count > 0)
+      add_sides(to, "radial_time", results, &MonteCarloResult::radial_time,
+                {size(t.r.count), size(t.time.count)});
+  }
+  if (!t.frequencies.empty()) {
+    to["frequency_mhz"] = t.frequencies;
+    add_modulated_sides(to, "amplitude", "phase_rad", results, &MonteCarloResult::modulation,
+                        {t.frequencies.size()});
+    if (t.r.count > 0)
+      add_modulated_sides(to, "radial_amplitude", "radial_phase_rad", results,
+                          &MonteCarloResult::radial_modulation,
+                          {size(t.r.count), t.frequencies.size()});
+  }
   if (!t.detectors.empty()) {
     to["detectors_mm"] = t.detectors;
     add_grid(to, "detectors", results, &MonteCarloResult::detectors, {t.detectors.size()});
+    if (t.time.count > 0)
+      add_grid(to, "detectors_time", results, &MonteCarloResult::detector_time,
+               {t.detectors.size(), size(t.time.count)});
+    if (!t.frequencies.empty())
+      add_modulation(to, "detectors_amplitude", "detectors_phase_rad", results,
+                     [](const MonteCarloResult& r, std::size_t i) -> const Modulation& {
+                       return r.detector_modulation[i];
+                     },
+                     {t.detectors.size(), t.frequencies.size()});
   }
   if (!t.directions.empty()) {
     JsonOutput list = JsonOutput::array();
@@ -220,7 +287,7 @@ std::string photon_text(const PhotonRun& run) {
     }
     text += "\n";
   };
-  const auto total = [&](const std::string& name, Estimate MonteCarloResult::* member) {
+  const auto total = [&](const std::string& name, Estimate MonteCarloResult::*member) {
     row(name,
         [member](const MonteCarloResult& r, std::size_t) -> const Estimate& { return r.*member; });
   };

@@ -18,9 +18,9 @@ refuses() {
 }
 
 skin="photons donner_jensen_skin --seed 3"
-"$lamina" $skin --photons 2e4 --tally r,angle,rz,orders --counts --json whole.json > /dev/null
+"$lamina" $skin --photons 2e4 --tally r,angle,rz,orders,time --frequency 200 --counts --json whole.json > /dev/null
 for shard in 0 1 2; do
-  "$lamina" $skin --photons 2e4 --tally r,angle,rz,orders --shard $shard/3 --json $shard.json > /dev/null
+  "$lamina" $skin --photons 2e4 --tally r,angle,rz,orders,time --frequency 200 --shard $shard/3 --json $shard.json > /dev/null
 done
 "$lamina" merge 2.json 0.json 1.json --json merged.json > /dev/null
 "$python" - <<'END'
@@ -30,8 +30,10 @@ assert merged.pop("command") == "merge" and whole.pop("command") == "photons"
 assert whole == merged, "the shards do not add up to the run"
 assert len(whole["absorption"]) == 100 and len(whole["absorption"][0][0]) == 3
 assert len(whole["standard_error"]["by_order_reflected"]) == 12
+assert len(whole["radial_time_reflected"]) == 100 and len(whole["radial_time_reflected"][0]) == 100
+assert len(whole["radial_phase_rad_reflected"]) == 100 and len(whole["mean_layer_path_reflected_mm"]) == 3
 END
-"$lamina" $skin --photons 1e3 --tally r,angle --plot plot.svg > /dev/null
+"$lamina" $skin --photons 1e3 --tally r,angle,time --plot plot.svg > /dev/null
 grep -q "</svg>" plot.svg
 "$lamina" photons "$source/tests/inputs/mcml/good/two_runs.mci" --photons 1000 > /dev/null
 [ -s skin.mco ] && [ -s glass.mco ]

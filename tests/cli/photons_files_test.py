@@ -94,9 +94,9 @@ def put(document, path, value):
 class ChangedShards(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        tallies = ["--tally", "r,angle,rz,fluence,log_r,bsdf,orders,path", "--r-bins", "2", "--z-bins", "1",
+        tallies = ["--tally", "r,angle,rz,fluence,log_r,bsdf,orders,path,time", "--r-bins", "2", "--z-bins", "1",
                    "--angle-bins", "1", "--log-bins", "1", "--bsdf-cosines", "1", "--bsdf-azimuths", "2",
-                   "--path-bins", "1", "--detector", "1", "--direction", "30", "0"]
+                   "--path-bins", "1", "--time-bins", "1", "--frequency", "100", "--detector", "1", "--direction", "30", "0"]
         with open("haze.json", "w") as file:
             json.dump(HAZE, file)
         for shard in range(2):

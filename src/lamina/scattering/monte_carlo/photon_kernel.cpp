@@ -24,6 +24,7 @@ class GroupWalker : public Walker {
   void run() {
     absorbed_.assign(groups * max_lanes * static_cast<std::size_t>(scene_.layers), 0.0f);
     seen_.assign(groups * max_lanes * scene_.views.size(), 0.0f);
+    if (plan_.needs_flight) layer_path_.assign(absorbed_.size(), 0.0f);
     const std::size_t n = hn::Lanes(F());
     for (auto& group : lanes_)
       for (std::size_t i = 0; i < n; ++i) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/optics/speed_of_light.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 
@@ -43,6 +44,25 @@ class Reader {
     const Sums of = sums(first, count, stride);
     const Estimate mean = sample_mean(n_, of.first, of.second, largest);
     return {scale * mean.value, scale * mean.standard_error};
+  }
+
+  /// Amplitude and phase from the three sums of modulated light in some places together. Errors
+  /// are those of the two-dimensional mean, along it and across, as if one more photon had left.
+  [[nodiscard]] Modulation modulation(std::size_t first, std::size_t count, std::size_t stride,
+                                      double scale) const {
+    const Sums c = sums(first, count, stride), s = sums(first + 1, count, stride);
+    const double product = sums(first + 2, count, stride).first;
+    const double length = std::hypot(c.first, s.first), squares = c.second + s.second;
+    if (!(n_ > 0.0) || !(length > 0.0)) return {{0.0, scale / std::max(n_, 1.0)}, {0.0, pi}};
+    const double one_more = std::pow(std::min(1.0, squares / length), 2.0);
+    const double cc = c.second - c.first * c.first / n_ + one_more,
+                 ss = s.second - s.first * s.first / n_ + one_more,
+                 cs = product - c.first * s.first / n_;
+    const double x = c.first / length, y = s.first / length;
+    const double along = std::max(0.0, x * x * cc + y * y * ss + 2.0 * x * y * cs),
+                 across = std::max(0.0, y * y * cc + x * x * ss - 2.0 * x * y * cs);
+    return {{scale * length / n_, scale * std::sqrt(along) / n_},
+            {std::atan2(s.first, c.first), std::min(pi, std::sqrt(across) / length)}};
   }
 
   /// Mean over photons of a volume cell, whose error is known from the batches, which hold several
@@ -181,6 +201,80 @@ void read_lengths(const PhotonCounts& counts, const Reader& reader, const Photon
   }
 }
 
+/// Mean time of flight and mean paths in the layers, the light over time.
+void read_flight(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
+                 MonteCarloResult& result) {
+  const PhotonTallies& t = counts.tallies;
+  const double unit = std::ldexp(counts.length_unit, photon::path_scale);
+  const auto times = static_cast<std::size_t>(t.time.count);
+  const auto rings = static_cast<std::size_t>(std::max(t.r.count, 1));
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto mean_of = [&](std::size_t path, double in_unit) {
+      const std::size_t cell = photon::flight_cell(layout, side, path);
+      return mean_path(reader, cell,
+                       side == 0 ? PhotonLayout::reflected : PhotonLayout::transmitted, cell + 1,
+                       in_unit);
+    };
+    (side == 0 ? result.mean_time_reflected : result.mean_time_transmitted) =
+        mean_of(0, unit / speed_of_light);
+    const auto pick = [&](TwoSided& both) -> std::vector<Estimate>& {
+      return side == 0 ? both.reflection : both.transmission;
+    };
+    for (std::size_t layer = 0; layer < counts.layers; ++layer)
+      pick(result.mean_layer_path).push_back(mean_of(1 + layer, unit));
+    const std::size_t first = layout.time + side * layout.time_size;
+    for (std::size_t i = 0; i < times; ++i)
+      pick(result.time).push_back(reader.mean(first + i, rings, times, 1.0 / t.time.width));
+    for (std::size_t cell = 0; t.r.count > 0 && cell < rings * times; ++cell)
+      pick(result.radial_time)
+          .push_back(
+              reader.mean(first + cell, 1, 1,
+                          1.0 / (t.time.width * ring_area(t.r, static_cast<int>(cell / times)))));
+  }
+}
+
+void read_modulation(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
+                     MonteCarloResult& result) {
+  const PhotonTallies& t = counts.tallies;
+  const std::size_t parts = t.frequencies.size() * modulation_parts;
+  const auto rings = static_cast<std::size_t>(std::max(t.r.count, 1));
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto pick = [&](TwoSidedModulation& both) -> std::vector<Modulation>& {
+      return side == 0 ? both.reflection : both.transmission;
+    };
+    const std::size_t first = layout.modulation + side * layout.modulation_size;
+    for (std::size_t f = 0; f < parts; f += modulation_parts)
+      pick(result.modulation).push_back(reader.modulation(first + f, rings, parts, 1.0));
+    for (std::size_t cell = 0; t.r.count > 0 && cell < rings * parts; cell += modulation_parts)
+      pick(result.radial_modulation)
+          .push_back(reader.modulation(first + cell, 1, 1,
+                                       1.0 / ring_area(t.r, static_cast<int>(cell / parts))));
+  }
+}
+
+/// Of the ring that a detector sees [mm²].
+double detector_area(const PhotonTallies& t, std::size_t i) {
+  const double r = t.detectors[i], half = 0.5 * t.detector_width;
+  return r < half ? pi * (r + half) * (r + half) : 4.0 * pi * r * half;
+}
+
+void read_detectors(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
+                    MonteCarloResult& result) {
+  const PhotonTallies& t = counts.tallies;
+  const auto times = static_cast<std::size_t>(t.time.count);
+  const std::size_t parts = t.frequencies.size() * modulation_parts;
+  for (std::size_t i = 0; i < t.detectors.size(); ++i) {
+    const double scale = 1.0 / detector_area(t, i);
+    result.detectors.push_back(reader.mean(layout.detector + i, 1, 1, scale));
+    for (std::size_t k = 0; k < times; ++k)
+      result.detector_time.push_back(
+          reader.mean(layout.detector_time + i * times + k, 1, 1, scale / t.time.width));
+    for (std::size_t k = 0; k < parts; k += modulation_parts)
+      result.detector_modulation.push_back(
+          reader.modulation(layout.detector_modulation + i * parts + k, 1, 1, scale));
+  }
+}
+
 void read_radii(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,
                 MonteCarloResult& result) {
   const PhotonTallies& t = counts.tallies;
@@ -196,11 +290,6 @@ void read_radii(const PhotonCounts& counts, const Reader& reader, const PhotonLa
           reader.mean(nearer + 1 + i, 1, 1, 1.0 / (pi * low * low * std::expm1(2.0 * step))));
     }
     outside = {reader.mean(nearer), reader.mean(nearer + layout.log_r_size - 1)};
-  }
-  for (std::size_t i = 0; i < t.detectors.size(); ++i) {
-    const double r = t.detectors[i], half = 0.5 * t.detector_width;
-    const double area = r < half ? pi * (r + half) * (r + half) : 4.0 * pi * r * half;
-    result.detectors.push_back(reader.mean(layout.detector + i, 1, 1, 1.0 / area));
   }
   for (std::size_t i = 0; i < t.directions.size(); ++i)
     result.directions.push_back(reader.mean(layout.direction + i, 1, 1,
@@ -249,6 +338,9 @@ MonteCarloResult summarize(const PhotonCounts& counts) {
   if (layout.bsdf_size > 0) read_bsdf(counts, reader, layout, result);
   if (counts.tallies.mean_path_length || layout.path_size > 0)
     read_lengths(counts, reader, layout, result);
+  if (layout.flight_size > 0) read_flight(counts, reader, layout, result);
+  if (layout.modulation_size > 0) read_modulation(counts, reader, layout, result);
+  read_detectors(counts, reader, layout, result);
   read_radii(counts, reader, layout, result);
   if (layout.volume_cells > 0) read_volume(counts, reader, layout, result);
   return result;

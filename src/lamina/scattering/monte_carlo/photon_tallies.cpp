@@ -68,8 +68,26 @@ PhotonLayout make_photon_layout(const PhotonTallies& t, std::size_t layers) {
   if (t.path_length.count > 0)
     reserve("tallies: the grid of path_length", layout.path, layout.path_size,
             {size(t.path_length.count)});
-  layout.detector = next;
-  layout.direction = checked_sum("tallies: detectors", {next, t.detectors.size()});
+  const bool has_time = t.time.count > 0;
+  if (has_time) {
+    reserve("tallies: mean paths of the layers", layout.flight, layout.flight_size,
+            {checked_sum("tallies: layers", {1, layers}), 2});
+    reserve("tallies: the grid of r and time", layout.time, layout.time_size,
+            {size(t.r.count), size(t.time.count)});
+  }
+  const std::size_t parts = t.frequencies.size() * modulation_parts;
+  if (parts > 0)
+    reserve("tallies: the grid of r and frequency", layout.modulation, layout.modulation_size,
+            {size(t.r.count), parts});
+  const auto reserve_detectors = [&](std::size_t& first, std::size_t cells) {
+    first = next;
+    next = checked_sum("tallies: detectors",
+                       {next, checked_product("tallies: detectors", {t.detectors.size(), cells})});
+  };
+  reserve_detectors(layout.detector, 1);
+  reserve_detectors(layout.detector_time, has_time ? size(t.time.count) : 0);
+  reserve_detectors(layout.detector_modulation, parts);
+  layout.direction = next;
   layout.cells = checked_sum("tallies: directions", {layout.direction, t.directions.size()});
   if (t.r.count > 0 && t.depth.count > 0) {
     const std::string name = "tallies: the grid of r and depth";

@@ -58,14 +58,22 @@ struct PhotonTallies {
   bool orders = false;      ///< R and T, their angles and BSDF cells, by scattering order
   UniformBins path_length;  ///< [mm] geometric length inside the stack, and its mean
   bool mean_path_length = false;
-  std::vector<double> detectors;          ///< [mm] distances r of ring detectors for R(r)
-  double detector_width = 0.0;            ///< [mm] of each ring, > 0 if there are detectors
+  UniformBins time;                 ///< [ps] time of flight inside the stack: R(t), T(t), with `r`
+                                    ///< R(r, t), T(r, t), of detectors R(t); its mean, and the
+                                    ///< mean path in each layer
+  std::vector<double> frequencies;  ///< [MHz] of modulated light: amplitude and phase of R and T,
+                                    ///< with `r` over r, and of detectors
+  std::vector<double> detectors;    ///< [mm] distances r of ring detectors for R(r)
+  double detector_width = 0.0;      ///< [mm] of each ring, > 0 if there are detectors
   std::vector<ExitDirection> directions;  ///< next-event estimation; smooth boundaries only
   friend bool operator==(const PhotonTallies&, const PhotonTallies&) = default;
 };
 
 /// Orders of scattering that are told apart: 0 (unscattered), 1 to 10, and the rest.
 inline constexpr int photon_orders = 12;
+
+/// Sums of modulated light per place and frequency: of the cosine, of the sine, of their product.
+inline constexpr std::size_t modulation_parts = 3;
 
 /// A sum of signed 64-bit numbers that cannot overflow: 128 bits, two's complement.
 struct WideSum {
@@ -97,13 +105,19 @@ struct PhotonLayout {
   static constexpr std::size_t weighted_path_down = 9;
   static constexpr std::size_t first_layer = 10;  ///< absorptance of the layers follows
   // First cell of each grid. Grids for transmission follow those for reflection at once.
-  std::size_t ra = 0, ra_size = 0;        ///< [side][r][angle]
-  std::size_t log_r = 0, log_r_size = 0;  ///< [side][nearer, bins, farther]
-  std::size_t bsdf = 0, bsdf_size = 0;    ///< [side][order][cosine][azimuth]
-  std::size_t order = 0, order_size = 0;  ///< [side][order][angle]
-  std::size_t path = 0, path_size = 0;    ///< [side][bin]
-  std::size_t detector = 0;               ///< [detector]
-  std::size_t direction = 0;              ///< [direction]
+  std::size_t ra = 0, ra_size = 0;          ///< [side][r][angle]
+  std::size_t log_r = 0, log_r_size = 0;    ///< [side][nearer, bins, farther]
+  std::size_t bsdf = 0, bsdf_size = 0;      ///< [side][order][cosine][azimuth]
+  std::size_t order = 0, order_size = 0;    ///< [side][order][angle]
+  std::size_t path = 0, path_size = 0;      ///< [side][bin]
+  std::size_t flight = 0, flight_size = 0;  ///< [side][optical path, path in layer ...][weight
+                                            ///< times it, the same times the weight once more]
+  std::size_t time = 0, time_size = 0;      ///< [side][r][bin]
+  std::size_t modulation = 0, modulation_size = 0;  ///< [side][r][frequency][part]
+  std::size_t detector = 0;                         ///< [detector]
+  std::size_t detector_time = 0;                    ///< [detector][bin]
+  std::size_t detector_modulation = 0;              ///< [detector][frequency][part]
+  std::size_t direction = 0;                        ///< [direction]
   std::size_t cells = 0;
   std::size_t rz = 0, rz_size = 0;  ///< volume cells: [r][depth] of absorption, fluence
   std::size_t volume_cells = 0;
@@ -146,6 +160,18 @@ struct TwoSided {
   std::vector<Estimate> reflection, transmission;
 };
 
+/// Light that arrives modulated in time as exp(i omega t) leaves as amplitude exp(i (omega t -
+/// phase)).
+struct Modulation {
+  Estimate amplitude;  ///< of what leaves, in the unit of what leaves without modulation
+  Estimate phase;      ///< by which it lags, in (-pi, pi] [rad]; 0 ± pi where no light left
+};
+
+/// The same of reflected and transmitted light.
+struct TwoSidedModulation {
+  std::vector<Modulation> reflection, transmission;
+};
+
 /// Fractions of the light that arrives, densities of it, each with its standard error, for which
 /// what was never seen counts as in sample_mean. Grids are empty unless asked for.
 struct MonteCarloResult {
@@ -172,10 +198,18 @@ struct MonteCarloResult {
   TwoSided angular_by_order;    ///< [order][angle] [1/sr]
   Estimate mean_path_reflected, mean_path_transmitted;  ///< [mm]; 0 ± 0 where no light left
   TwoSided path_length;                                 ///< [bin] [1/mm] density over path length
-  std::vector<Estimate> detectors;                      ///< [detector] [1/mm²]
-  std::vector<Estimate> directions;                     ///< [direction] BRDF or BTDF [1/sr]
-  std::vector<Estimate> absorption;                     ///< [r][depth] [1/mm³]
-  std::vector<Estimate> fluence;                        ///< [r][depth] [1/mm²]; 0 in clear layers
+  Estimate mean_time_reflected, mean_time_transmitted;  ///< of flight [ps]; 0 ± 0 as above
+  TwoSided mean_layer_path;              ///< [layer] mean path in each [mm], of the same light
+  TwoSided time;                         ///< [bin] [1/ps]
+  TwoSided radial_time;                  ///< [r][bin] [1/(mm² ps)]
+  TwoSidedModulation modulation;         ///< [frequency] [1]
+  TwoSidedModulation radial_modulation;  ///< [r][frequency] [1/mm²]
+  std::vector<Estimate> detectors;       ///< [detector] [1/mm²]
+  std::vector<Estimate> detector_time;   ///< [detector][bin] [1/(mm² ps)]
+  std::vector<Modulation> detector_modulation;  ///< [detector][frequency] [1/mm²]
+  std::vector<Estimate> directions;             ///< [direction] BRDF or BTDF [1/sr]
+  std::vector<Estimate> absorption;             ///< [r][depth] [1/mm³]
+  std::vector<Estimate> fluence;                ///< [r][depth] [1/mm²]; 0 in clear layers
 };
 
 [[nodiscard]] MonteCarloResult summarize(const PhotonCounts& counts);

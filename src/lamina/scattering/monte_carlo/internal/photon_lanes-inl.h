@@ -24,6 +24,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/optics/speed_of_light.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -53,6 +54,7 @@ struct PhotonLanes {
   alignas(64) std::uint32_t random[4][max_lanes];
   std::uint64_t birth[max_lanes];  ///< step of the group at which the photon started
   float entered[max_lanes];        ///< weight when the photon came into its layer
+  float entered_path[max_lanes];   ///< its path then [mm]
   bool met_facets[max_lanes];      ///< has been at a rough boundary, which scatters too
   bool met_ground[max_lanes];      ///< has been thrown back by the ground
 };
@@ -119,6 +121,7 @@ class Walker {
     for (auto& word : p.random) word[i] = 1;
     p.birth[i] = no_photon;
     p.entered[i] = 1.0f;
+    p.entered_path[i] = 0.0f;
     p.met_facets[i] = false;
     p.met_ground[i] = false;
   }
@@ -204,6 +207,7 @@ class Walker {
       p.met_ground[i] = false;
       if (scene_.enters_at_random && !enter_at_random(p, i)) continue;
       p.entered[i] = p.w[i];
+      p.entered_path[i] = 0.0f;
       return true;
     }
     if (p.birth[i] != no_photon) --alive_;
@@ -213,9 +217,13 @@ class Walker {
 
   /// What the photon leaves in its layer counts when it goes from there.
   void leave_layer(PhotonLanes& p, std::size_t group, std::size_t i, float weight) {
-    absorbed_[(group * max_lanes + i) * static_cast<std::size_t>(scene_.layers) +
-              static_cast<std::size_t>(p.layer[i])] += p.entered[i] - weight;
+    const std::size_t layer = (group * max_lanes + i) * static_cast<std::size_t>(scene_.layers) +
+                              static_cast<std::size_t>(p.layer[i]);
+    absorbed_[layer] += p.entered[i] - weight;
     p.entered[i] = weight;
+    if (!plan_.needs_flight) return;
+    layer_path_[layer] += p.path[i] - p.entered_path[i];
+    p.entered_path[i] = p.path[i];
   }
 
   /// Counts what the photon left in each layer and starts the next one.
@@ -226,6 +234,8 @@ class Walker {
       add(PhotonLayout::first_layer + k, absorbed[k]);
       absorbed[k] = 0.0f;
     }
+    if (plan_.needs_flight)
+      std::fill_n(&layer_path_[(group * max_lanes + i) * layers], layers, 0.0f);
     for (std::size_t k = 0; k < scene_.views.size(); ++k) {
       float& seen = seen_[(group * max_lanes + i) * scene_.views.size() + k];
       add(plan_.layout.direction + k, std::ldexp(seen, -direction_scale));
@@ -269,7 +279,7 @@ class Walker {
     const bool is_below = p.uz[i] > 0.0f;
     leave_layer(p, group, i, p.w[i]);
     if (is_below && scene_.ground > 0.0f && ground_returns(p, group, i)) return;
-    tally_exit(p, i, is_below);
+    tally_exit(p, group, i, is_below);
     finish(p, group, i);
   }
 
@@ -326,7 +336,7 @@ class Walker {
     return std::sqrt(std::max(0.0f, 1.0f - x)) * p;
   }
 
-  void tally_exit(const PhotonLanes& p, std::size_t i, bool is_below) {
+  void tally_exit(const PhotonLanes& p, std::size_t group, std::size_t i, bool is_below) {
     const PhotonLayout& layout = plan_.layout;
     const float w = p.w[i];
     add(is_below ? PhotonLayout::transmitted : PhotonLayout::reflected, w);
@@ -344,6 +354,9 @@ class Walker {
           w);
     }
     if (plan_.has_rare_exits) tally_rare_exit(p, i, side, r, angle);
+    if (plan_.needs_flight)
+      tally_flight(&layer_path_[(group * max_lanes + i) * static_cast<std::size_t>(scene_.layers)],
+                   w, side, r);
   }
 
   /// Light of a single direction, neither scattered inside nor at rough boundaries.
@@ -399,9 +412,57 @@ class Walker {
             w);
     }
     for (std::size_t k = 0; k < t.detectors.size() && side == 0; ++k)
-      if (std::abs(r - static_cast<float>(t.detectors[k])) <
-          0.5f * static_cast<float>(t.detector_width))
-        add(layout.detector + k, w);
+      if (is_in_detector(r, k)) add(layout.detector + k, w);
+  }
+
+  /// What is known of light that leaves by its paths in the layers [mm].
+  void tally_flight(const float* path, float w, std::size_t side, float r) {
+    const PhotonLayout& layout = plan_.layout;
+    const PhotonTallies& t = plan_.tallies;
+    const auto layers = static_cast<std::size_t>(scene_.layers);
+    float optical = 0.0f;
+    for (std::size_t k = 0; k < layers; ++k) optical += scene_.ior[k] * path[k];
+    const double time = static_cast<double>(optical) / speed_of_light;
+    const std::size_t ring =
+        t.r.count > 0 ? static_cast<std::size_t>(bin(r, plan_.inverse_dr, t.r.count)) : 0;
+    const auto times = static_cast<std::size_t>(t.time.count);
+    std::size_t time_bin = 0;
+    if (times > 0) {
+      for (std::size_t k = 0; k <= layers; ++k) {
+        const float part = w * (k == 0 ? optical : path[k - 1]) * plan_.path_unit;
+        const std::size_t cell = flight_cell(layout, side, k);
+        add(cell, part);
+        add(cell + 1, w * part);
+      }
+      time_bin =
+          static_cast<std::size_t>(bin(static_cast<float>(time), plan_.inverse_dt, t.time.count));
+      add(layout.time + side * layout.time_size + ring * times + time_bin, w);
+    }
+    const std::size_t parts = t.frequencies.size() * modulation_parts;
+    tally_modulation(layout.modulation + side * layout.modulation_size + ring * parts, time, w);
+    for (std::size_t k = 0; k < t.detectors.size() && side == 0; ++k) {
+      if (!is_in_detector(r, k)) continue;
+      if (times > 0) add(layout.detector_time + k * times + time_bin, w);
+      tally_modulation(layout.detector_modulation + k * parts, time, w);
+    }
+  }
+
+  void tally_modulation(std::size_t cell, double time, float w) {
+    for (const double frequency : plan_.tallies.frequencies) {
+      const double phase = 2e-6 * std::numbers::pi * frequency * time;  // MHz times ps
+      const float c = w * static_cast<float>(std::cos(phase));
+      const float s = w * static_cast<float>(std::sin(phase));
+      add(cell, c);
+      add(cell + 1, s);
+      add(cell + 2, c * s);
+      cell += modulation_parts;
+    }
+  }
+
+  [[nodiscard]] bool is_in_detector(float r, std::size_t k) const {
+    const PhotonTallies& t = plan_.tallies;
+    return std::abs(r - static_cast<float>(t.detectors[k])) <
+           0.5f * static_cast<float>(t.detector_width);
   }
 
   static constexpr std::uint64_t no_photon = ~std::uint64_t{0};
@@ -409,11 +470,12 @@ class Walker {
   const Scene& scene_;
   const TallyPlan& plan_;
   BatchSums& sums_;
-  std::uint64_t next_, end_;     ///< photons to start
-  std::uint64_t step_ = 0;       ///< of all groups together
-  std::uint64_t alive_ = 0;      ///< lanes that hold a photon
-  std::vector<float> absorbed_;  ///< [group][lane][layer] of the photon in flight
-  std::vector<float> seen_;      ///< [group][lane][direction] of the photon in flight
+  std::uint64_t next_, end_;       ///< photons to start
+  std::uint64_t step_ = 0;         ///< of all groups together
+  std::uint64_t alive_ = 0;        ///< lanes that hold a photon
+  std::vector<float> absorbed_;    ///< [group][lane][layer] of the photon in flight
+  std::vector<float> seen_;        ///< [group][lane][direction] of the photon in flight
+  std::vector<float> layer_path_;  ///< [group][lane][layer] [mm] of the same, if needed
 };
 
 }  // namespace lamina::photon::HWY_NAMESPACE

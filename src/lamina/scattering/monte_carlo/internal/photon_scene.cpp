@@ -168,6 +168,13 @@ void check_tallies(const PhotonTallies& t) {
   check_bins(t.r, "r");
   check_bins(t.depth, "depth");
   check_bins(t.path_length, "path_length");
+  require(t.time.count >= 0, "tallies: time: the number of bins must be >= 0", t.time.count);
+  if (t.time.count > 0)
+    require(t.time.width >= shortest && t.time.width <= longest,
+            "tallies: time: the width of a bin must lie in [1e-9, 1e9] ps", t.time.width);
+  for (const double frequency : t.frequencies)
+    require(frequency >= 0.0 && frequency <= 1e6, "tallies: a frequency must lie in [0, 1e6] MHz",
+            frequency);
   require(t.angles >= 0, "tallies: angles must be >= 0", t.angles);
   require(t.bsdf_cosines >= 0, "tallies: bsdf_cosines must be >= 0", t.bsdf_cosines);
   require(t.bsdf_azimuths >= 0, "tallies: bsdf_azimuths must be >= 0", t.bsdf_azimuths);
@@ -210,7 +217,9 @@ TallyPlan make_tally_plan(const PhotonTallies& tallies, std::size_t layers, doub
   }
   plan.path_unit = static_cast<float>(std::ldexp(1.0 / length_unit, -path_scale));
   plan.fluence_unit = static_cast<float>(std::ldexp(1.0 / length_unit, fluence_scale));
-  plan.needs_path = tallies.mean_path_length || tallies.path_length.count > 0;
+  plan.inverse_dt = inverse(tallies.time);
+  plan.needs_flight = tallies.time.count > 0 || !tallies.frequencies.empty();
+  plan.needs_path = tallies.mean_path_length || tallies.path_length.count > 0 || plan.needs_flight;
   plan.needs_reflections =
       tallies.known_above != KnownLight{} || tallies.known_below != KnownLight{};
   plan.has_rare_exits = plan.needs_path || tallies.log_r.count > 0 || tallies.bsdf_cosines > 0 ||

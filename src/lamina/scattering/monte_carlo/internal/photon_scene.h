@@ -75,12 +75,20 @@ struct TallyPlan {
   PhotonTallies tallies;
   float inverse_dr = 0.0f, inverse_dz = 0.0f, inverse_da = 0.0f, inverse_dl = 0.0f;
   float log_low = 0.0f, inverse_dlog = 0.0f;
+  float inverse_dt = 0.0f;
   bool needs_path = false;
+  bool needs_flight = false;       ///< photons know their path in each layer
   bool needs_reflections = false;  ///< photons count them
   bool has_rare_exits = false;     ///< tallies of exits besides r and angle
   float path_unit = 1.0f;          ///< paths are counted in 65536 units of length [1/mm]
   float fluence_unit = 1.0f;  ///< fixed point of the fluence, which keeps its sums small [1/mm]
 };
+
+/// Where the path of a layer, or of the optical path in place of one, is summed up.
+[[nodiscard]] inline std::size_t flight_cell(const PhotonLayout& layout, std::size_t side,
+                                             std::size_t path) {
+  return layout.flight + side * layout.flight_size + 2 * path;
+}
 
 /// Radiance in exit directions is counted in units of 2^direction_scale, as it may be large.
 inline constexpr int direction_scale = 6;
