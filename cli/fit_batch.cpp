@@ -127,6 +127,7 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
   json["fits"] = JsonOutput::array();
   json["refused"] = JsonOutput::array();
   std::string text;
+  std::map<std::string, std::size_t> refusals;  // as one, what is wrong with the measurement itself
   std::size_t refused = 0;
   for (const FittedFile& file : files) {
     if (file.fit) {
@@ -137,9 +138,11 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
     } else {
       ++refused;
       json["refused"].push_back(JsonOutput{{"file", file.name}, {"reason", file.refusal}});
-      say(file.refusal);
+      ++refusals[file.refusal];
     }
   }
+  for (const auto& [reason, count] : refusals)
+    say(count == 1 ? reason : fmt::format("{} (of {} files)", reason, count));
   if (!batch.output.empty()) write_file(batch.output, csv_table(files));
   write_json(json, common);
   print(common, text);

@@ -114,6 +114,9 @@ void run_reproduce(const ReproduceOptions& options) {
   if (options.only_lists) return list_items(items, options.common);
   const fs::path out = fs::absolute(options.output);
   const fs::path sources = options.sources.empty() ? find_sources() : fs::absolute(options.sources);
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw WriteError(out.string() + ": cannot be made: " + error.message());
   std::vector<ReproductionResult> results;
   bool has_failed = false;
   const Progress progress = make_progress("reproduce");
@@ -127,9 +130,9 @@ void run_reproduce(const ReproduceOptions& options) {
       break;
     } catch (const WriteError&) {
       throw;
-    } catch (const Error& error) {
+    } catch (const Error& refusal) {
       has_failed = true;
-      results.push_back({.item = item, .why_not_made = error.what()});
+      results.push_back({.item = item, .why_not_made = refusal.what()});
     }
     const ReproductionResult& result = results.back();
     say(fmt::format("{:<18} {} ({:.1f} s){}", item.id, name_of(result.verdict), result.seconds,

@@ -72,6 +72,48 @@ TEST(MeasurementFile, PutsKindsTogether) {
   EXPECT_EQ(measurement.series[2].detector_width, 0.4);
 }
 
+std::string population_refusal(const fs::path& file) {
+  try {
+    (void)load_skin_population(file);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "(taken)";
+}
+
+TEST(PopulationFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
+  EXPECT_GT(expect_refusals(inputs.parent_path() / "population/bad", population_refusal), 10U);
+}
+
+TEST(PopulationFile, ComesBack) {
+  const SkinPopulation& forearms = forearm_population();
+  const fs::path file = fs::path(testing::TempDir()) / "forearms.json";
+  std::ofstream(file) << format_skin_population(forearms, "Cooksey 2017");
+  const SkinPopulation back = load_skin_population(file);
+  fs::remove(file);
+  EXPECT_EQ(back.names, forearms.names);
+  EXPECT_EQ(back.correlation.values, forearms.correlation.values);
+  EXPECT_EQ(back.missed, forearms.missed);
+  EXPECT_EQ(back.missed_components.values, forearms.missed_components.values);
+  EXPECT_EQ(back.priors[3].mean, forearms.priors[3].mean);
+}
+
+// What a population knows has its range, scale and prior, and starts at its mean.
+TEST(MeasurementFile, TakesWhatAPopulationKnows) {
+  const Measurement measurement = load_measurement(inputs / "good/population.json");
+  ASSERT_EQ(measurement.free.size(), 2U);
+  const FitParameter& melanin = measurement.free[0].parameter;
+  EXPECT_EQ(melanin.prior->mean, 0.02);
+  EXPECT_EQ(melanin.start, 0.02);
+  EXPECT_EQ(melanin.high, 0.5);
+  EXPECT_EQ(measurement.free[1].known, 1U);
+  EXPECT_EQ(measurement.free[1].parameter.start, 0.5);
+  const Material material =
+      material_with(measurement, std::vector<std::vector<double>>{{0.1}, {0.3}});
+  EXPECT_EQ(material.skin->skin.saturation_dermis, 0.3);
+  EXPECT_EQ(material.skin->skin.saturation_epidermis, 0.3);
+}
+
 // What is free is put in as --set would; what is not stays.
 TEST(MeasurementFile, PutsNumbersIntoTheMaterial) {
   const Measurement measurement = load_measurement(inputs / "good/table.json");
@@ -88,7 +130,7 @@ TEST(MeasurementFile, StartsWhereTheMaterialIs) {
   const Measurement measurement = load_measurement(inputs / "good/starts.json");
   EXPECT_EQ(measurement.free[0].starts(2), (std::vector{0.1, 0.2}));
   EXPECT_EQ(measurement.free[1].starts(2), std::vector{1.5});
-  const fit_detail::MeasurementModel model(measurement, {0, 1}, {});
+  const fit_detail::MeasurementModel model(measurement, {0, 1}, {}, {});
   EXPECT_EQ(model.parameters()[1].start, 0.2);
   EXPECT_EQ(model.parameters()[2].start, 1.5);
 }

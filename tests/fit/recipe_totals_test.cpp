@@ -7,12 +7,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/fit/measurement_fit.h"
+#include "lamina/fit/skin_fit.h"
 #include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
@@ -154,6 +156,40 @@ TEST(RecipeTotals, FitLeavesAsSolutionsDo) {
   measurement.free = {free_number("leaf.chlorophyll", 20.0, 1.0, 120.0),
                       free_number("leaf.structure", 3.0, 0.3, 10.0)};
   expect_table_like_solver(measurement);
+}
+
+// A population in a measurement is the same fit as fit_skin with it.
+TEST(RecipeTotals, KnowPopulationsAsFitSkinDoes) {
+  Measurement measurement = skin_measurement();
+  measurement.population = forearm_population();
+  measurement.free.clear();
+  const std::vector<SkinFitNumber> numbers = skin_fit_numbers({});
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    FreeNumber free{.parameter = numbers[i].parameter, .known = i};
+    free.parameter.name = "skin." + free.parameter.name;
+    free.parameter.prior = forearm_population().priors[i];
+    free.parameter.start = free.parameter.prior->mean;
+    if (i == 5) {
+      free.parameter.name = "skin.saturation_dermis";
+      free.further_paths = {"skin.saturation_epidermis"};
+    }
+    measurement.free.push_back(free);
+  }
+  SkinMeasurement spectrum;
+  for (const MeasuredPoint& point : measurement.series[0].points) {
+    spectrum.measured.push_back(point.value);
+    spectrum.standard_deviation.push_back(point.standard_deviation);
+  }
+  const std::span<const double> nm = measurement.bands.wavelengths();
+  const SkinReflectanceTable table({nm.begin(), nm.end()}, beam, skin_fit_range({}));
+  const SkinFit by_library = fit_skin(table, spectrum, {}, numbers, &forearm_population());
+  const MeasurementFit by_file = fit_measurement(measurement);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const FittedParameter &a = by_file.numbers[i].fitted, &b = by_library.fit.parameters[i];
+    EXPECT_NEAR(a.value, b.value, 1e-3 * b.high_error) << numbers[i].parameter.name;
+    EXPECT_NEAR(a.standard_deviation, b.standard_deviation, 1e-3 * b.standard_deviation);
+  }
+  EXPECT_NEAR(by_file.chi_squared, by_library.fit.chi_squared, 1e-3);
 }
 
 TEST(RecipeTotals, AreForWhatTheirTablesHold) {

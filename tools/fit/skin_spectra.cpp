@@ -2,9 +2,12 @@
 // Fits measured spectra of skin, prints the table of docs/fit.md, and what forearm_population
 // knows, as src/lamina/fit/internal/skin_population_table.h.
 //
-//   skin_spectra SPECTRA.csv [TABLE]
+//   skin_spectra SPECTRA.csv [TABLE.h|POPULATION.json] [--others OTHERS.csv]
 //
-// of [Cooksey2017], doi 10.18434/M38597: nm, then three columns of total reflectance per person.
+// SPECTRA.csv as that of [Cooksey2017], doi 10.18434/M38597: nm, then three columns of total
+// reflectance per person. POPULATION.json is what measurement files take as "population".
+// OTHERS.csv, of other people: a heading with wavelengths, then a row for each spectrum after its
+// number; they are fitted with constants and prior of the first.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -105,13 +108,16 @@ std::vector<std::size_t> everyone(const Study& study) {
 /// Each person on their own.
 std::vector<SkinFit> fit_each(const Study& study, const std::vector<std::size_t>& people,
                               const SkinParameters& skin, const std::vector<SkinFitNumber>& numbers,
-                              const SkinPopulation* population = nullptr) {
+                              const SkinPopulation* population = nullptr,
+                              bool has_specular = true) {
   std::vector<SkinFit> fits(people.size());
   parallel_for(people.size(), [&](std::size_t i) {
     const std::vector<double>& spectrum = study.spectra.people[people[i]];
     const std::vector<double> error(spectrum.size(), reading_error);
-    fits[i] = fit_skin(study.table, {.measured = spectrum, .standard_deviation = error}, skin,
-                       numbers, population, {.tolerance = 1e-6});
+    fits[i] =
+        fit_skin(study.table,
+                 {.measured = spectrum, .standard_deviation = error, .has_specular = has_specular},
+                 skin, numbers, population, {.tolerance = 1e-6});
   });
   return fits;
 }
@@ -265,8 +271,14 @@ void write_list(std::FILE* file, const char* name, const std::vector<double>& va
   std::fprintf(file, "};\n");
 }
 
-bool write_table(const char* name, const SkinPopulation& known) {
-  std::FILE* file = std::fopen(name, "w");
+/// As a header, or as a file for users where the name ends in .json.
+bool write_table(const std::string& name, const SkinPopulation& known) {
+  if (name.ends_with(".json")) {
+    std::ofstream out(name);
+    out << format_skin_population(known, "tools/fit/skin_spectra");
+    return static_cast<bool>(out.flush());
+  }
+  std::FILE* file = std::fopen(name.c_str(), "w");
   if (!file) return false;
   constexpr std::size_t every = 2;  // wavelengths
   const auto thinned = [&](std::span<const double> curve) {
@@ -311,13 +323,76 @@ bool write_table(const char* name, const SkinPopulation& known) {
   return std::fclose(file) == 0;
 }
 
+/// Spectra of a row each.
+Spectra load_rows(const std::string& file) {
+  std::ifstream in(file);
+  Spectra spectra;
+  std::vector<std::size_t> columns;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("#")) continue;
+    std::istringstream cells(line);
+    std::vector<double> row;
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::atof(cell.c_str()));
+    if (columns.empty()) {
+      for (std::size_t c = 1; c < row.size(); ++c)
+        if (400.0 <= row[c] && row[c] <= 700.0) {
+          columns.push_back(c);
+          spectra.wavelengths.push_back(row[c]);
+        }
+      continue;
+    }
+    std::vector<double>& spectrum = spectra.people.emplace_back();
+    for (const std::size_t c : columns) spectrum.push_back(row.at(c));
+    if (std::ranges::any_of(spectrum, [](double r) { return !(0.005 < r && r < 0.95); }))
+      spectra.people.pop_back();  // some readings failed
+  }
+  return spectra;
+}
+
+/// Other people, with the first ones' constants and prior. Whether their instrument counted what
+/// the skin mirrors is not known: it does where that fits better.
+void fit_others(const std::string& file, const SkinParameters& constants,
+                const SkinPopulation& known) {
+  const Spectra spectra = load_rows(file);
+  if (spectra.people.empty()) return (void)std::fprintf(stderr, "%s: no spectra\n", file.c_str());
+  const Study study{
+      spectra, SkinReflectanceTable(spectra.wavelengths, {.is_diffuse = true}, skin_fit_range({})),
+      make_band_weights(BandSet(spectra.wavelengths))};
+  std::printf(
+      "\n%s: %zu spectra\n\n| fitted | RMS, %% of incident light | CIEDE2000 |\n"
+      "| --- | --- | --- |\n",
+      file.c_str(), spectra.people.size());
+  const std::vector<std::size_t> people = everyone(study);
+  const std::vector<SkinFitNumber> numbers = skin_fit_numbers({});
+  const std::vector<SkinFitNumber> five(numbers.begin(), numbers.begin() + own_values);
+  for (const bool has_specular : {true, false}) {
+    const std::string light = has_specular ? ", mirrored light included" : ", excluded";
+    print_row("eight values" + light,
+              misfit(study, fit_each(study, people, {}, numbers, nullptr, has_specular), people));
+    print_row(
+        "five values, constants of the first" + light,
+        misfit(study, fit_each(study, people, constants, five, nullptr, has_specular), people));
+    print_row("eight values, prior of the first" + light,
+              misfit(study, fit_each(study, people, {}, numbers, &known, has_specular), people));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 3)
-    return std::fprintf(stderr, "usage: skin_spectra SPECTRA.csv [TABLE]\n"), 2;
-  const Spectra spectra = load(argv[1]);
-  if (spectra.people.empty()) return std::fprintf(stderr, "%s: no spectra\n", argv[1]), 1;
+  std::vector<std::string> files(argv + 1, argv + argc);
+  std::string others;
+  if (files.size() > 2 && files[files.size() - 2] == "--others") {
+    others = files.back();
+    files.resize(files.size() - 2);
+  }
+  if (files.empty() || files.size() > 2)
+    return std::fprintf(stderr,
+                        "usage: skin_spectra SPECTRA.csv [TABLE.h|POPULATION.json] "
+                        "[--others OTHERS.csv]\n"),
+           2;
+  const Spectra spectra = load(files[0].c_str());
+  if (spectra.people.empty()) return std::fprintf(stderr, "%s: no spectra\n", files[0].c_str()), 1;
   const SkinParameters skin;
   const auto seconds = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
   const auto wall = [] {
@@ -378,7 +453,10 @@ int main(int argc, char** argv) {
       "\nconstants: baseline_scale %.4f, scattering_scale %.4f, saturation %.4f; one fit of eight "
       "values %.2f CPU-ms\n",
       shared.baseline_scale, shared.scattering_scale, shared.saturation_dermis, each);
-  if (argc == 3 && !write_table(argv[2], learn(study, people, skin)))
-    return std::fprintf(stderr, "%s: cannot be written\n", argv[2]), 1;
+  if (files.size() == 1 && others.empty()) return 0;
+  const SkinPopulation all = learn(study, people, skin);
+  if (!others.empty()) fit_others(others, shared, all);
+  if (files.size() == 2 && !write_table(files[1], all))
+    return std::fprintf(stderr, "%s: cannot be written\n", files[1].c_str()), 1;
   return 0;
 }

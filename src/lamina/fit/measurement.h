@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/fit/fit_parameter.h"
+#include "lamina/fit/skin_population.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 #include "lamina/spectrum/band_set.h"
@@ -65,8 +67,16 @@ struct MeasuredSeries {
 struct FreeNumber {
   FitParameter parameter;  ///< its name is the path in the file, as that of --set
   bool is_per_band = false;
+  std::vector<std::string> further_paths = {};  ///< of what is set to the same number
+  std::optional<std::size_t> known = {};        ///< its place in the population
   std::vector<double> band_starts = {};  ///< [band] in place of parameter.start; may be empty
 
+  /// All that are set to it.
+  [[nodiscard]] std::vector<std::string> paths() const {
+    std::vector<std::string> all = {parameter.name};
+    all.insert(all.end(), further_paths.begin(), further_paths.end());
+    return all;
+  }
   [[nodiscard]] double start(std::size_t band) const {
     return band_starts.empty() ? parameter.start : band_starts[band];
   }
@@ -102,6 +112,9 @@ struct Measurement {
   BandSet bands = BandSet::rgb();  ///< those measured, of the material where it is solved
   std::vector<FreeNumber> free;
   std::vector<MeasuredSeries> series;
+  /// What is known of skin before. The free numbers that it knows have its priors, which go
+  /// together; all others then have one of their own.
+  std::optional<SkinPopulation> population = {};
   int starts = 1;             ///< as in FitOptions
   double robust_limit = 0.0;  ///< as in FitOptions
 };

@@ -1,10 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/fit/internal/decoded_free.h"
 #include "lamina/fit/internal/decoded_series.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/io/file_bytes.h"
@@ -16,6 +18,8 @@
 namespace lamina {
 namespace {
 
+using fit_detail::decode_free;
+using fit_detail::decode_population;
 using fit_detail::DecodedSeries;
 
 /// Inline, of a file, or of a built-in material.
@@ -29,12 +33,6 @@ MeasuredMaterial decode_measured_material(const JsonInput& value, const std::str
     return {builtin_material_text(name), name};
   const std::filesystem::path path = value.file_path();
   return {read_file_bytes(path, value.memory()), path.string()};
-}
-
-FitPrior decode_prior(const JsonInput& value) {
-  const JsonObject object = value.object({"mean", "sd"});
-  return {.mean = object.required("mean").number(),
-          .standard_deviation = object.required("sd").number(greater_than(0.0))};
 }
 
 void add_stated_numbers(const JsonInput& value, std::vector<StatedNumber>& numbers) {
@@ -52,50 +50,6 @@ void add_stated_numbers(const JsonInput& value, std::vector<StatedNumber>& numbe
     for (const auto& [key, entry] : value.entries())
       if (key != "version" && key != "bands") add_stated_numbers(entry, numbers);
   }
-}
-
-/// Without a "start": what the material has.
-void start_where_the_material_is(const JsonInput& value, std::span<const StatedNumber> stated,
-                                 std::size_t bands, FreeNumber& free) {
-  const std::string& path = free.parameter.name;
-  const auto found = std::ranges::find(stated, path, &StatedNumber::path);
-  if (found == stated.end())
-    value.fail("\"start\" is required, since the material states no number at " + path);
-  const std::vector<double>& values = found->values;
-  if (values.size() > 1 && !(free.is_per_band && values.size() == bands))
-    value.fail("\"start\" is required: the material states " + std::to_string(values.size()) +
-               " numbers at " + path + ", and " + std::to_string(free.is_per_band ? bands : 1) +
-               (free.is_per_band && bands > 1 ? " are free" : " is free"));
-  free.parameter.start = values[0];
-  if (values.size() > 1) free.band_starts = values;
-}
-
-FreeNumber decode_free(const JsonInput& value, std::span<const StatedNumber> stated,
-                       std::size_t bands) {
-  const JsonObject object =
-      value.object({"parameter", "start", "low", "high", "scale", "prior", "per_band"});
-  FreeNumber free;
-  FitParameter& parameter = free.parameter;
-  parameter.name = object.required("parameter").string();
-  parameter.low = object.required("low").number();
-  parameter.high = object.required("high").number();
-  if (const auto scale = object.optional("scale")) parameter.scale = scale->choice<FitScale>();
-  if (const auto prior = object.optional("prior")) parameter.prior = decode_prior(*prior);
-  if (const auto per_band = object.optional("per_band")) free.is_per_band = per_band->boolean();
-  if (const auto start = object.optional("start"))
-    parameter.start = start->number();
-  else
-    start_where_the_material_is(value, stated, bands, free);
-  try {
-    FitParameter at = parameter;
-    for (const double start : free.starts(bands)) {
-      at.start = start;
-      check_fit_parameter(at);
-    }
-  } catch (const InvalidInput& error) {
-    value.fail(error.what());
-  }
-  return free;
 }
 
 /// The bands of all entries: their wavelengths, or without such those of the material.
@@ -136,12 +90,12 @@ void check_free(const JsonInput& free, Measurement& measurement) {
   const std::size_t bands = measurement.bands.size();
   std::size_t unknowns = 0, points = 0;
   std::string names;
+  std::set<std::string> paths;
   std::vector<std::vector<double>> values;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const FreeNumber& number = measurement.free[i];
-    for (std::size_t j = 0; j < i; ++j)
-      if (measurement.free[j].parameter.name == number.parameter.name)
-        places[i].fail(number.parameter.name + " is free already");
+    for (const std::string& path : number.paths())
+      if (!paths.insert(path).second) places[i].fail(path + " is free already");
     values.push_back(number.starts(bands));
     if (number.parameter.prior) continue;
     unknowns += number.is_per_band ? bands : 1;
@@ -188,10 +142,12 @@ Material material_with(const Measurement& measurement,
   std::vector<std::string> settings;
   if (!measurement.bands.is_rgb())
     settings.push_back("bands=" + list(measurement.bands.wavelengths()));
-  for (std::size_t i = 0; i < measurement.free.size(); ++i)
-    settings.push_back(
-        measurement.free[i].parameter.name + "=" +
-        (measurement.free[i].is_per_band ? list(values[i]) : number_text(values[i][0])));
+  for (std::size_t i = 0; i < measurement.free.size(); ++i) {
+    const FreeNumber& free = measurement.free[i];
+    const std::string value =
+        "=" + (free.is_per_band ? list(values[i]) : number_text(values[i][0]));
+    for (const std::string& path : free.paths()) settings.push_back(path + value);
+  }
   return measurement.material.with(settings);
 }
 
@@ -200,11 +156,13 @@ Measurement load_measurement(const std::filesystem::path& file, MemoryBudget mem
   const JsonDocument document = load_json(file, memory, settings);
   const JsonObject root = document.root().file_object(
       "measurement", 1,
-      {"name", "source", "material", "free", "measured", "starts", "robust_limit"});
+      {"name", "source", "material", "population", "free", "measured", "starts", "robust_limit"});
   Measurement measurement;
   if (const auto name = root.optional("name")) measurement.name = name->string();
   if (const auto source = root.optional("source")) measurement.source = source->string();
   measurement.material = decode_measured_material(root.required("material"), file.string());
+  if (const auto population = root.optional("population"))
+    measurement.population = decode_population(*population, measurement.material);
   const std::vector<JsonInput> free_numbers = root.required("free").array(1, 100);
   if (const auto starts = root.optional("starts"))
     measurement.starts = static_cast<int>(starts->integer(1, 1000));
@@ -214,9 +172,11 @@ Measurement load_measurement(const std::filesystem::path& file, MemoryBudget mem
   for (const JsonInput& entry : root.required("measured").array(1, 100))
     entries.push_back(fit_detail::decode_series(entry));
   set_bands(root.required("measured"), std::move(entries), measurement);
+  if (measurement.population && measurement.bands.is_rgb())
+    root.required("population").fail("needs wavelengths, which were not measured");
   const std::vector<StatedNumber> stated = stated_numbers(measurement.material);
   for (const JsonInput& free : free_numbers)
-    measurement.free.push_back(decode_free(free, stated, measurement.bands.size()));
+    measurement.free.push_back(decode_free(free, stated, measurement));
   check_free(root.required("free"), measurement);
   return measurement;
 }

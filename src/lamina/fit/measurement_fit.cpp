@@ -24,9 +24,13 @@ constexpr double far_move = 5.0;
 
 /// As if nothing were known to better than 1 %: the way to the solution is then no narrow valley.
 FitData blurred(FitData data) {
-  for (std::size_t i = 0; i < data.measured.size(); ++i)
-    data.standard_deviation[i] =
-        std::max(data.standard_deviation[i], 0.01 * std::min(1.0, std::abs(data.measured[i])));
+  for (std::size_t i = 0; i < data.measured.size(); ++i) {
+    const double least = 0.01 * std::min(1.0, std::abs(data.measured[i]));
+    if (data.covariance.rows > 0)
+      data.covariance(i, i) = std::max(data.covariance(i, i), least * least);
+    else
+      data.standard_deviation[i] = std::max(data.standard_deviation[i], least);
+  }
   return data;
 }
 
@@ -58,6 +62,7 @@ FitResult fit_model(MeasurementModel& model, const Measurement& measurement, std
       .derivatives = [&](std::span<const double> values) { return model.derivatives(values); }};
   FitOptions options{.tolerance = 1e-3,
                      .robust_limit = measurement.robust_limit,
+                     .prior_correlation = model.prior_correlation(),
                      .starts = measurement.starts,
                      .seed = seed};
   FitResult result = fit_parameters(parameters, blurred(data), as_fitted, options);

@@ -75,6 +75,7 @@ const SkinPopulation& forearm_population() {
 double at_wavelength(const SkinPopulation& population, std::span<const double> curve,
                      double wavelength) {
   const std::vector<double>& nm = population.wavelengths;
+  if (nm.empty()) return 0.0;
   const auto above = std::ranges::upper_bound(nm, wavelength);
   if (above == nm.begin()) return curve.front();
   if (above == nm.end()) return curve.back();

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/core/dense_matrix.h"
+#include "lamina/core/memory_budget.h"
 #include "lamina/fit/fit_parameter.h"
 #include "lamina/materials/skin.h"
 
@@ -47,7 +49,18 @@ struct SkinPopulation {
 /// by tools/fit/skin_spectra. Source: [Cooksey2017]; the method: [KennedyOHagan2001].
 [[nodiscard]] const SkinPopulation& forearm_population();
 
-/// A curve over the wavelengths of a population at another wavelength: linear, constant beyond.
+/// Reads a file of a population; docs/fit.md has the format.
+/// @throws FileError if it is missing or unreadable; InvalidInput naming file, line and field.
+[[nodiscard]] SkinPopulation load_skin_population(const std::filesystem::path& file,
+                                                  MemoryBudget memory = {});
+
+/// A population as the text of a file that load_skin_population reads back.
+/// @param source  of the measurements
+[[nodiscard]] std::string format_skin_population(const SkinPopulation& population,
+                                                 const std::string& source);
+
+/// A curve over the wavelengths of a population at another wavelength: linear, constant beyond; 0
+/// if it has none.
 [[nodiscard]] double at_wavelength(const SkinPopulation& population, std::span<const double> curve,
                                    double wavelength);
 

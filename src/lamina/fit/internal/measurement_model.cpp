@@ -61,6 +61,7 @@ MeasurementModel::MeasurementModel(const Measurement& measurement, std::vector<s
       if (!part.points.empty()) (tables_[s] ? looked_up_ : parts_).push_back(std::move(part));
     }
   correction_.assign(is_logarithmic_.size(), 1.0);
+  if (measurement.population) missed_ = over_rows(measurement.population->missed);
 }
 
 std::vector<FitParameter> MeasurementModel::parameters() const {
@@ -90,7 +91,51 @@ FitData MeasurementModel::data() const {
         data.standard_deviation[row] =
             is_log ? point.standard_deviation / point.value : point.standard_deviation;
       }
+  if (measurement_.population) add_missed_scatter(data);
   return data;
+}
+
+DenseMatrix MeasurementModel::prior_correlation() const {
+  if (!measurement_.population) return {};
+  DenseMatrix correlation(unknowns_.size(), unknowns_.size());
+  for (std::size_t i = 0; i < unknowns_.size(); ++i)
+    for (std::size_t j = 0; j < unknowns_.size(); ++j) {
+      const auto a = measurement_.free[unknowns_[i].free].known,
+                 b = measurement_.free[unknowns_[j].free].known;
+      if (i == j)
+        correlation(i, j) = 1.0;
+      else if (a && b)
+        correlation(i, j) = measurement_.population->correlation(*a, *b);
+    }
+  return correlation;
+}
+
+void MeasurementModel::add_missed_scatter(FitData& data) const {
+  const SkinPopulation& population = *measurement_.population;
+  const std::size_t rows = data.measured.size();
+  data.covariance = DenseMatrix(rows, rows);
+  for (std::size_t i = 0; i < rows; ++i)
+    data.covariance(i, i) = data.standard_deviation[i] * data.standard_deviation[i];
+  data.standard_deviation.clear();
+  for (std::size_t c = 0; c < population.missed_components.rows; ++c) {
+    const std::vector<double> scatter = over_rows(population.missed_components.row(c));
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t j = 0; j < rows; ++j) data.covariance(i, j) += scatter[i] * scatter[j];
+  }
+}
+
+std::vector<double> MeasurementModel::over_rows(std::span<const double> missed) const {
+  std::vector<double> values(is_logarithmic_.size(), 0.0);
+  for (const auto& parts : {&parts_, &looked_up_})
+    for (const Part& part : *parts) {
+      if (measurement_.series[part.series].kind != MeasurementKind::totals) continue;
+      const double value = at_wavelength(*measurement_.population, missed,
+                                         measurement_.bands.wavelengths()[part.band]);
+      for (std::size_t j = 0; j < part.points.size(); ++j)
+        if (part.points[j].quantity == MeasuredQuantity::reflectance)
+          values[part.first + j] = value;
+    }
+  return values;
 }
 
 std::vector<LayerStack> MeasurementModel::stacks(std::span<const double> values) const {
@@ -106,6 +151,12 @@ std::vector<LayerStack> MeasurementModel::stacks(std::span<const double> values)
 }
 
 std::vector<double> MeasurementModel::predict(std::span<const double> values) const {
+  std::vector<double> predicted = predict_model(values);
+  for (std::size_t row = 0; row < missed_.size(); ++row) predicted[row] += missed_[row];
+  return predicted;
+}
+
+std::vector<double> MeasurementModel::predict_model(std::span<const double> values) const {
   report_or_throw(progress_, 0.0);
   std::vector<double> predicted(is_logarithmic_.size(), std::nan(""));
   for (const Part& part : looked_up_) look_up(part, values, predicted, nullptr);

@@ -36,6 +36,8 @@ class MeasurementModel {
   [[nodiscard]] const std::vector<Unknown>& unknowns() const { return unknowns_; }
   [[nodiscard]] std::vector<FitParameter> parameters() const;
   [[nodiscard]] FitData data() const;
+  /// How priors go together, as in FitOptions.
+  [[nodiscard]] DenseMatrix prior_correlation() const;
 
   /// By quick solutions times the correction; not finite where the material cannot be so.
   [[nodiscard]] std::vector<double> predict(std::span<const double> values) const;
@@ -69,6 +71,11 @@ class MeasurementModel {
     std::vector<std::size_t> indices;  ///< in the series
     std::vector<MeasuredPoint> points;
   };
+  [[nodiscard]] std::vector<double> predict_model(std::span<const double> values) const;
+  /// Errors of the model of a population, which go together.
+  void add_missed_scatter(FitData& data) const;
+  /// A curve of what that model misses, where reflectance is measured. [row]
+  [[nodiscard]] std::vector<double> over_rows(std::span<const double> missed) const;
   [[nodiscard]] std::vector<LayerStack> stacks(std::span<const double> values) const;
   struct Sides {                                   ///< of a free number, in all its bands
     std::vector<double> value_below, value_above;  ///< [unknown]
@@ -93,7 +100,8 @@ class MeasurementModel {
   std::vector<std::shared_ptr<const RecipeTotals>> tables_;  ///< [series] null: it is solved
   std::vector<Part> parts_, looked_up_;                      ///< solved, and by tables
   std::vector<bool> is_logarithmic_;                         ///< [point]
-  std::vector<double> correction_;                           ///< [point] factor
+  std::vector<double> missed_;      ///< [point] by the model of a population; empty without one
+  std::vector<double> correction_;  ///< [point] factor
   DenseMatrix
       derivative_correction_;  ///< [point][unknown] of its logarithm by coordinates, or empty
   std::vector<double> corrected_at_;  ///< [unknown] coordinates

@@ -17,23 +17,38 @@ namespace {
 /// What tables are off at most, of totals; of smaller ones as of the least.
 constexpr double table_error = 1e-3, least_total = 3e-3;
 
+/// Members of a recipe and the free number that each is set to, [member].
+template <class Parameters>
+struct FreeMembers {
+  std::vector<double Parameters::*> values;
+  std::vector<std::size_t> free;
+
+  [[nodiscard]] Parameters with(Parameters parameters, std::span<const double> numbers) const {
+    for (std::size_t i = 0; i < values.size(); ++i) parameters.*values[i] = numbers[free[i]];
+    return parameters;
+  }
+};
+
 /// The members of a recipe that are free, by their paths; nothing if a path is another's, or its
 /// range is not within that of tables.
 template <class Parameters, class Range>
-std::optional<std::vector<double Parameters::*>> free_members(const Measurement& measurement,
-                                                              std::string_view recipe,
-                                                              std::span<const Range> all,
-                                                              const Parameters& low,
-                                                              const Parameters& high) {
-  std::vector<double Parameters::*> members;
-  for (const FreeNumber& free : measurement.free) {
-    const auto found = std::ranges::find_if(all, [&](const Range& range) {
-      return free.parameter.name == std::string(recipe) + "." + std::string(range.name);
-    });
-    if (found == all.end() || found->is_length) return {};
-    if (free.parameter.low < low.*found->value || free.parameter.high > high.*found->value)
-      return {};
-    members.push_back(found->value);
+std::optional<FreeMembers<Parameters>> free_members(const Measurement& measurement,
+                                                    std::string_view recipe,
+                                                    std::span<const Range> all,
+                                                    const Parameters& low, const Parameters& high) {
+  FreeMembers<Parameters> members;
+  for (std::size_t f = 0; f < measurement.free.size(); ++f) {
+    const FreeNumber& free = measurement.free[f];
+    for (const std::string& path : free.paths()) {
+      const auto found = std::ranges::find_if(all, [&](const Range& range) {
+        return path == std::string(recipe) + "." + std::string(range.name);
+      });
+      if (found == all.end() || found->is_length) return {};
+      if (free.parameter.low < low.*found->value || free.parameter.high > high.*found->value)
+        return {};
+      members.values.push_back(found->value);
+      members.free.push_back(f);
+    }
   }
   return members;
 }
@@ -61,7 +76,7 @@ bool is_recipe_alone(const Material& material, Recipe recipe) {
 Material at_start(const Measurement& measurement) {
   std::vector<std::vector<double>> values;
   for (const FreeNumber& free : measurement.free)
-    values.emplace_back(free.is_per_band ? measurement.bands.size() : 1, free.parameter.start);
+    values.push_back(free.starts(measurement.bands.size()));
   return material_with(measurement, values);
 }
 
@@ -78,27 +93,27 @@ class SkinTotals final : public RecipeTotals {
         members_(*members(measurement, skin_)),
         table_(wavelengths_of(measurement), incidence, skin_fit_range(skin_), progress) {}
 
-  static std::optional<std::vector<double SkinParameters::*>> members(
-      const Measurement& measurement, const SkinParameters& skin) {
+  static std::optional<FreeMembers<SkinParameters>> members(const Measurement& measurement,
+                                                            const SkinParameters& skin) {
     const SkinRange range = skin_fit_range(skin);
     return free_members(measurement, "skin", skin_parameter_ranges(), range.low, range.high);
   }
 
   Totals at(std::span<const double> numbers, std::size_t band,
             std::span<Totals> derivatives) const override {
-    SkinParameters skin = skin_;
-    for (std::size_t i = 0; i < members_.size(); ++i) skin.*members_[i] = numbers[i];
+    const SkinParameters skin = members_.with(skin_, numbers);
     if (derivatives.empty()) return {table_.reflectance_at(band, skin), 0.0};
-    std::vector<double> by(members_.size());
-    const double value = table_.reflectance_at(band, skin, members_, by);
-    for (std::size_t i = 0; i < by.size(); ++i) derivatives[i] = {by[i], 0.0};
+    std::vector<double> by(members_.values.size());
+    const double value = table_.reflectance_at(band, skin, members_.values, by);
+    std::ranges::fill(derivatives, Totals{});
+    for (std::size_t i = 0; i < by.size(); ++i) derivatives[members_.free[i]].reflectance += by[i];
     return {value, 0.0};
   }
   double specular_reflectance() const override { return table_.specular_reflectance(); }
 
  private:
   SkinParameters skin_;
-  std::vector<double SkinParameters::*> members_;  ///< [free number]
+  FreeMembers<SkinParameters> members_;
   SkinReflectanceTable table_;
 };
 
@@ -110,31 +125,33 @@ class LeafTotals final : public RecipeTotals {
         members_(*members(measurement, leaf_)),
         table_(wavelengths_of(measurement), incidence, leaf_fit_range(leaf_), progress) {}
 
-  static std::optional<std::vector<double LeafParameters::*>> members(
-      const Measurement& measurement, const LeafParameters& leaf) {
+  static std::optional<FreeMembers<LeafParameters>> members(const Measurement& measurement,
+                                                            const LeafParameters& leaf) {
     const LeafRange range = leaf_fit_range(leaf);
     return free_members(measurement, "leaf", leaf_parameter_ranges(), range.low, range.high);
   }
 
   Totals at(std::span<const double> numbers, std::size_t band,
             std::span<Totals> derivatives) const override {
-    LeafParameters leaf = leaf_;
-    for (std::size_t i = 0; i < members_.size(); ++i) leaf.*members_[i] = numbers[i];
+    const LeafParameters leaf = members_.with(leaf_, numbers);
     if (derivatives.empty()) {
       const LeafTotalsTable::Totals totals = table_.totals(leaf, band);
       return {totals.reflectance, totals.transmittance};
     }
-    std::vector<LeafTotalsTable::Totals> by(members_.size());
-    const LeafTotalsTable::Totals totals = table_.totals(leaf, band, members_, by);
-    for (std::size_t i = 0; i < by.size(); ++i)
-      derivatives[i] = {by[i].reflectance, by[i].transmittance};
+    std::vector<LeafTotalsTable::Totals> by(members_.values.size());
+    const LeafTotalsTable::Totals totals = table_.totals(leaf, band, members_.values, by);
+    std::ranges::fill(derivatives, Totals{});
+    for (std::size_t i = 0; i < by.size(); ++i) {
+      derivatives[members_.free[i]].reflectance += by[i].reflectance;
+      derivatives[members_.free[i]].transmittance += by[i].transmittance;
+    }
     return {totals.reflectance, totals.transmittance};
   }
   double specular_reflectance() const override { return table_.specular_reflectance(); }
 
  private:
   LeafParameters leaf_;
-  std::vector<double LeafParameters::*> members_;  ///< [free number]
+  FreeMembers<LeafParameters> members_;
   LeafTotalsTable table_;
 };
 
@@ -175,7 +192,8 @@ std::shared_ptr<const RecipeTotals> make_recipe_totals(const Measurement& measur
 std::string recipe_totals_key(const Measurement& measurement, const MeasuredSeries& series) {
   std::string key = series.incidence.is_diffuse ? "diffuse" : number_text(series.incidence.theta);
   for (const double nm : measurement.bands.wavelengths()) key += " " + number_text(nm);
-  for (const FreeNumber& free : measurement.free) key += "\n" + free.parameter.name;
+  for (const FreeNumber& free : measurement.free)
+    for (const std::string& path : free.paths()) key += "\n" + path;
   return key + "\n" + measurement.material.name + "\n" + measurement.material.text;
 }
 
