@@ -144,6 +144,12 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
   for (const auto& [reason, count] : refusals)
     say(count == 1 ? reason : fmt::format("{} (of {} files)", reason, count));
   if (!batch.output.empty()) write_file(batch.output, csv_table(files));
+  if (!batch.report.empty()) {
+    std::vector<BatchRow> rows;
+    for (const FittedFile& file : files)
+      rows.push_back({file.name, file.fit ? &*file.fit : nullptr, file.refusal});
+    write_file(batch.report, batch_page(rows, batch.making));
+  }
   write_json(json, common);
   print(common, text);
   if (refused > 0)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "console.h"
+#include "fit_page.h"
 
 namespace lamina::cli {
 
@@ -14,6 +15,8 @@ struct FitBatch {
   std::vector<std::string> settings;  ///< of it
   std::string folder;                 ///< of CSV files, each in place of that of the first entry
   std::string output;                 ///< CSV; may be empty
+  std::string report;                 ///< HTML; may be empty
+  FitMaking making;                   ///< of the report
 };
 
 /// Fits all files, goes on past those that cannot be, and lists these at the end.

@@ -6,9 +6,11 @@
 #include "commands.h"
 #include "console.h"
 #include "fit_batch.h"
+#include "fit_page.h"
 #include "fit_report.h"
 #include "lamina/core/error.h"
 #include "lamina/fit/measurement_fit.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/materials/material.h"
 
 namespace lamina::cli {
@@ -16,7 +18,7 @@ namespace {
 
 struct FitCommandOptions {
   CommonOptions common;
-  std::string measurement, output, plot, batch;
+  std::string measurement, output, plot, report, batch;
   std::vector<std::string> settings;
 };
 
@@ -29,14 +31,31 @@ void require_ending(const FitCommandOptions& options) {
                        ", but is " + options.output);
 }
 
+/// What the result depends on, and nothing else: the same report for the same fit.
+FitMaking making_of(const FitCommandOptions& options) {
+  FitMaking making{.arguments = {"fit", options.measurement}, .file = {}};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    making.arguments.insert(making.arguments.end(), {option, value});
+  };
+  for (const std::string& setting : options.settings) add("--set", setting);
+  if (!options.batch.empty()) add("--batch", options.batch);
+  if (options.common.seed != 0) add("--seed", std::to_string(options.common.seed));
+  MemoryBudget memory = options.common.memory;
+  if (!options.report.empty() && options.measurement != "-" && !is_device(options.measurement))
+    making.file = read_file_bytes(options.measurement, memory);
+  return making;
+}
+
 void run_fit(const FitCommandOptions& options) {
   require_ending(options);
   require_different({{"--output", options.output},
                      {"--plot", options.plot},
+                     {"--report", options.report},
                      {"--json", options.common.json},
                      {"the measurement", options.measurement}});
   if (!options.batch.empty())
-    return run_fit_batch({options.measurement, options.settings, options.batch, options.output},
+    return run_fit_batch({options.measurement, options.settings, options.batch, options.output,
+                          options.report, making_of(options)},
                          options.common);
   const Measurement measurement =
       load_measurement(options.measurement, options.common.memory, options.settings);
@@ -47,6 +66,8 @@ void run_fit(const FitCommandOptions& options) {
   if (!options.output.empty())
     write_file(options.output, format_material(material_with(measurement, fit.values)));
   if (!options.plot.empty()) save_svg(fit_plot(measurement, fit), options.plot);
+  if (!options.report.empty())
+    write_file(options.report, fit_page(measurement, fit, making_of(options)));
   write_json(json, options.common);
   print(options.common, fit_text(measurement, fit));
 }
@@ -71,6 +92,12 @@ void add_fit_command(CLI::App& app) {
                        "plot what was measured, what the fit predicts and what is left", ".svg")
       .type_name("FILE.svg");
   command
+      .add_output_file("--report", options->report,
+                       "write all of it as one page: what was measured, assumed and found, plots, "
+                       "correlations, notes",
+                       ".html")
+      .type_name("FILE.html");
+  command
       .add_option("--batch", options->batch,
                   "fits each CSV file of a folder in place of that of the first measured entry")
       .type_name("FOLDER");
@@ -79,7 +106,7 @@ void add_fit_command(CLI::App& app) {
   command.footer(
       "Errors are one standard deviation; notes say what the measurement cannot tell.\n\n"
       "Example: absorption and scattering of a phantom from its reflectance and transmittance\n"
-      "  lamina fit examples/measurements/liquid.json -o liquid_found.json --plot liquid.svg\n"
+      "  lamina fit examples/measurements/liquid.json -o liquid_found.json --report liquid.html\n"
       "Many samples, measured alike\n"
       "  lamina fit examples/measurements/liquid.json --batch spectra -o found.csv");
   command.callback([options, command] {

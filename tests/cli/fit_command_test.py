@@ -69,6 +69,33 @@ class RoundTrip(unittest.TestCase):
             self.assertIn(words, text)
 
 
+class Report(unittest.TestCase):
+    def test_is_one_page_with_all_of_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fit = ["fit", EXAMPLES / "liquid.json", "--set", "name=milk & <water>"]
+            self.assertEqual(run(*fit, "--report", "a.html", cwd=folder).returncode, 0)
+            self.assertEqual(run(*fit, "--report", "b.html", cwd=folder).returncode, 0)
+            page = pathlib.Path(folder, "a.html").read_text()
+            self.assertEqual(page, pathlib.Path(folder, "b.html").read_text())
+            found = json_of(*fit, cwd=folder)
+        self.assertNotIn("http", page)  # nothing from a network
+        for words in ("milk &amp; &lt;water&gt;", "an example, not a measurement", "light at normal incidence, first reflection at the surface included",
+                      "layers[1].sigma_s_prime</code> [1/mm]", "0.001 to 100", "layers[0].ior</code>", "lamina fit ", "--set 'name=milk &amp; &lt;water&gt;'"):
+            self.assertIn(words, page)
+        for note in found["notes"]:
+            self.assertIn(note, page)
+        for point in found["measured"][0]["points"]:
+            self.assertIn(">%.5g<" % point["measured"], page)
+        self.assertEqual(page.count("correlations of the numbers found"), 5)
+
+    def test_of_another_ending_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = run("fit", EXAMPLES / "liquid.json", "--report", "liquid.pdf", cwd=folder)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(".html", result.stderr)
+            self.assertEqual(os.listdir(folder), [])
+
+
 class Batch(unittest.TestCase):
     def test_goes_on_past_a_bad_file_and_says_so(self):
         table = (EXAMPLES / "cuvette.csv").read_text().splitlines()
@@ -78,11 +105,14 @@ class Batch(unittest.TestCase):
             (spectra / "b.csv").write_text("\n".join(table))
             (spectra / "a.csv").write_text("\n".join(table[:4]))  # two bands less
             (spectra / "bad.csv").write_text("\n".join(table).replace("50.63", "-50.63"))
-            batch = ["fit", EXAMPLES / "liquid.json", "--batch", "spectra", "-o", "found.csv"]
+            batch = ["fit", EXAMPLES / "liquid.json", "--batch", "spectra", "-o", "found.csv", "--report", "found.html"]
             result = run(*batch, cwd=folder)
             self.assertEqual(result.returncode, 1, result.stderr)
             self.assertIn("bad.csv:3: reflectance must lie in", result.stderr)
             self.assertIn("1 of 3 files could not be fitted", result.stderr)
+            page = pathlib.Path(folder, "found.html").read_text()
+            self.assertIn("2 of 3 files fitted", page)
+            self.assertIn("reflectance must lie in", page)
             rows = pathlib.Path(folder, "found.csv").read_text().splitlines()
             self.assertEqual([row.split(",")[0] for row in rows], ["file", "a.csv", "b.csv"])
             columns = rows[0].split(",")
@@ -112,7 +142,7 @@ class WrongInput(unittest.TestCase):
         self.assertGreater(len(files), 40)
         with tempfile.TemporaryDirectory() as folder:
             for file in files:
-                result = run("fit", file, "-o", "found.json", "--plot", "fit.svg", "--json", "fit.json", cwd=folder)
+                result = run("fit", file, "-o", "found.json", "--plot", "fit.svg", "--report", "fit.html", "--json", "fit.json", cwd=folder)
                 self.assertEqual(result.returncode, 2, (file, result.stderr))
                 self.assertEqual(result.stdout, "", file)
                 self.assertEqual(result.stderr.count("\n"), 1, (file, result.stderr))

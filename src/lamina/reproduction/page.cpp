@@ -8,8 +8,8 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/io/base64.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/plot/html_page.h"
 #include "lamina/reproduction/internal/papers.h"
 
 namespace lamina {
@@ -18,51 +18,17 @@ namespace {
 using detail::Paper;
 using detail::papers;
 
-constexpr std::string_view style = R"css(
-:root { color-scheme: light dark; --ink: #1b1d21; --soft: #5b6270; --paper: #fff; --line: #d9dde3;
-  --good: #1f7a44; --shape: #8a6100; --bad: #b3261e; --none: #5b6270; --tint: #f4f5f7; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e8ec; --soft: #a2a9b5; --paper: #15171b;
-  --line: #343941; --good: #6fd197; --shape: #e2b84f; --bad: #ff8a80; --none: #a2a9b5; --tint: #1e2127; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 60rem; padding: 1.5rem 1rem 4rem; background: var(--paper);
-  color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }
-h1 { font-size: 1.7rem; margin: 0 0 .3rem; } h2 { margin: 3rem 0 .2rem; font-size: 1.35rem;
-  border-bottom: 1px solid var(--line); padding-bottom: .3rem; } h3 { margin: 2rem 0 .3rem; font-size: 1.05rem; }
-p { margin: .4rem 0; } .soft { color: var(--soft); } a { color: inherit; }
-table { border-collapse: collapse; width: 100%; font-size: .9rem; margin: .6rem 0; }
-th, td { text-align: left; padding: .25rem .6rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
-td.n, th.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
-.scroll { overflow-x: auto; } .overview th { padding-top: 1rem; }
+constexpr std::string_view reproduction_style = R"css(
+:root { --shape: #8a6100; --none: var(--soft); }
+@media (prefers-color-scheme: dark) { :root { --shape: #e2b84f; } }
+.overview th { padding-top: 1rem; }
 .verdict { font-weight: 600; white-space: nowrap; } .agrees { color: var(--good); }
 .agrees_in_shape { color: var(--shape); } .differs { color: var(--bad); } .not_made { color: var(--none); }
-.pictures { display: grid; gap: .6rem; } figure { margin: 0; } figure img { width: 100%; }
-figure img, .plot img { max-width: 100%; height: auto; display: block; background: #fff; } figcaption { font-size: .8rem; color: var(--soft); text-align: center; }
-.plot { margin: .6rem 0; } code, pre { font: .82rem/1.45 ui-monospace, monospace; }
-pre { overflow-x: auto; background: var(--tint); padding: .6rem; margin: .3rem 0; }
-details { margin: .4rem 0; } summary { cursor: pointer; color: var(--soft); }
+.pictures { display: grid; gap: .6rem; }
 article { break-inside: avoid; } @media (max-width: 40rem) { .pictures { grid-template-columns: 1fr 1fr !important; }
-  .plot { overflow-x: auto; } .plot img { max-width: none; width: max(100%, 36rem); }
   .overview tr { display: grid; grid-template-columns: 1fr auto; border-bottom: 1px solid var(--line); }
   .overview th, .overview td { border: 0; } .overview td:nth-child(3) { grid-column: 1 / -1; } }
-@media print { details > * { display: block; } body { max-width: none; } }
 )css";
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
 
 std::string said(Verdict verdict) {
   std::string text(name_of(verdict));
@@ -73,20 +39,6 @@ std::string said(Verdict verdict) {
 std::string verdict_html(Verdict verdict) {
   return "<span class=\"verdict " + std::string(name_of(verdict)) + "\">" + said(verdict) +
          "</span>";
-}
-
-/// Quotes what a shell would cut or change.
-std::string command_line(const ReproductionRun& run) {
-  std::string line = "lamina";
-  for (const std::string& argument : run.arguments) {
-    const bool is_plain = argument.find_first_of(" '\"[]{}()*?$&;|<>#~") == std::string::npos;
-    line += is_plain ? ' ' + argument : " '" + argument + "'";
-  }
-  return line;
-}
-
-std::string data_uri(const std::string& kind, const std::string& bytes) {
-  return "data:" + kind + ";base64," + base64(std::as_bytes(std::span(bytes)));
 }
 
 std::string difference(double value, double expected) {
@@ -127,19 +79,19 @@ std::string checks_html(const ReproductionResult& result) {
   for (std::size_t i = 0; i < item.numbers.size(); ++i) {
     const NumberCheck& check = item.numbers[i];
     const CheckedNumber& found = result.numbers[i];
-    html += "<tr><td>" + escaped(check.text) + "</td><td class=\"n\">" +
+    html += "<tr><td>" + html_escaped(check.text) + "</td><td class=\"n\">" +
             printf_text("%.5g", found.value) + "</td><td class=\"n\">" +
             printf_text("%.5g", check.expected) + "</td><td class=\"n " +
             (found.holds ? "agrees" : "differs") + "\">" + difference(found.value, check.expected) +
             "</td><td class=\"n\">±" + printf_text("%.2g", check.tolerance) + "</td><td>" +
-            escaped(check.from) + "</td></tr>";
+            html_escaped(check.from) + "</td></tr>";
   }
   html += "</table></div>";
   if (item.features.empty()) return html;
   html += "<ul>";
   for (std::size_t i = 0; i < item.features.size(); ++i) {
     const CheckedFeature& found = result.features[i];
-    html += std::string("<li>") + escaped(item.features[i].text) +
+    html += std::string("<li>") + html_escaped(item.features[i].text) +
             (found.measure ? " (" + printf_text("%.3g", *found.measure) + ")" : "") +
             ": <span class=\"" + (found.holds ? "agrees\">holds" : "differs\">does not hold") +
             "</span></li>";
@@ -149,51 +101,47 @@ std::string checks_html(const ReproductionResult& result) {
 
 std::string article(const ReproductionResult& result) {
   const ReproductionItem& item = result.item;
-  std::string html = "<article id=\"" + escaped(item.id) + "\"><h3>" + escaped(item.title) +
-                     " <span class=\"soft\">" + escaped(item.id) + "</span> — " +
-                     verdict_html(result.verdict) + "</h3><p>" + escaped(item.shows) + "</p>";
+  std::string html = "<article id=\"" + html_escaped(item.id) + "\"><h3>" +
+                     html_escaped(item.title) + " <span class=\"soft\">" + html_escaped(item.id) +
+                     "</span> — " + verdict_html(result.verdict) + "</h3><p>" +
+                     html_escaped(item.shows) + "</p>";
   if (result.verdict == Verdict::not_made)
-    return html + "<p class=\"soft\">" + escaped(result.why_not_made) + "</p></article>";
-  if (!result.plot.panels.empty())
-    html += "<div class=\"plot\"><img alt=\"" + escaped(item.title) + "\" src=\"" +
-            data_uri("image/svg+xml", format_svg(result.plot)) + "\"></div>";
+    return html + "<p class=\"soft\">" + html_escaped(result.why_not_made) + "</p></article>";
+  if (!result.plot.panels.empty()) html += html_plot(format_svg(result.plot), item.title);
   if (!item.pictures.empty()) {
     const int columns = std::min(item.picture_columns, static_cast<int>(item.pictures.size()));
     html += "<div class=\"pictures\" style=\"grid-template-columns: repeat(" +
             std::to_string(columns) + ", 1fr)\">";
     for (const ReproductionPicture& picture : item.pictures)
-      html += "<figure><img alt=\"" + escaped(picture.caption) + "\" src=\"" +
-              data_uri("image/png", read_file_bytes(result.folder / picture.file)) +
-              "\"><figcaption>" + escaped(picture.caption) + "</figcaption></figure>";
+      html += "<figure><img alt=\"" + html_escaped(picture.caption) + "\" src=\"" +
+              data_address("image/png", read_file_bytes(result.folder / picture.file)) +
+              "\"><figcaption>" + html_escaped(picture.caption) + "</figcaption></figure>";
     html += "</div>";
   }
   if (!item.table.rows.empty()) {
-    html += "<div class=\"scroll\"><table><tr>";
-    for (std::size_t i = 0; i < item.table.columns.size(); ++i)
-      html += std::string(i > 0 ? "<th class=\"n\">" : "<th>") + escaped(item.table.columns[i]) +
-              "</th>";
-    html += "</tr>";
-    for (const auto& row : result.cells) {
-      html += "<tr>";
-      for (std::size_t i = 0; i < row.size(); ++i)
-        html += std::string(i > 0 ? "<td class=\"n\">" : "<td>") + escaped(row[i]) + "</td>";
-      html += "</tr>";
-    }
-    html += "</table></div>";
+    std::vector<HtmlColumn> columns;
+    for (const std::string& name : item.table.columns)
+      columns.push_back({.name = html_escaped(name), .is_number = !columns.empty()});
+    std::vector<std::vector<std::string>> rows = result.cells;
+    for (auto& row : rows)
+      for (std::string& cell : row) cell = html_escaped(cell);
+    html += html_table(columns, rows);
   }
   html += checks_html(result);
   if (result.verdict == Verdict::differs && !item.differs_because.empty())
-    html += "<p><b>Why it differs.</b> " + escaped(item.differs_because) + "</p>";
+    html += "<p><b>Why it differs.</b> " + html_escaped(item.differs_because) + "</p>";
   html += "<details><summary>inputs</summary><ul>";
   for (const ReproductionInput& input : item.inputs)
-    html += "<li>" + escaped(input.what) +
-            (input.is_chosen ? " — <b>chosen by us</b>: " + escaped(input.why)
+    html += "<li>" + html_escaped(input.what) +
+            (input.is_chosen ? " — <b>chosen by us</b>: " + html_escaped(input.why)
                              : std::string(" — given by the paper")) +
             "</li>";
   html += "</ul></details><details><summary>commands</summary><pre>";
   for (const ReproductionFile& file : item.files)
-    html += "cat > " + escaped(file.name) + " &lt;&lt;'END'\n" + escaped(file.text) + "END\n";
-  for (const ReproductionRun& run : item.runs) html += escaped(command_line(run)) + "\n";
+    html +=
+        "cat > " + html_escaped(file.name) + " &lt;&lt;'END'\n" + html_escaped(file.text) + "END\n";
+  for (const ReproductionRun& run : item.runs)
+    html += html_escaped(lamina_command_line(run.arguments)) + "\n";
   return html + "</pre></details><p class=\"soft\">" + printf_text("%.1f s", result.seconds) +
          "</p></article>";
 }
@@ -221,34 +169,30 @@ std::string paper_title(std::string_view paper) {
 
 std::string format_page(std::span<const ReproductionResult> results, ReproductionQuality quality) {
   std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-      "<title>lamina: the five papers</title><style>" +
-      std::string(style) + "</style></head><body><h1>The five papers, made again</h1><p>" +
-      counts_text(results) + ". Made by <code>lamina reproduce --quality " +
-      std::string(name_of(quality)) +
+      "<h1>The five papers, made again</h1><p>" + counts_text(results) +
+      ". Made by <code>lamina reproduce --quality " + std::string(name_of(quality)) +
       "</code>. A verdict follows from numbers and features that are checked, never from a "
       "setting.</p><table class=\"overview\">";
   for (const Paper& paper : papers) {
     std::string rows;
     for (const ReproductionResult& result : results)
       if (result.item.paper == paper.name)
-        rows += "<tr><td><a href=\"#" + escaped(result.item.id) + "\">" +
-                escaped(result.item.title) + "</a></td><td>" + verdict_html(result.verdict) +
-                "</td><td class=\"soft\">" + escaped(short_reason(result)) + "</td></tr>";
+        rows += "<tr><td><a href=\"#" + html_escaped(result.item.id) + "\">" +
+                html_escaped(result.item.title) + "</a></td><td>" + verdict_html(result.verdict) +
+                "</td><td class=\"soft\">" + html_escaped(short_reason(result)) + "</td></tr>";
     if (!rows.empty())
-      html += "<tr><th colspan=\"3\">" + escaped(paper.title) + "</th></tr>" + rows;
+      html += "<tr><th colspan=\"3\">" + html_escaped(paper.title) + "</th></tr>" + rows;
   }
   html += "</table>";
   for (const Paper& paper : papers) {
     if (std::ranges::none_of(results, [&](const auto& r) { return r.item.paper == paper.name; }))
       continue;
-    html +=
-        "<h2>" + escaped(paper.title) + "</h2><p class=\"soft\">" + escaped(paper.subject) + "</p>";
+    html += "<h2>" + html_escaped(paper.title) + "</h2><p class=\"soft\">" +
+            html_escaped(paper.subject) + "</p>";
     for (const ReproductionResult& result : results)
       if (result.item.paper == paper.name) html += article(result) + "\n";
   }
-  return html + "</body></html>\n";
+  return html_page("lamina: the five papers", html, reproduction_style);
 }
 
 JsonOutput reproduction_json(std::span<const ReproductionResult> results,

@@ -68,12 +68,13 @@ void add_notes(const std::vector<FitParameter>& parameters, FitResult& result) {
                              number_text(fitted.value));
     else if (fitted.prior_share > prior_share_of_note)
       result.notes.push_back(parameters[i].name + ": from the prior, the data add little");
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (std::abs(result.correlation(i, j)) > correlation_of_note)
         result.notes.push_back(parameters[j].name + " and " + parameters[i].name +
                                ": hardly told apart, correlation " +
                                printf_text("%.3f", result.correlation(i, j)));
-  }
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lamina/fit/measurement_fit.h"
+#include "lamina/plot/html_page.h"
+
+// Tables of the page of a fit, as HTML.
+
+namespace lamina::cli {
+
+using HtmlColumns = std::vector<HtmlColumn>;
+using HtmlRows = std::vector<std::vector<std::string>>;  ///< [row][column] HTML
+
+/// A path in a file, as such.
+[[nodiscard]] std::string path_html(std::string_view path);
+
+/// A value with its errors above and below, or a word on why it has none.
+[[nodiscard]] std::string value_html(const FittedParameter& fitted);
+
+/// The numbers that were found.
+[[nodiscard]] std::string found_html(const Measurement& measurement, const MeasurementFit& fit);
+
+/// What was measured, and how.
+[[nodiscard]] std::string measured_html(const Measurement& measurement, const MeasurementFit& fit);
+
+/// What is free and what is not, and the layers as they were found.
+[[nodiscard]] std::string assumed_html(const Measurement& measurement, const MeasurementFit& fit);
+
+/// Every measured number beside what the fit predicts.
+[[nodiscard]] std::string points_html(const Measurement& measurement, const MeasurementFit& fit);
+
+}  // namespace lamina::cli
