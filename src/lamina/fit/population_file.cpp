@@ -76,6 +76,11 @@ SkinPopulation load_skin_population(const std::filesystem::path& file, MemoryBud
   return population;
 }
 
+SkinPopulation find_skin_population(const std::string& name_or_path, MemoryBudget memory) {
+  return name_or_path == "forearms" ? forearm_population()
+                                    : load_skin_population(name_or_path, memory);
+}
+
 std::string format_skin_population(const SkinPopulation& population, const std::string& source) {
   JsonOutput json = {{"lamina", "population"}, {"version", 1}, {"source", source}};
   for (std::size_t i = 0; i < population.names.size(); ++i)

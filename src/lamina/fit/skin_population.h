@@ -54,6 +54,11 @@ struct SkinPopulation {
 [[nodiscard]] SkinPopulation load_skin_population(const std::filesystem::path& file,
                                                   MemoryBudget memory = {});
 
+/// That of the name "forearms", or else of the file of that path.
+/// @throws as load_skin_population.
+[[nodiscard]] SkinPopulation find_skin_population(const std::string& name_or_path,
+                                                  MemoryBudget memory = {});
+
 /// A population as the text of a file that load_skin_population reads back.
 /// @param source  of the measurements
 [[nodiscard]] std::string format_skin_population(const SkinPopulation& population,

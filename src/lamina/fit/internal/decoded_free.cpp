@@ -108,8 +108,9 @@ void decode_range(const JsonObject& object, FreeNumber& free) {
 
 SkinPopulation decode_population(const JsonInput& value, const MeasuredMaterial& material) {
   if (!material.with({}).skin) value.fail("is of skin, which the material is not by its recipe");
-  return value.string() == "forearms" ? forearm_population()
-                                      : load_skin_population(value.file_path(), value.memory());
+  const std::string name = value.string();
+  return find_skin_population(name == "forearms" ? name : value.file_path().string(),
+                              value.memory());
 }
 
 FreeNumber decode_free(const JsonInput& value, std::span<const StatedNumber> stated,
