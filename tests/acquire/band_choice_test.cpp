@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/core/error.h"
-#include "lamina/fit/skin_fit.h"
+#include "lamina/fit/skin/skin_fit.h"
 
 namespace lamina {
 namespace {

@@ -14,7 +14,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/fit/skin_fit.h"
+#include "lamina/fit/skin/skin_fit.h"
 #include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

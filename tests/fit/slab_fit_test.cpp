@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/fit/nonlinear_fit.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

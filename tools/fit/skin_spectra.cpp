@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Fits measured spectra of skin, prints the table of docs/fit.md, and what forearm_population
-// knows, as src/lamina/fit/internal/skin_population_table.h.
+// knows, as src/lamina/fit/skin/internal/skin_population_table.h.
 //
 //   skin_spectra SPECTRA.csv [TABLE.h|POPULATION.json] [--others OTHERS.csv]
 //
@@ -22,7 +22,7 @@
 
 #include "lamina/core/parallel.h"
 #include "lamina/core/symmetric_eigen.h"
-#include "lamina/fit/skin_fit.h"
+#include "lamina/fit/skin/skin_fit.h"
 #include "lamina/spectrum/band_color.h"
 #include "lamina/spectrum/color.h"
 

@@ -9,7 +9,7 @@
 
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
-#include "lamina/fit/skin_population.h"
+#include "lamina/fit/skin/skin_population.h"
 
 namespace lamina {
 

@@ -10,8 +10,8 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
-#include "lamina/fit/fit_parameter.h"
-#include "lamina/fit/skin_population.h"
+#include "lamina/fit/least_squares/fit_parameter.h"
+#include "lamina/fit/skin/skin_population.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 #include "lamina/spectrum/band_set.h"

@@ -9,9 +9,9 @@
 
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/fit/measurement_tables.h"
-#include "lamina/fit/nonlinear_fit.h"
 
 namespace lamina {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/skin_fit.h"
+#include "lamina/fit/skin/skin_fit.h"
 
 #include <gtest/gtest.h>
 

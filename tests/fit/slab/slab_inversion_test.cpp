@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/slab_inversion.h"
+#include "lamina/fit/slab/slab_inversion.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/core/dense_matrix.h"
-#include "lamina/fit/nonlinear_fit.h"
-#include "lamina/fit/slab_measurement.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
+#include "lamina/fit/slab/slab_measurement.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/core/dense_matrix.h"
-#include "lamina/fit/fit_parameter.h"
+#include "lamina/fit/least_squares/fit_parameter.h"
 
 namespace lamina {
 

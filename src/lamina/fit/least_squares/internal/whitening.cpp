@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/internal/whitening.h"
+#include "lamina/fit/least_squares/internal/whitening.h"
 
 #include <cmath>
 #include <string>

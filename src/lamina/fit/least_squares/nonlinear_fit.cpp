@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/nonlinear_fit.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
-#include "lamina/fit/internal/fit_errors.h"
-#include "lamina/fit/internal/whitening.h"
+#include "lamina/fit/least_squares/internal/fit_errors.h"
+#include "lamina/fit/least_squares/internal/whitening.h"
 
 namespace lamina {
 namespace {

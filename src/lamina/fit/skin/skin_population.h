@@ -9,7 +9,7 @@
 
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/memory_budget.h"
-#include "lamina/fit/fit_parameter.h"
+#include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/materials/skin.h"
 
 namespace lamina {

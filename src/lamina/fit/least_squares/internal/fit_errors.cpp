@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/internal/fit_errors.h"
+#include "lamina/fit/least_squares/internal/fit_errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/slab_inversion.h"
+#include "lamina/fit/slab/slab_inversion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/fit/internal/sample_model.h"
+#include "lamina/fit/slab/internal/sample_model.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/internal/sample_model.h"
+#include "lamina/fit/slab/internal/sample_model.h"
 
 #include <cmath>
 #include <utility>

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "lamina/fit/nonlinear_fit.h"
-#include "lamina/fit/slab_measurement.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
+#include "lamina/fit/slab/slab_measurement.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

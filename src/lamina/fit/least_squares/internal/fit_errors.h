@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/core/dense_matrix.h"
-#include "lamina/fit/nonlinear_fit.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
 
 namespace lamina::fit_detail {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/nonlinear_fit.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
 
 #include <gtest/gtest.h>
 

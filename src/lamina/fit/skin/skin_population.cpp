@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/fit/skin_population.h"
+#include "lamina/fit/skin/skin_population.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "lamina/fit/internal/skin_population_table.h"
+#include "lamina/fit/skin/internal/skin_population_table.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "lamina/core/symmetric_eigen.h"
-#include "lamina/fit/skin_population.h"
+#include "lamina/fit/skin/skin_population.h"
 #include "lamina/io/json_input.h"
 #include "lamina/io/json_output.h"
 

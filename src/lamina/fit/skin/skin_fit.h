@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/fit/nonlinear_fit.h"
-#include "lamina/fit/skin_population.h"
+#include "lamina/fit/least_squares/nonlinear_fit.h"
+#include "lamina/fit/skin/skin_population.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
