@@ -247,7 +247,7 @@ SkinPopulation learn(const Study& study, const std::vector<std::size_t>& people,
 /// Spectra by a few numbers that a sensor makes of each.
 Misfit by_sensor(const Study& study, const std::vector<std::size_t>& people,
                  const DenseMatrix& sensor, double error, const SkinParameters& skin,
-                 const SkinPopulation& known) {
+                 const SkinPopulation& known, bool has_specular = true) {
   std::vector<std::vector<double>> fitted(people.size());
   parallel_for(people.size(), [&](std::size_t i) {
     const std::vector<double>& truth = study.spectra.people[people[i]];
@@ -257,7 +257,8 @@ Misfit by_sensor(const Study& study, const std::vector<std::size_t>& people,
     fitted[i] = fit_skin(study.table,
                          {.measured = seen,
                           .standard_deviation = std::vector<double>(sensor.rows, error),
-                          .sensor = sensor},
+                          .sensor = sensor,
+                          .has_specular = has_specular},
                          skin, skin_fit_numbers(skin), &known)
                     .spectrum;
   });
@@ -365,6 +366,9 @@ void fit_others(const std::string& file, const SkinParameters& constants,
   const std::vector<std::size_t> people = everyone(study);
   const std::vector<SkinFitNumber> numbers = skin_fit_numbers({});
   const std::vector<SkinFitNumber> five(numbers.begin(), numbers.begin() + own_values);
+  DenseMatrix rgb(3, spectra.wavelengths.size());
+  for (std::size_t c = 0; c < rgb.rows; ++c)
+    for (std::size_t w = 0; w < rgb.columns; ++w) rgb(c, w) = study.weights[w][c];
   for (const bool has_specular : {true, false}) {
     const std::string light = has_specular ? ", mirrored light included" : ", excluded";
     print_row("eight values" + light,
@@ -374,6 +378,8 @@ void fit_others(const std::string& file, const SkinParameters& constants,
         misfit(study, fit_each(study, people, constants, five, nullptr, has_specular), people));
     print_row("eight values, prior of the first" + light,
               misfit(study, fit_each(study, people, {}, numbers, &known, has_specular), people));
+    print_row("RGB, eight values, prior of the first" + light,
+              by_sensor(study, people, rgb, 0.002, {}, known, has_specular));
   }
 }
 
