@@ -185,6 +185,46 @@ TEST(MeasurementFit, WavesTellAbsorptionAndScattering) {
   EXPECT_NEAR(fit.values[1][0], 1.1, 5e-3);
 }
 
+// Uniform light leaves an epidermis as thick as it was thought to be; waves see it, and both is
+// said.
+TEST(MeasurementFit, WavesTellHowThickTheEpidermisIs) {
+  const MeasuredMaterial skin{R"({ "lamina": "material", "version": 1, "length_unit": "mm",
+    "bands": [526, 591, 731], "skin": { "melanin": 0.03, "hemoglobin_dermis": 0.01,
+      "scattering_scale": 0.6, "epidermis_thickness": 0.1 } })",
+                              "skin"};
+  Measurement measurement{.material = skin, .bands = BandSet({526.0, 591.0, 731.0})};
+  const std::vector<double> k = {0.0, 0.05, 0.2};
+  const auto truth = spatial_frequency_response(layer_stacks(skin.with({})), k, {.accuracy = 1e-3});
+  const auto free = [](const std::string& path, double start, double sd) {
+    FreeNumber number = free_number(path, start, 0.01 * start, 10.0 * start);
+    number.parameter.prior = FitPrior{start, sd};
+    return number;
+  };
+  measurement.free = {free("skin.epidermis_thickness", 0.12, 0.3), free("skin.melanin", 0.02, 1.0),
+                      free("skin.hemoglobin_dermis", 0.02, 1.0),
+                      free("skin.scattering_scale", 0.8, 1.0),
+                      free("skin.baseline_scale", 0.1, 1.0)};
+  const auto fit_with = [&](std::size_t frequencies) {
+    MeasuredSeries series{.kind = MeasurementKind::spatial_frequency};
+    for (std::size_t b = 0; b < 3; ++b)
+      for (std::size_t i = 0; i < frequencies; ++i)
+        series.points.push_back({.band = b,
+                                 .at = k[i],
+                                 .value = truth.reflectance[3 * i + b],
+                                 .standard_deviation = 0.0025 * truth.reflectance[3 * i + b]});
+    measurement.series = {series};
+    return fit_measurement(measurement);
+  };
+  const std::string note = "skin.epidermis_thickness: from the prior, the data add little";
+  const MeasurementFit uniform = fit_with(1), waves = fit_with(3);
+  EXPECT_EQ(std::ranges::count(uniform.notes, note), 1)
+      << uniform.numbers[0].fitted.prior_share << " of the prior";
+  EXPECT_EQ(std::ranges::count(waves.notes, note), 0);
+  EXPECT_LT(waves.numbers[0].fitted.prior_share, 0.65);
+  EXPECT_NEAR(waves.values[0][0], 0.1, waves.numbers[0].fitted.high_error);
+  EXPECT_NEAR(waves.values[3][0], 0.6, 0.03);
+}
+
 // Rings of photons around a beam: found by diffusion, corrected by radiative transfer.
 TEST(MeasurementFit, RingsOfPhotonsComeBackWithinTheirErrors) {
   const MeasuredMaterial half_space{
