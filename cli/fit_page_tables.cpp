@@ -216,6 +216,10 @@ std::string assumed_html(const Measurement& measurement, const MeasurementFit& f
     html += "<h3>Taken as known</h3>" +
             html_table(HtmlColumns{{"number"}, {"value", true}, {"unit"}}, held) +
             "<p class=\"soft\">What the material does not state has the default of its format.</p>";
+  if (measurement.population)
+    html +=
+        "<p>Priors go together as in a measured population; what its model misses of spectra is "
+        "added, and its scatter counts as errors.</p>";
   if (measurement.robust_limit > 0.0)
     html += fmt::format(
         "<p>Residuals beyond {:g} standard deviations count as straight lines, not squares.</p>",

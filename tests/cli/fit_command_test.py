@@ -88,6 +88,11 @@ class Report(unittest.TestCase):
             self.assertIn(">%.5g<" % point["measured"], page)
         self.assertEqual(page.count("correlations of the numbers found"), 5)
 
+    def test_says_that_a_population_was_assumed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run("fit", EXAMPLES / "forearm.json", "--report", "forearm.html", cwd=folder)
+            self.assertIn("as in a measured population", pathlib.Path(folder, "forearm.html").read_text())
+
     def test_of_another_ending_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             result = run("fit", EXAMPLES / "liquid.json", "--report", "liquid.pdf", cwd=folder)

@@ -2,7 +2,7 @@
 // Fits measured spectra of skin, prints the table of docs/fit.md, and what forearm_population
 // knows, as src/lamina/fit/skin/internal/skin_population_table.h.
 //
-//   skin_spectra SPECTRA.csv [TABLE.h|POPULATION.json] [--others OTHERS.csv]
+//   skin_spectra SPECTRA.csv [TABLE|POPULATION.json] [--others OTHERS.csv]
 //
 // SPECTRA.csv as that of [Cooksey2017], doi 10.18434/M38597: nm, then three columns of total
 // reflectance per person. POPULATION.json is what measurement files take as "population".
