@@ -114,6 +114,30 @@ TEST(MeasurementFile, TakesWhatAPopulationKnows) {
   EXPECT_EQ(material.skin->skin.saturation_epidermis, 0.3);
 }
 
+// Numbers of spheres may be one for each row.
+TEST(MeasurementFile, GivesReadingsTheirSpheres) {
+  const Measurement measurement = load_measurement(inputs / "good/spheres.json");
+  const MeasuredSeries& series = measurement.series[0];
+  EXPECT_EQ(series.beam_diameter, 2.0);
+  ASSERT_EQ(series.points.size(), 6U);
+  const IntegratingSphere& above = series.points[1].sphere.value();
+  EXPECT_EQ(above.diameter, 100.0);
+  EXPECT_EQ(above.sample_port, 10.0);
+  EXPECT_EQ(above.detector_port, 8.0);
+  EXPECT_EQ(above.entrance_port, 12.0);
+  EXPECT_EQ(above.wall_reflectance, 0.96);
+  EXPECT_EQ(above.detector_reflectance, 0.1);
+  EXPECT_EQ(above.standard_reflectance, 0.99);
+  EXPECT_EQ(above.method, SphereMethod::substitution);
+  EXPECT_TRUE(above.has_baffle);
+  const IntegratingSphere& below = series.points[2].sphere.value();
+  EXPECT_EQ(below.open_port, 5.0);
+  EXPECT_EQ(below.standard_reflectance, 0.95);  // the wall
+  EXPECT_EQ(below.method, SphereMethod::comparison);
+  EXPECT_FALSE(below.has_baffle);
+  EXPECT_FALSE(series.points[4].sphere.has_value());  // what is unscattered
+}
+
 // What is free is put in as --set would; what is not stays.
 TEST(MeasurementFile, PutsNumbersIntoTheMaterial) {
   const Measurement measurement = load_measurement(inputs / "good/table.json");

@@ -12,6 +12,7 @@
 #include "lamina/core/memory_budget.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/fit/skin/skin_population.h"
+#include "lamina/integrating_sphere/integrating_sphere.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 #include "lamina/spectrum/band_set.h"
@@ -51,14 +52,17 @@ struct MeasuredPoint {
   MeasuredQuantity quantity = MeasuredQuantity::reflectance;
   double at = 0.0;  ///< spatial frequency [1/mm] or radius [mm]; 0 of totals
   double value = 0.0;
-  double standard_deviation = 0.0;  ///< > 0
+  double standard_deviation = 0.0;               ///< > 0
+  std::optional<IntegratingSphere> sphere = {};  ///< of totals: the value is its reading
 };
 
 /// Points that one instrument measured in one geometry.
 struct MeasuredSeries {
   MeasurementKind kind = MeasurementKind::totals;
   Incidence incidence = {};
-  bool has_specular = true;     ///< of totals: whether the reflectance has the first reflection
+  bool has_specular = true;  ///< of totals: whether the reflectance has the first reflection
+  /// Of totals in spheres [mm]: light that leaves beside the sample's ports is lost to them.
+  std::optional<double> beam_diameter = {};
   double detector_width = 0.0;  ///< of a radial profile [mm]
   std::vector<MeasuredPoint> points;
 };

@@ -14,6 +14,7 @@
 #include "lamina/io/json_output.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material_file.h"
+#include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 namespace {
@@ -107,7 +108,11 @@ void check_free(const JsonInput& free, Measurement& measurement) {
               " free ones; " + std::to_string(unknowns - points) +
               " of them must have a \"prior\", or be fixed: " + names);
   try {
-    (void)layer_stacks(material_with(measurement, values));
+    const std::vector<LayerStack> stacks = layer_stacks(material_with(measurement, values));
+    for (const MeasuredSeries& series : measurement.series)
+      for (const MeasuredPoint& point : series.points)
+        if (point.sphere && point.quantity == MeasuredQuantity::transmittance)
+          (void)lit_from_below({&stacks[point.band], 1});  // as its sphere does
   } catch (const InvalidInput& error) {
     const std::string message = error.what();
     const std::string option = "--set ";

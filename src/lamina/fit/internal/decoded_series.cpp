@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "lamina/core/number_text.h"
+#include "lamina/fit/internal/decoded_spheres.h"
 #include "lamina/fit/internal/measured_table.h"
 
 namespace lamina::fit_detail {
@@ -71,11 +72,12 @@ MeasuredColumn read_column(const MeasuredTable& table, const JsonObject& entry,
   return column;
 }
 
-/// Totals cannot exceed 1 by more than their errors.
-void check_sums(const MeasuredTable& table, const std::array<MeasuredColumn, 3>& columns) {
+/// Totals cannot exceed 1 by more than their errors, but readings of spheres can.
+void check_sums(const MeasuredTable& table, const std::array<MeasuredColumn, 3>& columns,
+                bool has_spheres) {
   const auto& [r, t, unscattered] = columns;
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    if (!r.values.empty() && !t.values.empty()) {
+    if (!has_spheres && !r.values.empty() && !t.values.empty()) {
       const double noise = 5.0 * std::hypot(r.standard_deviations[row], t.standard_deviations[row]);
       const double sum = r.values[row] + t.values[row];
       if (sum > 1.0 + noise)
@@ -106,7 +108,10 @@ std::vector<std::string_view> keys_of(MeasurementKind kind) {
       continue;
     keys.push_back(column);
   }
-  if (kind == MeasurementKind::totals) keys.insert(keys.end(), {"incidence", "specular"});
+  if (kind == MeasurementKind::totals) {
+    keys.insert(keys.end(), {"incidence", "specular"});
+    keys.insert(keys.end(), sphere_keys.begin(), sphere_keys.end());
+  }
   if (kind == MeasurementKind::spatial_frequency) keys.push_back("incidence");
   if (kind == MeasurementKind::radial_profile) keys.push_back("detector_width_mm");
   return keys;
@@ -141,7 +146,8 @@ DecodedSeries decode_series(const JsonInput& value) {
   }
   if (columns[0].values.empty() && columns[1].values.empty())
     value.fail("must have \"reflectance\" or \"transmittance\", as columns of its file or arrays");
-  check_sums(table, columns);
+  check_sums(table, columns,
+             is_totals && (entry.has("reflectance_sphere") || entry.has("transmittance_sphere")));
   if (is_totals && !columns[0].values.empty())
     series.has_specular =
         entry.required("specular").choice<bool>({{"included", true}, {"excluded", false}});
@@ -180,6 +186,7 @@ DecodedSeries decode_series(const JsonInput& value) {
                                .standard_deviation = columns[q].standard_deviations[row]});
       if (!wavelengths.empty()) decoded.wavelengths.push_back(wavelengths[row]);
     }
+  if (is_totals) decode_spheres(entry, table.rows(), series);
   return decoded;
 }
 

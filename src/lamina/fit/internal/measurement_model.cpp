@@ -167,15 +167,15 @@ std::vector<double> MeasurementModel::predict_model(std::span<const double> valu
   } catch (const InvalidInput&) {
     return predicted;
   }
-  const std::vector<double> place = coordinates(values);
   parallel_for(parts_.size(), [&](std::size_t i) {
     const Part& part = parts_[i];
+    const std::vector<CorrectionStep> steps = correction_steps(part, values);
     const auto found = predict_quickly(at[place_of(part.band)], measurement_.series[part.series],
                                        part.points, false)
                            .values;
     for (std::size_t j = 0; j < found.size(); ++j) {
       const std::size_t row = part.first + j;
-      const double value = correction_at(row, place) * found[j];
+      const double value = correction_at(row, steps) * found[j];
       predicted[row] = is_logarithmic_[row] ? std::log(value) : value;
     }
   });
@@ -236,6 +236,7 @@ bool MeasurementModel::is_exact(std::size_t series, std::span<const double> valu
     const std::size_t b = place_of(part.band);
     return part.series != series ||
            (has_derivatives(at[b], measurement_.series[series]) &&
+            !corrects_derivatives(measurement_.series[series]) &&
             std::ranges::all_of(sides, [&](const Sides& side) {
               return change_between(side.below[b], side.above[b]).has_value();
             }));
@@ -248,8 +249,6 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
   for (const Part& part : looked_up_) look_up(part, values, predicted, &jacobian);
   if (parts_.empty()) return jacobian;
   const std::vector<LayerStack> at = stacks(values);
-  const std::vector<FitParameter> parameters = this->parameters();
-  const std::vector<double> place = coordinates(values);
   const std::vector<Sides> sides = both_sides(values, at);
 
   parallel_for(parts_.size(), [&](std::size_t i) {
@@ -258,6 +257,7 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
     const std::size_t b = place_of(part.band);
     const bool is_exact = has_derivatives(at[b], series);
     const SeriesPrediction here = predict_quickly(at[b], series, part.points, is_exact);
+    const std::vector<CorrectionStep> steps = correction_steps(part, values);
     for (std::size_t u = 0; u < unknowns_.size(); ++u) {
       if (!depends(part, u)) continue;
       const Sides& of_free = sides[unknowns_[u].free];
@@ -276,10 +276,9 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
         const std::size_t row = part.first + j;
         double derivative = by[j] / (of_free.value_above[u] - of_free.value_below[u]);
         if (!derivative_correction_.values.empty())
-          derivative += here.values[j] * derivative_correction_(row, u) /
-                        fit_value_derivative(parameters[u], place[u]);
+          derivative += here.values[j] * derivative_correction_(row, u) / steps[u].value_derivative;
         jacobian(row, u) =
-            derivative * (is_logarithmic_[row] ? 1.0 / here.values[j] : correction_at(row, place));
+            derivative * (is_logarithmic_[row] ? 1.0 / here.values[j] : correction_at(row, steps));
       }
     }
   });
@@ -303,17 +302,35 @@ std::vector<double> MeasurementModel::coordinates(std::span<const double> values
   return coordinates;
 }
 
-double MeasurementModel::correction_at(std::size_t row, std::span<const double> place) const {
+std::vector<MeasurementModel::CorrectionStep> MeasurementModel::correction_steps(
+    const Part& part, std::span<const double> values) const {
+  std::vector<CorrectionStep> steps;
+  if (derivative_correction_.values.empty()) return steps;
+  const std::vector<FitParameter> parameters = this->parameters();
+  for (std::size_t u = 0; u < parameters.size(); ++u) {
+    const double at = fit_coordinate(parameters[u], values[u]), from = corrected_at_[u];
+    if (measurement_.series[part.series].beam_diameter) {
+      const double slope = fit_value_derivative(parameters[u], from);
+      steps.push_back({(values[u] - fit_value(parameters[u], from)) / slope, slope});
+    } else {
+      steps.push_back({at - from, fit_value_derivative(parameters[u], at)});
+    }
+  }
+  return steps;
+}
+
+double MeasurementModel::correction_at(std::size_t row,
+                                       std::span<const CorrectionStep> steps) const {
   double logarithm = 0.0;
-  for (std::size_t u = 0; u < derivative_correction_.columns; ++u)
-    logarithm += derivative_correction_(row, u) * (place[u] - corrected_at_[u]);
+  for (std::size_t u = 0; u < steps.size(); ++u)
+    logarithm += derivative_correction_(row, u) * steps[u].length;
   return correction_[row] *
          std::exp(std::clamp(logarithm, -longest_correction, longest_correction));
 }
 
 void MeasurementModel::correct_derivatives(std::span<const double> values) {
   if (std::ranges::none_of(parts_, [&](const Part& part) {
-        return measurement_.series[part.series].kind == MeasurementKind::radial_profile;
+        return corrects_derivatives(measurement_.series[part.series]);
       }))
     return;
   const std::vector<FitParameter> parameters = this->parameters();
@@ -326,7 +343,7 @@ void MeasurementModel::correct_derivatives(std::span<const double> values) {
     const std::vector<LayerStack> low = stacks(below), high = stacks(above);
     for (const Part& part : parts_) {
       const MeasuredSeries& series = measurement_.series[part.series];
-      if (series.kind != MeasurementKind::radial_profile || !depends(part, u)) continue;
+      if (!corrects_derivatives(series) || !depends(part, u)) continue;
       const std::size_t b = place_of(part.band);
       // How much more, by the logarithm, an accurate solution changes than a quick one.
       const auto over_quick = [&](const LayerStack& stack) {

@@ -53,9 +53,9 @@ class MeasurementModel {
   /// Whether there are solutions that can be corrected, and not only tables.
   [[nodiscard]] bool has_solutions() const { return !parts_.empty(); }
 
-  /// From now on predictions are times what makes them right at these values; with jacobian, those
-  /// of profiles also times what makes their derivatives right there, by differences of accurate
-  /// solutions.
+  /// From now on predictions are times what makes them right at these values; with derivatives,
+  /// those that corrects_derivatives() names also times what makes their derivatives right there,
+  /// by differences of accurate solutions.
   void correct(std::span<const double> values, bool with_derivatives);
 
   /// Where the points of the model lie in the measurement, and what they are without logarithms.
@@ -90,7 +90,16 @@ class MeasurementModel {
   [[nodiscard]] std::size_t place_of(std::size_t band) const;  ///< in bands_
   [[nodiscard]] bool depends(const Part& part, std::size_t unknown) const;
   [[nodiscard]] std::vector<double> coordinates(std::span<const double> values) const;
-  [[nodiscard]] double correction_at(std::size_t row, std::span<const double> place) const;
+  /// How far an unknown is from where predictions were corrected: along its coordinate, or along
+  /// its value where light is lost, which stays as it is where absorption goes to 0.
+  struct CorrectionStep {
+    double length;
+    double value_derivative;  ///< of the unknown by the length
+  };
+  /// [unknown], or empty where derivatives are not corrected
+  [[nodiscard]] std::vector<CorrectionStep> correction_steps(const Part& part,
+                                                             std::span<const double> values) const;
+  [[nodiscard]] double correction_at(std::size_t row, std::span<const CorrectionStep> steps) const;
   void correct_derivatives(std::span<const double> values);
 
   const Measurement& measurement_;

@@ -166,7 +166,8 @@ bool has_recipe_totals(const Measurement& measurement, const MeasuredSeries& ser
   const bool is_skin = material.skin.has_value();
   for (const MeasuredPoint& point : series.points) {
     const bool is_reflected = point.quantity == MeasuredQuantity::reflectance;
-    if (!is_reflected && (is_skin || point.quantity != MeasuredQuantity::transmittance))
+    if (point.sphere ||
+        (!is_reflected && (is_skin || point.quantity != MeasuredQuantity::transmittance)))
       return false;
     const double error = table_error * std::max(point.value, least_total);
     if (error > 0.5 * point.standard_deviation) return false;

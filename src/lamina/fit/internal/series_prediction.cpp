@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "lamina/core/quadrature.h"
+#include "lamina/fit/internal/sphere_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
@@ -51,21 +53,41 @@ const std::vector<LayerDerivatives>& derivatives_of(const AddingDoublingDerivati
   return found.diffuse_reflectance;
 }
 
-SeriesPrediction quick_totals(const LayerStack& stack, const MeasuredSeries& series,
-                              std::span<const MeasuredPoint> points, bool with_derivatives) {
+/// Totals, with derivatives where the solver gives them.
+/// @param solve  totals of a stack under an incidence, as AddingDoublingDerivatives
+template <class Solve>
+SeriesPrediction predict_totals(const LayerStack& stack, const MeasuredSeries& series,
+                                std::span<const MeasuredPoint> points, const LostTotals& lost,
+                                const Solve& solve) {
+  const AddingDoublingDerivatives found = solve(stack, series.incidence);
+  std::optional<AddingDoublingDerivatives> above, below;  // of diffuse light
   SeriesPrediction prediction;
-  if (!with_derivatives) {
-    const auto found = adding_doubling_on_grid(stack, series.incidence, quick_nodes);
-    for (const MeasuredPoint& point : points)
-      prediction.values.push_back(total_of(found, series, point.quantity));
-    return prediction;
-  }
-  const auto found = adding_doubling_derivatives_on_grid(stack, series.incidence, quick_nodes);
   for (const MeasuredPoint& point : points) {
-    prediction.values.push_back(total_of(found.totals, series, point.quantity));
-    prediction.derivatives.push_back(derivatives_of(found, point.quantity));
+    if (!point.sphere) {
+      prediction.values.push_back(total_of(found.totals, series, point.quantity));
+      prediction.derivatives.push_back(derivatives_of(found, point.quantity));
+      continue;
+    }
+    const bool is_behind = point.quantity == MeasuredQuantity::transmittance;
+    auto& diffuse = is_behind ? below : above;
+    if (!diffuse)
+      diffuse = solve(is_behind ? lit_from_below({&stack, 1})[0] : stack, {.is_diffuse = true});
+    SphereTotal total = sphere_total(point, series.has_specular, found, *diffuse, lost);
+    prediction.values.push_back(total.value);
+    prediction.derivatives.push_back(std::move(total.derivatives));
   }
   return prediction;
+}
+
+SeriesPrediction quick_totals(const LayerStack& stack, const MeasuredSeries& series,
+                              std::span<const MeasuredPoint> points, bool with_derivatives) {
+  return predict_totals(
+      stack, series, points, {}, [&](const LayerStack& solved, const Incidence& incidence) {
+        if (with_derivatives)
+          return adding_doubling_derivatives_on_grid(solved, incidence, quick_nodes);
+        return AddingDoublingDerivatives{
+            .totals = adding_doubling_on_grid(solved, incidence, quick_nodes)};
+      });
 }
 
 Illumination illumination_of(const MeasuredSeries& series) {
@@ -143,6 +165,10 @@ bool has_derivatives(const LayerStack& stack, const MeasuredSeries& series) {
   return series.kind != MeasurementKind::radial_profile && is_smooth(stack) && !is_endless;
 }
 
+bool corrects_derivatives(const MeasuredSeries& series) {
+  return series.kind == MeasurementKind::radial_profile || series.beam_diameter.has_value();
+}
+
 SeriesPrediction predict_quickly(const LayerStack& stack, const MeasuredSeries& series,
                                  std::span<const MeasuredPoint> points, bool with_derivatives) {
   switch (series.kind) {
@@ -158,17 +184,19 @@ SeriesPrediction predict_quickly(const LayerStack& stack, const MeasuredSeries& 
 
 std::vector<double> predict_accurately(const LayerStack& stack, const MeasuredSeries& series,
                                        std::span<const MeasuredPoint> points) {
-  const double wanted = 0.1 * smallest_relative_error(points);
-  std::vector<double> values;
   if (series.kind == MeasurementKind::totals) {
     double least = 1.0;
     for (const MeasuredPoint& point : points) least = std::min(least, point.standard_deviation);
-    const auto found =
-        adding_doubling(stack, series.incidence, {.accuracy = std::clamp(0.1 * least, 1e-9, 1e-5)});
-    for (const MeasuredPoint& point : points)
-      values.push_back(total_of(found, series, point.quantity));
-    return values;
+    const AddingDoublingOptions options{.accuracy = std::clamp(0.1 * least, 1e-9, 1e-5)};
+    return predict_totals(stack, series, points, lost_totals(stack, series, points),
+                          [&](const LayerStack& solved, const Incidence& incidence) {
+                            return AddingDoublingDerivatives{
+                                .totals = adding_doubling(solved, incidence, options)};
+                          })
+        .values;
   }
+  const double wanted = 0.1 * smallest_relative_error(points);
+  std::vector<double> values;
   TransferProfileOptions options{.accuracy = std::clamp(3.0 * wanted, 1e-3, 0.005),
                                  .illumination = illumination_of(series)};
   if (series.kind == MeasurementKind::spatial_frequency) {

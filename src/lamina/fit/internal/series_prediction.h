@@ -19,8 +19,13 @@ struct SeriesPrediction {
 /// Whether `predict_quickly` can differentiate.
 [[nodiscard]] bool has_derivatives(const LayerStack& stack, const MeasuredSeries& series);
 
+/// Whether accurate predictions differ from quick ones by more than a factor that hardly changes:
+/// of radial profiles, and where light is lost beside ports.
+[[nodiscard]] bool corrects_derivatives(const MeasuredSeries& series);
+
 /// On grids that are not refined: smooth functions of what the layers are made of, a percent or so
-/// from the truth. A radial profile is that of diffusion, and right but for a factor.
+/// from the truth. A radial profile is that of diffusion, and right but for a factor; so are totals
+/// in spheres, as if no light were lost.
 [[nodiscard]] SeriesPrediction predict_quickly(const LayerStack& stack,
                                                const MeasuredSeries& series,
                                                std::span<const MeasuredPoint> points,
