@@ -67,6 +67,11 @@ std::string geometry_text(const MeasuredSeries& series) {
   if (series.kind == MeasurementKind::totals && has_reflectance)
     text += series.has_specular ? ", first reflection at the surface included"
                                 : ", first reflection at the surface excluded";
+  if (std::ranges::any_of(series.points,
+                          [](const MeasuredPoint& point) { return point.sphere.has_value(); }))
+    text += ", read in an integrating sphere";
+  if (series.beam_diameter)
+    text += printf_text(", beam %.3g mm wide, light beside the ports lost", *series.beam_diameter);
   if (series.detector_width > 0.0)
     text += printf_text(", detectors %.3g mm wide", series.detector_width);
   return text;
@@ -190,8 +195,11 @@ std::string assumed_html(const Measurement& measurement, const MeasurementFit& f
   HtmlRows ranges, held;
   for (const FreeNumber& free : measurement.free) {
     const FitParameter& parameter = free.parameter;
+    std::string names;
+    for (const std::string& path : free.paths())
+      names += (names.empty() ? "" : ", ") + path_html(path);
     ranges.push_back(
-        {path_html(parameter.name) + (free.is_per_band ? ", each band" : ""),
+        {names + (free.is_per_band ? ", each band" : ""),
          values_text(free.band_starts.empty() ? std::vector{parameter.start} : free.band_starts),
          number_text(parameter.low) + " to " + number_text(parameter.high),
          unit_of(parameter.name, length), std::string(name_of(parameter.scale)),
@@ -201,7 +209,10 @@ std::string assumed_html(const Measurement& measurement, const MeasurementFit& f
                          : "none"});
   }
   for (const StatedNumber& number : stated_numbers(measurement.material)) {
-    const auto is_it = [&](const FreeNumber& free) { return free.parameter.name == number.path; };
+    const auto is_it = [&](const FreeNumber& free) {
+      const std::vector<std::string> paths = free.paths();
+      return std::ranges::count(paths, number.path) > 0;
+    };
     if (std::ranges::none_of(measurement.free, is_it))
       held.push_back(
           {path_html(number.path), values_text(number.values), unit_of(number.path, length)});

@@ -93,6 +93,11 @@ class Report(unittest.TestCase):
             run("fit", EXAMPLES / "forearm.json", "--report", "forearm.html", cwd=folder)
             self.assertIn("as in a measured population", pathlib.Path(folder, "forearm.html").read_text())
 
+    def test_says_that_spheres_read_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run("fit", EXAMPLES / "sphere.json", "--set", "measured[0].beam_diameter_mm=null", "--report", "sphere.html", cwd=folder)
+            self.assertIn("read in an integrating sphere", pathlib.Path(folder, "sphere.html").read_text())
+
     def test_of_another_ending_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             result = run("fit", EXAMPLES / "liquid.json", "--report", "liquid.pdf", cwd=folder)
