@@ -11,7 +11,7 @@
 namespace lamina {
 namespace {
 
-std::size_t count(const std::string& text, const std::string& part) {
+std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t found = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
     ++found;
@@ -30,7 +30,7 @@ TEST(HtmlPage, TablesHaveNumbersToTheRight) {
   const std::vector<HtmlColumn> columns = {{"name"}, {"value", true}};
   const std::vector<std::vector<std::string>> rows = {{"a", "1"}, {"b", "2"}};
   const std::string table = html_table(columns, rows);
-  EXPECT_EQ(count(table, "<tr>"), 3U);
+  EXPECT_EQ(occurrences(table, "<tr>"), 3U);
   EXPECT_NE(table.find("<td>b</td><td class=\"n\">2</td>"), std::string::npos);
 }
 
@@ -44,7 +44,7 @@ TEST(CorrelationPicture, HasACellForEachPairWithItsNumber) {
   correlation.values = {1.0, 0.5, -0.997, 0.5, 1.0, 0.001, -0.997, 0.001, 1.0};
   const std::vector<std::string> names = {"sigma_a", "sigma_s", "g"};
   const std::string svg = format_correlations(names, correlation);
-  EXPECT_EQ(count(svg, "stroke=\"#ffffff\" stroke-width=\"1\""), 6U);
+  EXPECT_EQ(occurrences(svg, "stroke=\"#ffffff\" stroke-width=\"1\""), 6U);
   for (const char* part : {">.50<", ">−.997<", ">0<", "sigma_s · 2"})
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   EXPECT_NE(svg.find("fill=\"#ea"), std::string::npos);  // halfway from white to vermilion
