@@ -50,10 +50,18 @@ std::string place_label(MeasurementKind kind) {
       return "k [1/mm]";
     case MeasurementKind::radial_profile:
       return "r [mm]";
+    case MeasurementKind::time_resolved:
+      return "t [ps]";
+    case MeasurementKind::frequency_modulated:
+      return "f [MHz]";
     case MeasurementKind::totals:
       break;
   }
   return "";
+}
+
+std::string range_text(double low, double high) {
+  return low == high ? printf_text("%.4g", low) : printf_text("%.4g to %.4g", low, high);
 }
 
 std::string geometry_text(const MeasuredSeries& series) {
@@ -72,13 +80,13 @@ std::string geometry_text(const MeasuredSeries& series) {
     text += ", read in an integrating sphere";
   if (series.beam_diameter)
     text += printf_text(", beam %.3g mm wide, light beside the ports lost", *series.beam_diameter);
+  if (const auto [near, far] = std::ranges::minmax(series.points, {}, &MeasuredPoint::r);
+      far.r > 0.0)
+    text += ", r = " + range_text(near.r, far.r) + " mm";
+  if (series.is_relative) text += ", times an unknown factor";
   if (series.detector_width > 0.0)
     text += printf_text(", detectors %.3g mm wide", series.detector_width);
   return text;
-}
-
-std::string range_text(double low, double high) {
-  return low == high ? printf_text("%.4g", low) : printf_text("%.4g to %.4g", low, high);
 }
 
 std::string values_text(const std::vector<double>& values) {
@@ -162,17 +170,20 @@ std::string measured_html(const Measurement& measurement, const MeasurementFit& 
     std::string quantities, errors;
     for (const MeasuredQuantity quantity :
          {MeasuredQuantity::reflectance, MeasuredQuantity::transmittance,
-          MeasuredQuantity::unscattered_transmittance}) {
+          MeasuredQuantity::unscattered_transmittance, MeasuredQuantity::amplitude,
+          MeasuredQuantity::phase}) {
+      const bool is_phase = quantity == MeasuredQuantity::phase;
       std::vector<double> relative;
       for (const MeasuredPoint& point : series.points)
-        if (point.quantity == quantity && point.value > 0.0)
-          relative.push_back(100.0 * point.standard_deviation / point.value);
+        if (point.quantity == quantity && (is_phase || point.value > 0.0))
+          relative.push_back(is_phase ? point.standard_deviation
+                                      : 100.0 * point.standard_deviation / point.value);
       if (relative.empty()) continue;
       const auto [least, most] = std::ranges::minmax(relative);
       quantities += (quantities.empty() ? "" : "<br>") + words(name_of(quantity));
       errors += (errors.empty() ? "" : "<br>") +
                 range_text(std::round(least * 100.0) / 100.0, std::round(most * 100.0) / 100.0) +
-                " %";
+                (is_phase ? "°" : " %");
     }
     rows.push_back({words(name_of(series.kind)), geometry_text(series), quantities, at,
                     std::to_string(series.points.size()), errors,
@@ -270,6 +281,9 @@ std::string points_html(const Measurement& measurement, const MeasurementFit& fi
     const MeasuredSeries& series = measurement.series[s];
     const std::string place = place_label(series.kind);
     HtmlColumns columns = {{"quantity"}, {band_header(measurement.bands), true}};
+    const bool is_at_radius = std::ranges::any_of(
+        series.points, [](const MeasuredPoint& point) { return point.r > 0.0; });
+    if (is_at_radius) columns.push_back({"r [mm]", true});
     if (!place.empty()) columns.push_back({place, true});
     for (const char* name : {"measured", "sd", "fitted", "residual [sd]"})
       columns.push_back({name, true});
@@ -278,6 +292,7 @@ std::string points_html(const Measurement& measurement, const MeasurementFit& fi
       const MeasuredPoint& point = series.points[p];
       std::vector<std::string>& row = rows.emplace_back();
       row = {words(name_of(point.quantity)), band_name(measurement.bands, point.band)};
+      if (is_at_radius) row.push_back(number_text(point.r));
       if (!place.empty()) row.push_back(number_text(point.at));
       row.push_back(printf_text("%.5g", point.value));
       row.push_back(printf_text("%.2g", point.standard_deviation));

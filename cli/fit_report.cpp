@@ -66,6 +66,9 @@ JsonOutput series_json(const Measurement& measurement, const MeasurementFit& fit
                       {"quantity", name_of(point.quantity)}};
     if (series.kind == MeasurementKind::spatial_frequency) row["k_per_mm"] = point.at;
     if (series.kind == MeasurementKind::radial_profile) row["r_mm"] = point.at;
+    if (point.r > 0.0) row["r_mm"] = point.r;
+    if (series.kind == MeasurementKind::time_resolved) row["t_ps"] = point.at;
+    if (series.kind == MeasurementKind::frequency_modulated) row["frequency_mhz"] = point.at;
     row["measured"] = point.value;
     row["sd"] = point.standard_deviation;
     row["predicted"] = fit.predicted[s][p];
@@ -85,6 +88,7 @@ std::string with_error(const FittedParameter& fitted) {
 std::string curve_name(const Measurement& measurement, const MeasuredPoint& point, bool with_band) {
   std::string name(name_of(point.quantity));
   std::ranges::replace(name, '_', ' ');
+  if (point.r > 0.0) name += fmt::format(", {:g} mm", point.r);
   return with_band ? name + ", " + band_label(measurement.bands, point.band) : name;
 }
 
@@ -96,10 +100,46 @@ PlotAxis band_axis(const BandSet& bands) {
   return {.label = bands.is_rgb() ? "band: R, G, B" : "wavelength [nm]"};
 }
 
-/// Points and lines of one quantity, and of one band where the axis is not that of bands.
+PlotAxis place_axis(const BandSet& bands, MeasurementKind kind) {
+  switch (kind) {
+    case MeasurementKind::spatial_frequency:
+      return {.label = "k [1/mm]"};
+    case MeasurementKind::radial_profile:
+      return {.label = "r [mm]", .scale = AxisScale::logarithmic};
+    case MeasurementKind::time_resolved:
+      return {.label = "t [ps]"};
+    case MeasurementKind::frequency_modulated:
+      return {.label = "frequency [MHz]"};
+    case MeasurementKind::totals:
+      break;
+  }
+  return band_axis(bands);
+}
+
+PlotAxis value_axis(const MeasuredSeries& series) {
+  const std::string unit = series.is_relative ? "a unit of its own" : "";
+  switch (series.kind) {
+    case MeasurementKind::radial_profile:
+      return {.label = "R(r) [mm⁻²]", .scale = AxisScale::logarithmic};
+    case MeasurementKind::time_resolved:
+      return {.label = fmt::format("R(r, t) [{}]", unit.empty() ? "mm⁻² ps⁻¹" : unit),
+              .scale = AxisScale::logarithmic};
+    case MeasurementKind::frequency_modulated:
+      return {.label = fmt::format("amplitude [{}]", unit.empty() ? "mm⁻²" : unit),
+              .scale = AxisScale::logarithmic};
+    case MeasurementKind::totals:
+    case MeasurementKind::spatial_frequency:
+      break;
+  }
+  return {.label = "fraction of the light"};
+}
+
+/// Points and lines of one quantity, and of one band and radius where the axis is not that of
+/// these.
 struct CurveKey {
   MeasuredQuantity quantity;
   std::size_t band;
+  double r;
   auto operator<=>(const CurveKey&) const = default;
 };
 
@@ -107,17 +147,14 @@ void add_panels(const Measurement& measurement, const MeasurementFit& fit, std::
                 Plot& plot) {
   const MeasuredSeries& series = measurement.series[s];
   const bool is_totals = series.kind == MeasurementKind::totals;
-  const bool is_profile = series.kind == MeasurementKind::radial_profile;
   const auto key_of = [&](const MeasuredPoint& point) {
-    return CurveKey{point.quantity, is_totals ? 0 : point.band};
+    return CurveKey{point.quantity, is_totals ? 0 : point.band, point.r};
   };
-  PlotPanel values, unscattered, residuals;
-  values.x = is_totals    ? band_axis(measurement.bands)
-             : is_profile ? PlotAxis{.label = "r [mm]", .scale = AxisScale::logarithmic}
-                          : PlotAxis{.label = "k [1/mm]"};
-  unscattered.x = residuals.x = values.x;
-  values.y = is_profile ? PlotAxis{.label = "R(r) [mm⁻²]", .scale = AxisScale::logarithmic}
-                        : PlotAxis{.label = "fraction of the light"};
+  PlotPanel values, unscattered, phases, residuals;
+  values.x = place_axis(measurement.bands, series.kind);
+  unscattered.x = phases.x = residuals.x = values.x;
+  values.y = value_axis(series);
+  phases.y = {.label = "phase [degrees]"};
   unscattered.y = {.label = "unscattered fraction", .scale = AxisScale::logarithmic};
   residuals.y = {.label = "residual [standard deviations]"};
   double largest = 3.0;
@@ -142,15 +179,16 @@ void add_panels(const Measurement& measurement, const MeasurementFit& fit, std::
       largest = std::max(largest, 1.1 * std::abs(fit.residual[s][p]));
     }
     fitted.x = left.x = measured.x;
-    PlotPanel& panel =
-        first.quantity == MeasuredQuantity::unscattered_transmittance ? unscattered : values;
+    PlotPanel& panel = first.quantity == MeasuredQuantity::unscattered_transmittance ? unscattered
+                       : first.quantity == MeasuredQuantity::phase                   ? phases
+                                                                                     : values;
     panel.curves.push_back(std::move(measured));
     panel.curves.push_back(std::move(fitted));
     residuals.curves.push_back(std::move(left));
   }
   residuals.y.low = -largest;
   residuals.y.high = largest;
-  for (PlotPanel* panel : {&values, &unscattered, &residuals})
+  for (PlotPanel* panel : {&values, &unscattered, &phases, &residuals})
     if (!panel->curves.empty()) plot.panels.push_back(std::move(*panel));
 }
 

@@ -138,6 +138,33 @@ TEST(MeasurementFile, GivesReadingsTheirSpheres) {
   EXPECT_FALSE(series.points[4].sphere.has_value());  // what is unscattered
 }
 
+// Curves over time, what the instrument makes of them, and modulated light.
+TEST(MeasurementFile, TakesTimesAndFrequencies) {
+  const Measurement measurement = load_measurement(inputs / "good/timed.json");
+  ASSERT_EQ(measurement.series.size(), 2U);
+  const MeasuredSeries &curves = measurement.series[0], &waves = measurement.series[1];
+  EXPECT_TRUE(curves.is_relative);
+  EXPECT_EQ(curves.detector_width, 2.0);
+  EXPECT_EQ(curves.points[3].r, 20.0);
+  EXPECT_EQ(curves.points[3].at, 500.0);
+  // A response of one point, times three nodes of a bin: mean 0, variance 12² / 12.
+  ASSERT_EQ(curves.instrument.size(), 3U);
+  double sum = 0.0, mean = 0.0, variance = 0.0;
+  for (const auto& [delay, weight] : curves.instrument) {
+    sum += weight;
+    mean += weight * delay;
+    variance += weight * delay * delay;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_NEAR(mean, 0.0, 1e-12);
+  EXPECT_NEAR(variance, 12.0, 1e-9);
+  EXPECT_FALSE(waves.is_relative);
+  EXPECT_NEAR(waves.points[0].value, 1e-4, 1e-18);
+  EXPECT_EQ(waves.points[3].quantity, MeasuredQuantity::phase);
+  EXPECT_EQ(waves.points[3].value, -345.0);
+  EXPECT_EQ(waves.points[3].standard_deviation, 0.2);
+}
+
 // What is free is put in as --set would; what is not stays.
 TEST(MeasurementFile, PutsNumbersIntoTheMaterial) {
   const Measurement measurement = load_measurement(inputs / "good/table.json");

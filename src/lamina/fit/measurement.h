@@ -27,33 +27,53 @@ inline constexpr auto enum_names<FitScale> =
 
 /// What was measured, as measurement files name it.
 enum class MeasurementKind {
-  totals,             ///< fractions of the light that leave above and below
-  spatial_frequency,  ///< the same of light in waves, k
-  radial_profile      ///< what leaves around a narrow beam, r
+  totals,              ///< fractions of the light that leave above and below
+  spatial_frequency,   ///< the same of light in waves, k
+  radial_profile,      ///< what leaves around a narrow beam, r
+  time_resolved,       ///< the same after a short pulse, over time too
+  frequency_modulated  ///< amplitude and phase of the same, of a beam that is modulated in time
 };
 
 template <>
 inline constexpr auto enum_names<MeasurementKind> = std::to_array<EnumName<MeasurementKind>>(
     {{"totals", MeasurementKind::totals},
      {"spatial_frequency", MeasurementKind::spatial_frequency},
-     {"radial_profile", MeasurementKind::radial_profile}});
+     {"radial_profile", MeasurementKind::radial_profile},
+     {"time_resolved", MeasurementKind::time_resolved},
+     {"frequency_modulated", MeasurementKind::frequency_modulated}});
 
-enum class MeasuredQuantity { reflectance, transmittance, unscattered_transmittance };
+enum class MeasuredQuantity {
+  reflectance,
+  transmittance,
+  unscattered_transmittance,
+  amplitude,  ///< of modulated light that leaves
+  phase       ///< by which it lags [degrees]
+};
 
 template <>
 inline constexpr auto enum_names<MeasuredQuantity> = std::to_array<EnumName<MeasuredQuantity>>(
     {{"reflectance", MeasuredQuantity::reflectance},
      {"transmittance", MeasuredQuantity::transmittance},
-     {"unscattered_transmittance", MeasuredQuantity::unscattered_transmittance}});
+     {"unscattered_transmittance", MeasuredQuantity::unscattered_transmittance},
+     {"amplitude", MeasuredQuantity::amplitude},
+     {"phase_deg", MeasuredQuantity::phase}});
 
-/// One number that was measured: a fraction, or 1/mm² of a profile.
+/// One number that was measured: a fraction, or 1/mm² of a profile, 1/(mm² ps) over time.
 struct MeasuredPoint {
   std::size_t band = 0;
   MeasuredQuantity quantity = MeasuredQuantity::reflectance;
-  double at = 0.0;  ///< spatial frequency [1/mm] or radius [mm]; 0 of totals
+  double at = 0.0;  ///< spatial frequency [1/mm], radius [mm], time [ps] or frequency [MHz]; 0 of
+                    ///< totals
+  double r = 0.0;   ///< radius of what is over time or frequency [mm]
   double value = 0.0;
   double standard_deviation = 0.0;               ///< > 0
   std::optional<IntegratingSphere> sphere = {};  ///< of totals: the value is its reading
+};
+
+/// A part of the light that an instrument shows later than it came.
+struct DelayedPart {
+  double delay = 0.0;  ///< [ps]
+  double weight = 1.0;
 };
 
 /// Points that one instrument measured in one geometry.
@@ -63,7 +83,11 @@ struct MeasuredSeries {
   bool has_specular = true;  ///< of totals: whether the reflectance has the first reflection
   /// Of totals in spheres [mm]: light that leaves beside the sample's ports is lost to them.
   std::optional<double> beam_diameter = {};
-  double detector_width = 0.0;  ///< of a radial profile [mm]
+  double detector_width = 0.0;  ///< of what is measured over radius [mm]
+  bool is_relative = false;     ///< times a factor that is not known: of each curve over time, of
+                                ///< all amplitudes in a band
+  std::vector<DelayedPart> instrument = {{}};  ///< of what is measured over time
+  double photons = 2e6;                        ///< most that correct a curve over time or frequency
   std::vector<MeasuredPoint> points;
 };
 

@@ -8,6 +8,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/fit/internal/decoded_free.h"
 #include "lamina/fit/internal/decoded_series.h"
+#include "lamina/fit/internal/timed_prediction.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
@@ -102,7 +103,9 @@ void check_free(const JsonInput& free, Measurement& measurement) {
     unknowns += number.is_per_band ? bands : 1;
     names += (names.empty() ? "" : ", ") + number.parameter.name;
   }
-  for (const MeasuredSeries& series : measurement.series) points += series.points.size();
+  for (const MeasuredSeries& series : measurement.series)
+    points += series.points.size() -
+              std::min(series.points.size(), fit_detail::count_unknown_factors(series));
   if (points < unknowns)
     free.fail(std::to_string(points) + " measured numbers cannot tell " + std::to_string(unknowns) +
               " free ones; " + std::to_string(unknowns - points) +

@@ -54,6 +54,31 @@ double largest_move(const std::vector<FitParameter>& parameters, const FitResult
   return largest;
 }
 
+/// Data whose errors have the noise of photons in them, which goes through many points together.
+FitData with_noise(const FitData& data, const DenseMatrix& noise) {
+  if (noise.columns == 0) return data;
+  FitData with{.measured = data.measured,
+               .standard_deviation = {},
+               .covariance = multiply(noise, transpose(noise))};
+  for (std::size_t i = 0; i < data.measured.size(); ++i)
+    with.covariance(i, i) += data.standard_deviation[i] * data.standard_deviation[i];
+  return with;
+}
+
+/// How much larger errors are with the noise of photons than without.
+std::string note_of_noise(const MeasurementModel& model, const FitResult& with,
+                          const FitResult& without) {
+  double most = 1.0;
+  for (std::size_t u = 0; u < with.parameters.size(); ++u) {
+    const double sd = without.parameters[u].standard_deviation;
+    if (std::isfinite(sd) && sd > 0.0 && !with.parameters[u].is_at_bound)
+      most = std::max(most, with.parameters[u].standard_deviation / sd);
+  }
+  return "errors have the noise of " + printf_text("%.2g", model.photons()) +
+         " photons in them, that correct diffusion, and are up to " + printf_text("%.2f", most) +
+         " times as large for it";
+}
+
 FitResult fit_model(MeasurementModel& model, const Measurement& measurement, std::uint64_t seed) {
   std::vector<FitParameter> parameters = model.parameters();
   const FitData data = model.data();
@@ -68,16 +93,26 @@ FitResult fit_model(MeasurementModel& model, const Measurement& measurement, std
   FitResult result = fit_parameters(parameters, blurred(data), as_fitted, options);
   const int agreeing_starts = result.agreeing_starts;
   options.starts = 1;
+  options.tolerance = 1e-5;
+  const auto start_at = [&](const std::vector<double>& values) {
+    for (std::size_t u = 0; u < values.size(); ++u) parameters[u].start = values[u];
+  };
   double move = std::numeric_limits<double>::infinity();
   for (int round = 0; round < most_corrections; ++round) {
     const std::vector<double> values = values_of(result);
     model.correct(values, move > far_move);
-    for (std::size_t u = 0; u < values.size(); ++u) parameters[u].start = values[u];
-    options.tolerance = 1e-5;
-    result = fit_parameters(parameters, data, as_fitted, options);
+    start_at(values);
+    result = fit_parameters(parameters, with_noise(data, model.photon_noise(values)), as_fitted,
+                            options);
     move = largest_move(parameters, result, values);
     if (move <= 1.0 || !model.has_solutions()) break;
   }
+  if (model.photons() > 0.0) {
+    start_at(values_of(result));
+    const FitResult without = fit_parameters(parameters, data, as_fitted, options);
+    result.notes.push_back(note_of_noise(model, result, without));
+  }
+  result.degrees_of_freedom -= static_cast<std::ptrdiff_t>(model.unknown_factors());
   result.agreeing_starts = agreeing_starts;
   if (measurement.starts > 1)
     result.notes.push_back(std::to_string(agreeing_starts) + " of " +

@@ -9,12 +9,14 @@
 
 #include "lamina/core/number_text.h"
 #include "lamina/fit/internal/decoded_spheres.h"
+#include "lamina/fit/internal/decoded_timed_series.h"
+#include "lamina/fit/internal/measured_column.h"
 #include "lamina/fit/internal/measured_table.h"
 
 namespace lamina::fit_detail {
 namespace {
 
-constexpr double largest_fraction = 1.2;
+constexpr double largest_fraction = 1.2, largest_density = 1e9;
 
 Incidence decode_incidence(const JsonInput& value) {
   if (value.is_number())
@@ -24,52 +26,10 @@ Incidence decode_incidence(const JsonInput& value) {
   return value.choice<Incidence>({{"normal", {}}, {"diffuse", {.is_diffuse = true}}});
 }
 
-/// What numbers of an entry are times to be fractions or 1/mm².
-struct Unit {
-  std::string_view name;
-  double factor = 1.0;
-};
-
-Unit decode_unit(const JsonInput& value, MeasurementKind kind) {
+MeasuredUnit decode_unit(const JsonInput& value, MeasurementKind kind) {
   if (kind == MeasurementKind::radial_profile)
-    return value.choice<Unit>({{"1/mm2", {"1/mm2", 1.0}}, {"1/cm2", {"1/cm2", 0.01}}});
-  return value.choice<Unit>({{"fraction", {"", 1.0}}, {"percent", {"%", 0.01}}});
-}
-
-/// A column, with its errors, of a table.
-struct MeasuredColumn {
-  std::vector<double> values, standard_deviations;  ///< [row]; empty without the column
-};
-
-/// Errors from a column, or from "sd" and "relative_sd" of the entry, which add in quadrature.
-MeasuredColumn read_column(const MeasuredTable& table, const JsonObject& entry,
-                           MeasuredQuantity quantity, const Unit& unit, bool is_fraction) {
-  const std::string name(name_of(quantity));
-  const double largest = is_fraction ? largest_fraction : 1e9;
-  MeasuredColumn column{
-      .values = table.numbers(name, closed_interval(0.0, largest / unit.factor, unit.name)),
-      .standard_deviations = {}};
-  if (column.values.empty()) return column;
-  column.standard_deviations =
-      table.numbers(name + "_sd", {.low = 0.0, .includes_low = false, .unit = unit.name});
-  if (column.standard_deviations.empty()) {
-    const auto absolute = entry.optional("sd"), relative = entry.optional("relative_sd");
-    if (!absolute && !relative)
-      entry.value().fail("must say how well \"" + name + "\" is known: \"" + name +
-                         "_sd\", \"sd\" or \"relative_sd\"");
-    const double sd = absolute ? absolute->number(greater_than(0.0, unit.name)) : 0.0;
-    const double share =
-        relative ? relative->number({.low = 0.0, .high = 1.0, .includes_low = false}) : 0.0;
-    for (std::size_t row = 0; row < table.rows(); ++row) {
-      const double error = std::hypot(sd, share * column.values[row]);
-      if (!(error > 0.0))
-        table.fail(row, name, "is 0, of which \"relative_sd\" is no error; give \"sd\", too");
-      column.standard_deviations.push_back(error);
-    }
-  }
-  for (double& value : column.values) value *= unit.factor;
-  for (double& sd : column.standard_deviations) sd *= unit.factor;
-  return column;
+    return value.choice<MeasuredUnit>({{"1/mm2", {"1/mm2", 1.0}}, {"1/cm2", {"1/cm2", 0.01}}});
+  return value.choice<MeasuredUnit>({{"fraction", {"", 1.0}}, {"percent", {"%", 0.01}}});
 }
 
 /// Totals cannot exceed 1 by more than their errors, but readings of spheres can.
@@ -99,6 +59,7 @@ void check_sums(const MeasuredTable& table, const std::array<MeasuredColumn, 3>&
 std::vector<std::string_view> keys_of(MeasurementKind kind) {
   std::vector<std::string_view> keys = {"kind", "unit", "file", "sd", "relative_sd"};
   for (const std::string_view column : measured_columns()) {
+    if (is_timed_column(column)) continue;
     const bool is_place = column == "k_per_mm" || column == "r_mm";
     const bool is_transmitted = column.find("transmittance") != std::string_view::npos;
     if ((column == "k_per_mm" && kind != MeasurementKind::spatial_frequency) ||
@@ -125,8 +86,9 @@ DecodedSeries decode_series(const JsonInput& value) {
   DecodedSeries decoded;
   MeasuredSeries& series = decoded.series;
   series.kind = kind_value->choice<MeasurementKind>();
+  if (is_timed(series.kind)) return decode_timed_series(value, series.kind);
   const JsonObject entry = value.object(keys_of(series.kind));
-  const Unit unit = decode_unit(entry.required("unit"), series.kind);
+  const MeasuredUnit unit = decode_unit(entry.required("unit"), series.kind);
   const bool is_totals = series.kind == MeasurementKind::totals;
   if (const auto incidence = entry.optional("incidence"))
     series.incidence = decode_incidence(*incidence);
@@ -142,7 +104,10 @@ DecodedSeries decode_series(const JsonInput& value) {
     if (q > 0 && series.kind == MeasurementKind::radial_profile) continue;
     if (quantity == MeasuredQuantity::unscattered_transmittance && !is_totals) continue;
     columns[q] =
-        read_column(table, entry, quantity, unit, series.kind != MeasurementKind::radial_profile);
+        read_column(table, entry, quantity, unit,
+                    {.low = 0.0,
+                     .high = series.kind == MeasurementKind::radial_profile ? largest_density
+                                                                            : largest_fraction});
   }
   if (columns[0].values.empty() && columns[1].values.empty())
     value.fail("must have \"reflectance\" or \"transmittance\", as columns of its file or arrays");

@@ -18,12 +18,18 @@ const std::vector<std::string_view>& measured_columns() {
   static const std::vector<std::string_view> columns = {wavelength_column,
                                                         "k_per_mm",
                                                         "r_mm",
+                                                        "t_ps",
+                                                        "frequency_mhz",
                                                         "reflectance",
                                                         "reflectance_sd",
                                                         "transmittance",
                                                         "transmittance_sd",
                                                         "unscattered_transmittance",
-                                                        "unscattered_transmittance_sd"};
+                                                        "unscattered_transmittance_sd",
+                                                        "amplitude",
+                                                        "amplitude_sd",
+                                                        "phase_deg",
+                                                        "phase_deg_sd"};
   return columns;
 }
 

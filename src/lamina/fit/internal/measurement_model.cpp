@@ -8,6 +8,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/fit/internal/decoded_timed_series.h"
 #include "lamina/fit/internal/layer_change.h"
 #include "lamina/fit/internal/series_prediction.h"
 
@@ -30,8 +31,10 @@ std::pair<double, double> sides_of(const FitParameter& parameter, double value, 
 }
 
 bool spans_decades(const MeasuredSeries& series, const MeasuredPoint& point) {
-  return (series.kind == MeasurementKind::radial_profile ||
-          point.quantity == MeasuredQuantity::unscattered_transmittance) &&
+  const bool is_density = series.kind == MeasurementKind::radial_profile ||
+                          series.kind == MeasurementKind::time_resolved;
+  return (is_density || point.quantity == MeasuredQuantity::unscattered_transmittance ||
+          point.quantity == MeasuredQuantity::amplitude) &&
          point.value > 3.0 * point.standard_deviation;
 }
 
@@ -51,13 +54,18 @@ MeasurementModel::MeasurementModel(const Measurement& measurement, std::vector<s
   for (const std::size_t band : bands_)
     for (std::size_t s = 0; s < measurement.series.size(); ++s) {
       const MeasuredSeries& series = measurement.series[s];
-      Part part{s, band, is_logarithmic_.size(), {}, {}};
+      Part part{s, band, is_logarithmic_.size(), {}, {}, nullptr};
       for (std::size_t p = 0; p < series.points.size(); ++p) {
         if (series.points[p].band != band) continue;
         part.indices.push_back(p);
         part.points.push_back(series.points[p]);
         is_logarithmic_.push_back(spans_decades(series, series.points[p]));
       }
+      if (is_timed(series.kind) && !part.points.empty())
+        part.timed = std::make_shared<TimedPrediction>(
+            series, part.points,
+            std::vector<bool>(is_logarithmic_.begin() + static_cast<std::ptrdiff_t>(part.first),
+                              is_logarithmic_.end()));
       if (!part.points.empty()) (tables_[s] ? looked_up_ : parts_).push_back(std::move(part));
     }
   correction_.assign(is_logarithmic_.size(), 1.0);
@@ -169,6 +177,11 @@ std::vector<double> MeasurementModel::predict_model(std::span<const double> valu
   }
   parallel_for(parts_.size(), [&](std::size_t i) {
     const Part& part = parts_[i];
+    if (part.timed) {
+      std::ranges::copy(part.timed->predict(at[place_of(part.band)]),
+                        predicted.begin() + static_cast<std::ptrdiff_t>(part.first));
+      return;
+    }
     const std::vector<CorrectionStep> steps = correction_steps(part, values);
     const auto found = predict_quickly(at[place_of(part.band)], measurement_.series[part.series],
                                        part.points, false)
@@ -255,6 +268,18 @@ DenseMatrix MeasurementModel::derivatives(std::span<const double> values) const 
     const Part& part = parts_[i];
     const MeasuredSeries& series = measurement_.series[part.series];
     const std::size_t b = place_of(part.band);
+    if (part.timed) {
+      for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+        if (!depends(part, u)) continue;
+        const Sides& of_free = sides[unknowns_[u].free];
+        const auto low = part.timed->predict(of_free.below[b]),
+                   high = part.timed->predict(of_free.above[b]);
+        for (std::size_t j = 0; j < low.size(); ++j)
+          jacobian(part.first + j, u) =
+              (high[j] - low[j]) / (of_free.value_above[u] - of_free.value_below[u]);
+      }
+      return;
+    }
     const bool is_exact = has_derivatives(at[b], series);
     const SeriesPrediction here = predict_quickly(at[b], series, part.points, is_exact);
     const std::vector<CorrectionStep> steps = correction_steps(part, values);
@@ -371,12 +396,47 @@ void MeasurementModel::correct(std::span<const double> values, bool with_derivat
     const Part& part = parts_[i];
     const MeasuredSeries& series = measurement_.series[part.series];
     const std::size_t b = place_of(part.band);
+    if (part.timed) {
+      part.timed->correct(at[b], progress_);
+      return;
+    }
     const auto quick = predict_quickly(at[b], series, part.points, false).values;
     const auto right = predict_accurately(at[b], series, part.points);
     for (std::size_t j = 0; j < quick.size(); ++j)
       correction_[part.first + j] = quick[j] > 0.0 && right[j] > 0.0 ? right[j] / quick[j] : 1.0;
   });
   report_or_throw(progress_, 0.0);
+}
+
+std::size_t MeasurementModel::unknown_factors() const {
+  std::size_t factors = 0;
+  for (const Part& part : parts_) factors += part.timed ? part.timed->unknown_factors() : 0;
+  return factors;
+}
+
+DenseMatrix MeasurementModel::photon_noise(std::span<const double> values) const {
+  std::vector<std::pair<std::size_t, DenseMatrix>> of_parts;  // first row
+  std::size_t columns = 0;
+  for (const Part& part : parts_) {
+    if (!part.timed) continue;
+    of_parts.emplace_back(part.first, part.timed->noise(stacks(values)[place_of(part.band)]));
+    columns += of_parts.back().second.columns;
+  }
+  DenseMatrix noise(is_logarithmic_.size(), columns);
+  std::size_t column = 0;
+  for (const auto& [first, part] : of_parts) {
+    for (std::size_t i = 0; i < part.rows; ++i)
+      for (std::size_t j = 0; j < part.columns; ++j) noise(first + i, column + j) = part(i, j);
+    column += part.columns;
+  }
+  return noise;
+}
+
+double MeasurementModel::photons() const {
+  double most = 0.0;
+  for (const Part& part : parts_)
+    if (part.timed) most = std::max(most, part.timed->photons());
+  return most;
 }
 
 std::vector<MeasurementModel::Place> MeasurementModel::places() const {

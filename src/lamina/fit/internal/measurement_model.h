@@ -9,6 +9,7 @@
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
 #include "lamina/fit/internal/recipe_totals.h"
+#include "lamina/fit/internal/timed_prediction.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/fit/measurement_tables.h"
@@ -50,6 +51,14 @@ class MeasurementModel {
   /// Whether all derivatives of a series are exact there.
   [[nodiscard]] bool is_exact(std::size_t series, std::span<const double> values) const;
 
+  /// Factors of measured curves that nobody knows, which take as many numbers.
+  [[nodiscard]] std::size_t unknown_factors() const;
+
+  /// What the noise of photons adds to the errors of data, [point][independent part of it]; no
+  /// columns if there is none.
+  [[nodiscard]] DenseMatrix photon_noise(std::span<const double> values) const;
+  [[nodiscard]] double photons() const;  ///< most that a curve was corrected by
+
   /// Whether there are solutions that can be corrected, and not only tables.
   [[nodiscard]] bool has_solutions() const { return !parts_.empty(); }
 
@@ -70,6 +79,7 @@ class MeasurementModel {
     std::size_t series, band, first;
     std::vector<std::size_t> indices;  ///< in the series
     std::vector<MeasuredPoint> points;
+    std::shared_ptr<TimedPrediction> timed;  ///< over time or frequency; else null
   };
   [[nodiscard]] std::vector<double> predict_model(std::span<const double> values) const;
   /// Errors of the model of a population, which go together.

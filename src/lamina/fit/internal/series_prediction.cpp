@@ -34,6 +34,8 @@ double total_of(const AddingDoublingTotals& found, const MeasuredSeries& series,
     case MeasuredQuantity::unscattered_transmittance:
       return found.unscattered_transmittance;
     case MeasuredQuantity::reflectance:
+    case MeasuredQuantity::amplitude:
+    case MeasuredQuantity::phase:
       break;
   }
   return found.totals.diffuse_reflectance +
@@ -48,6 +50,8 @@ const std::vector<LayerDerivatives>& derivatives_of(const AddingDoublingDerivati
     case MeasuredQuantity::unscattered_transmittance:
       return found.unscattered_transmittance;
     case MeasuredQuantity::reflectance:
+    case MeasuredQuantity::amplitude:
+    case MeasuredQuantity::phase:
       break;
   }
   return found.diffuse_reflectance;
@@ -162,7 +166,9 @@ double smallest_relative_error(std::span<const MeasuredPoint> points) {
 
 bool has_derivatives(const LayerStack& stack, const MeasuredSeries& series) {
   const bool is_endless = is_semi_infinite(stack) && stack.layers().back().medium.sigma_a == 0.0;
-  return series.kind != MeasurementKind::radial_profile && is_smooth(stack) && !is_endless;
+  const bool is_total =
+      series.kind == MeasurementKind::totals || series.kind == MeasurementKind::spatial_frequency;
+  return is_total && is_smooth(stack) && !is_endless;
 }
 
 bool corrects_derivatives(const MeasuredSeries& series) {
@@ -176,6 +182,8 @@ SeriesPrediction predict_quickly(const LayerStack& stack, const MeasuredSeries& 
       return quick_responses(stack, series, points, with_derivatives);
     case MeasurementKind::radial_profile:
       return {seen(make_diffusion_profile({&stack, 1}).profile, series, points), {}};
+    case MeasurementKind::time_resolved:
+    case MeasurementKind::frequency_modulated:  // TimedPrediction's
     case MeasurementKind::totals:
       break;
   }

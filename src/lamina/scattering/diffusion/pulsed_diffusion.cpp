@@ -166,6 +166,9 @@ RatePath make_rate_path(double first_time) {
 std::vector<std::vector<double>> in_window(const DiffuseLayers& all, std::span<const double> r,
                                            std::span<const double> t) {
   const RatePath path = make_rate_path(t.front());
+  std::vector<Complex> growth;  // [rate][t]
+  for (std::size_t i = 0; i < path.rate.size(); ++i)
+    for (const double time : t) growth.push_back(path.weight[i] * std::exp(path.rate[i] * time));
   const double decay = all.least_decay();
   double slowest = all.layers[0].D * all.layers[0].speed;
   for (const DiffuseLayer& layer : all.layers) slowest = std::min(slowest, layer.D * layer.speed);
@@ -179,9 +182,9 @@ std::vector<std::vector<double>> in_window(const DiffuseLayers& all, std::span<c
     const double k = waves.nodes[q];
     std::vector<double> over_time(t.size(), 0.0);
     for (std::size_t i = 0; i < path.rate.size(); ++i) {
-      const Complex value = path.weight[i] * response_at(all, k, path.rate[i] - decay);
+      const Complex value = response_at(all, k, path.rate[i] - decay);
       for (std::size_t j = 0; j < t.size(); ++j)
-        over_time[j] += (std::exp(path.rate[i] * t[j]) * value).real();
+        over_time[j] += (growth[i * t.size() + j] * value).real();
     }
     for (std::size_t d = 0; d < r.size(); ++d) {
       const double weight = waves.weights[q] * k * std::cyl_bessel_j(0.0, k * r[d]) / (2.0 * pi);
@@ -199,8 +202,8 @@ double first_time(const LayerStack& stack, double r) {
 }
 
 /// Too little, and times too early, become the least that is resolved.
-void raise_to_resolved(const LayerStack& stack, std::span<const double> r, std::span<const double> t,
-           std::vector<std::vector<double>>& values) {
+void raise_to_resolved(const LayerStack& stack, std::span<const double> r,
+                       std::span<const double> t, std::vector<std::vector<double>>& values) {
   for (std::size_t d = 0; d < r.size(); ++d) {
     double most = 1e-290;
     for (std::size_t j = 0; j < t.size(); ++j) {
