@@ -10,7 +10,7 @@
 namespace lamina::fit_detail {
 namespace {
 
-constexpr double fewest_photons = 1e5;
+constexpr double fewest_pulse_photons = 1e5;
 /// Later ones would move by noise alone.
 constexpr int most_traces = 3;
 /// Layers that change by less keep the correction of photons.
@@ -157,7 +157,7 @@ void TimedPrediction::correct(const LayerStack& stack, const Progress& progress)
   last = std::min(last, last_time(stack));
   // As many as leave a tenth of the error of each curve as a whole, if that is not too many.
   const std::vector<double> light = light_in_rings(stack, radii_, series_.detector_width, last);
-  photons_ = fewest_photons;
+  photons_ = fewest_pulse_photons;
   for (std::size_t d = 0; d < radii_.size(); ++d) {
     double information = 0.0;
     for (const std::size_t p : at_radius_[d])
