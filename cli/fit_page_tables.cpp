@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "fit_report.h"
 #include "fit_units.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/json_input.h"
@@ -32,13 +33,6 @@ std::string length_unit_of(const Measurement& measurement) {
   const JsonDocument document = parse_json(measurement.material.text, measurement.material.name);
   const auto unit = document.root().peek("length_unit");
   return unit && unit->is_string() ? unit->string() : "mm";
-}
-
-std::vector<const FittedNumber*> numbers_of(const MeasurementFit& fit, std::size_t free) {
-  std::vector<const FittedNumber*> found;
-  for (const FittedNumber& number : fit.numbers)
-    if (number.free == free) found.push_back(&number);
-  return found;
 }
 
 std::string band_header(const BandSet& bands) { return bands.is_rgb() ? "band" : "nm"; }

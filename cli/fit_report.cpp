@@ -17,14 +17,6 @@ namespace {
 
 constexpr std::size_t most_notes = 12;
 
-/// The numbers found for what is free, by band or one.
-std::vector<const FittedNumber*> numbers_of(const MeasurementFit& fit, std::size_t free) {
-  std::vector<const FittedNumber*> found;
-  for (const FittedNumber& number : fit.numbers)
-    if (number.free == free) found.push_back(&number);
-  return found;
-}
-
 JsonOutput finite_or_null(double value) {
   return std::isfinite(value) ? JsonOutput(value) : JsonOutput(nullptr);
 }
@@ -211,6 +203,13 @@ PlotPanel found_panel(const Measurement& measurement, const MeasurementFit& fit,
 }
 
 }  // namespace
+
+std::vector<const FittedNumber*> numbers_of(const MeasurementFit& fit, std::size_t free) {
+  std::vector<const FittedNumber*> found;
+  for (const FittedNumber& number : fit.numbers)
+    if (number.free == free) found.push_back(&number);
+  return found;
+}
 
 JsonOutput fit_json(const Measurement& measurement, const MeasurementFit& fit) {
   JsonOutput json = {{"measurement", measurement.name},

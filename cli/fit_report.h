@@ -1,13 +1,19 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/io/json_output.h"
 #include "lamina/plot/plot.h"
 
 namespace lamina::cli {
+
+/// The numbers found for what is free, by band or one.
+[[nodiscard]] std::vector<const FittedNumber*> numbers_of(const MeasurementFit& fit,
+                                                          std::size_t free);
 
 [[nodiscard]] JsonOutput fit_json(const Measurement& measurement, const MeasurementFit& fit);
 
