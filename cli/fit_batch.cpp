@@ -6,15 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "fit_report.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/fit/measurement_fit.h"
+#include "lamina/io/csv_table.h"
 
 namespace lamina::cli {
 namespace {
@@ -53,12 +57,56 @@ void attempt(FittedFile& file, const Work& work) {
   }
 }
 
-FittedFile load_file(const FitBatch& batch, const CommonOptions& common, const fs::path& path) {
-  FittedFile file{.name = path.filename().string()};
-  std::vector<std::string> settings = batch.settings;
-  settings.push_back("measured[0].file=" + json_quoted(fs::absolute(path).string()));
-  attempt(file,
-          [&] { file.measurement = load_measurement(batch.measurement, common.memory, settings); });
+/// A file of a folder, or a column of a table: where it comes from, and what that sets in the
+/// measurement.
+struct BatchSample {
+  std::string name;
+  std::function<std::vector<std::string>()> settings;  ///< throws what is wrong with it
+};
+
+std::vector<BatchSample> samples_of_folder(const std::string& folder) {
+  std::vector<BatchSample> samples;
+  for (const fs::path& path : csv_files(folder))
+    samples.push_back({path.filename().string(), [path] {
+                         return std::vector{"measured[0].file=" +
+                                            json_quoted(fs::absolute(path).string())};
+                       }});
+  return samples;
+}
+
+/// Each column of a table but its wavelengths: a spectrum of reflectance.
+std::vector<BatchSample> samples_of_table(const std::string& file, MemoryBudget memory) {
+  const auto table = std::make_shared<const CsvTable>(load_csv(file, memory));
+  const std::size_t wavelengths = table->column("wavelength_nm");
+  const auto list = [table](std::size_t column) {
+    std::string text;
+    for (std::size_t row = 0; row < table->rows(); ++row)
+      text += (row == 0 ? "[" : ",") + number_text(table->number(row, column));
+    return text + "]";
+  };
+  std::vector<BatchSample> samples;
+  for (std::size_t column = 0; column < table->columns().size(); ++column)
+    if (column != wavelengths)
+      samples.push_back({table->columns()[column], [=] {
+                           return std::vector{std::string("measured[0].file=null"),
+                                              "measured[0].wavelength_nm=" + list(wavelengths),
+                                              "measured[0].reflectance=" + list(column)};
+                         }});
+  if (samples.empty())
+    throw InvalidInput("--batch: " + file +
+                       ": must have a column for each sample beside "
+                       "wavelength_nm, but has none");
+  return samples;
+}
+
+FittedFile load_sample(const FitBatch& batch, const CommonOptions& common,
+                       const BatchSample& sample) {
+  FittedFile file{.name = sample.name};
+  attempt(file, [&] {
+    std::vector<std::string> settings = batch.settings;
+    for (std::string& setting : sample.settings()) settings.push_back(std::move(setting));
+    file.measurement = load_measurement(batch.measurement, common.memory, settings);
+  });
   return file;
 }
 
@@ -111,15 +159,19 @@ std::string csv_table(const std::vector<FittedFile>& files) {
 }  // namespace
 
 void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
-  const std::vector<fs::path> paths = csv_files(batch.folder);
-  std::vector<FittedFile> files(paths.size());
-  parallel_for(paths.size(), [&](std::size_t i) { files[i] = load_file(batch, common, paths[i]); });
+  const std::vector<BatchSample> samples =
+      lower_case_ending(batch.samples) == ".csv" && !fs::is_directory(batch.samples)
+          ? samples_of_table(batch.samples, common.memory)
+          : samples_of_folder(batch.samples);
+  std::vector<FittedFile> files(samples.size());
+  parallel_for(samples.size(),
+               [&](std::size_t i) { files[i] = load_sample(batch, common, samples[i]); });
   MeasurementTables tables;
   for (const FittedFile& file : files)
     if (file.measurement)
       tables.prepare(*file.measurement, make_progress("tables", Keeps::nothing));
   parallel_for(
-      paths.size(),
+      samples.size(),
       [&](std::size_t i) { fit_file(files[i], {.tables = &tables, .seed = common.seed}); },
       make_progress("fits", Keeps::nothing));
 

@@ -13,14 +13,16 @@ namespace lamina::cli {
 struct FitBatch {
   std::string measurement;            ///< file
   std::vector<std::string> settings;  ///< of it
-  std::string folder;                 ///< of CSV files, each in place of that of the first entry
+  std::string samples;                ///< a folder of CSV files, each in place of that of the first
+                                      ///< entry, or one of a column for each sample
   std::string output;                 ///< CSV; may be empty
   std::string report;                 ///< HTML; may be empty
   FitMaking making;                   ///< of the report
 };
 
 /// Fits all files, goes on past those that cannot be, and lists these at the end.
-/// @throws InvalidInput if there is no CSV file; std::runtime_error if some were not fitted, after
+/// @throws InvalidInput if there is no CSV file or column; std::runtime_error if some were not
+/// fitted, after
 ///         the results are written.
 void run_fit_batch(const FitBatch& batch, const CommonOptions& common);
 

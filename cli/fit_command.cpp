@@ -99,8 +99,9 @@ void add_fit_command(CLI::App& app) {
       .type_name("FILE.html");
   command
       .add_option("--batch", options->batch,
-                  "fits each CSV file of a folder in place of that of the first measured entry")
-      .type_name("FOLDER");
+                  "fits each CSV file of a folder, or each column of a CSV file as a spectrum of "
+                  "reflectance, in place of the file of the first measured entry")
+      .type_name("FOLDER|FILE.csv");
   add_settings_option(command, options->settings, "measurement");
   add_common_options(command, options->common);
   command.footer(

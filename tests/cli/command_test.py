@@ -86,7 +86,7 @@ class WrongUse(unittest.TestCase):
         self.check(["bsdf", "--model", "rough_transmission", "--orders"], "--orders", "MATERIAL")
         self.check(["photons", "jade", "--dr", "0.1"], "--dr", "--tally r")
         self.check(["photons", "jade", "--beam-radius", "1"], "--beam")
-        self.check(["photons", "jade", "--plot", "x.svg"], "--tally r or angle")
+        self.check(["photons", "jade", "--plot", "x.svg"], "needs --tally r, angle or time")
         self.check(["photons", "jade", "--output", "."], ".mci")
 
     def test_refuses_numbers_that_are_none(self):

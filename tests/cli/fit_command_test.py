@@ -107,6 +107,25 @@ class Report(unittest.TestCase):
 
 
 class Batch(unittest.TestCase):
+    def test_takes_each_column_of_a_table(self):
+        rows = [row.split(",") for row in (EXAMPLES / "forearm.csv").read_text().splitlines() if not row.startswith("#")]
+        with tempfile.TemporaryDirectory() as folder:
+            lines = ["wavelength_nm,anna,bert,bad"] + [f"{nm},{r},{float(r) * .9:.2f},{'x' if nm == '400' else r}" for nm, r in rows[1:]]
+            pathlib.Path(folder, "people.csv").write_text("\n".join(lines))
+            result = run("fit", EXAMPLES / "forearm.json", "--batch", "people.csv", "-o", "found.csv", cwd=folder)
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertIn("people.csv:2: bad", result.stderr)
+            found = pathlib.Path(folder, "found.csv").read_text().splitlines()
+            self.assertEqual([row.split(",")[0] for row in found], ["file", "anna", "bert"])
+            melanin = found[0].split(",").index("skin.melanin")
+            alone = json_of("fit", EXAMPLES / "forearm.json")["free"][0]["value"]
+            self.assertAlmostEqual(float(found[1].split(",")[melanin]), alone, delta=1e-9)
+            self.assertGreater(float(found[2].split(",")[melanin]), alone)
+            pathlib.Path(folder, "none.csv").write_text("wavelength_nm\n400\n")
+            result = run("fit", EXAMPLES / "forearm.json", "--batch", "none.csv", cwd=folder)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("must have a column for each sample", result.stderr)
+
     def test_goes_on_past_a_bad_file_and_says_so(self):
         table = (EXAMPLES / "cuvette.csv").read_text().splitlines()
         with tempfile.TemporaryDirectory() as folder:

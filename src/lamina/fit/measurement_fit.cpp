@@ -61,7 +61,11 @@ FitData with_noise(const FitData& data, const DenseMatrix& noise) {
                .standard_deviation = {},
                .covariance = multiply(noise, transpose(noise))};
   for (std::size_t i = 0; i < data.measured.size(); ++i)
-    with.covariance(i, i) += data.standard_deviation[i] * data.standard_deviation[i];
+    if (data.covariance.rows == 0)
+      with.covariance(i, i) += data.standard_deviation[i] * data.standard_deviation[i];
+    else
+      for (std::size_t j = 0; j < data.measured.size(); ++j)
+        with.covariance(i, j) += data.covariance(i, j);
   return with;
 }
 
