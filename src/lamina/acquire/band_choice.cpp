@@ -307,8 +307,8 @@ BandSetRating BandInformation::choose(int count, const Progress& progress) const
                        " to candidates, but is " + std::to_string(count));
   if (sets_of(most, count) <= most_sets) return best_of_all(count, progress);
   // With one band more than the best set of fewer, then by exchanges.
-  const BandSetRating fewer = count == static_cast<int>(least) ? exchanged(evenly_spaced(count))
-                                                               : choose(count - 1, progress);
+  BandSetRating fewer = count == static_cast<int>(least) ? exchanged(evenly_spaced(count))
+                                                         : choose(count - 1, progress);
   if (count == static_cast<int>(least)) return fewer;
   BandSetRating best{.score = std::numeric_limits<double>::infinity()};
   for (std::size_t band = 0; band < most; ++band) {

@@ -59,7 +59,7 @@ LayerStack leaf_at(const Point& place) {
 
 }  // namespace
 
-LeafTotalsTable::LeafTotalsTable(std::vector<double> wavelengths, Incidence incidence,
+LeafTotalsTable::LeafTotalsTable(const std::vector<double>& wavelengths, Incidence incidence,
                                  const LeafRange& range, const Progress& progress) {
   check(range);
   for (const double nm : wavelengths) {

@@ -31,8 +31,8 @@ class LeafTotalsTable {
   /// @param wavelengths  [nm], in [400, 800]
   /// @throws InvalidInput for a wavelength or parameter out of its range, or `low` above `high`;
   ///         Interrupted if progress asks to stop.
-  LeafTotalsTable(std::vector<double> wavelengths, Incidence incidence, const LeafRange& range,
-                  const Progress& progress = {});
+  LeafTotalsTable(const std::vector<double>& wavelengths, Incidence incidence,
+                  const LeafRange& range, const Progress& progress = {});
 
   /// Fractions of the incident light, reflected without what the surface mirrors.
   struct Totals {
