@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fit/model_derivatives.h"
 #include "lamina/fit/internal/measurement_model.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/integrating_sphere/lost_light.h"
@@ -62,18 +63,7 @@ TEST(SphereFit, DerivativesAreThoseOfReadings) {
     const fit_detail::MeasurementModel model(measurement, {0}, {}, {});
     const std::vector<double> at = {0.03, 1.2, 0.3, 0.2};
     EXPECT_TRUE(model.is_exact(0, at));
-    const DenseMatrix slopes = model.derivatives(at);
-    for (std::size_t u = 0; u < at.size(); ++u) {
-      std::vector<double> below = at, above = at;
-      const double h = 3e-4 * at[u];
-      below[u] -= h;
-      above[u] += h;
-      const auto low = model.predict(below), high = model.predict(above);
-      for (std::size_t i = 0; i < slopes.rows; ++i) {
-        const double expected = (high[i] - low[i]) / (2.0 * h);
-        EXPECT_NEAR(slopes(i, u), expected, 2e-5 * std::abs(expected) + 1e-8) << i << " by " << u;
-      }
-    }
+    expect_derivatives_of_predictions(model, at, 1e-8);
   }
 }
 

@@ -128,13 +128,7 @@ std::vector<SkinParameters> skins_of_choice() {
 std::vector<SkinParameters> draw_skins(const SkinPopulation& population, int count,
                                        std::uint64_t seed) {
   const std::size_t n = population.names.size();
-  DenseMatrix factor(n, n);  // Cholesky's, of the correlation
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = population.correlation(i, j);
-      for (std::size_t k = 0; k < j; ++k) sum -= factor(i, k) * factor(j, k);
-      factor(i, j) = i == j ? std::sqrt(std::max(sum, 0.0)) : sum / factor(j, j);
-    }
+  const SymmetricEigen eigen = symmetric_eigen(population.correlation);
   const std::vector<SkinFitNumber> all = skin_fit_numbers({});
   Random random = make_random(seed, 0);
   std::vector<SkinParameters> skins;
@@ -148,8 +142,9 @@ std::vector<SkinParameters> draw_skins(const SkinPopulation& population, int cou
       const auto number = std::ranges::find(
           all, population.names[i], [](const SkinFitNumber& each) { return each.parameter.name; });
       double coordinate = fit_coordinate(number->parameter, population.priors[i].mean);
-      for (std::size_t j = 0; j <= i; ++j)
-        coordinate += population.priors[i].standard_deviation * factor(i, j) * normal[j];
+      for (std::size_t j = 0; j < n; ++j)
+        coordinate += population.priors[i].standard_deviation * eigen.vectors(i, j) *
+                      std::sqrt(std::max(eigen.values[j], 0.0)) * normal[j];
       const double value = std::clamp(fit_value(number->parameter, coordinate),
                                       number->parameter.low, number->parameter.high);
       for (double SkinParameters::*const member : number->values) skin.*member = value;

@@ -85,74 +85,62 @@ std::vector<double> wavelengths_of(const Measurement& measurement) {
   return {nm.begin(), nm.end()};
 }
 
-class SkinTotals final : public RecipeTotals {
- public:
-  SkinTotals(const Measurement& measurement, const Incidence& incidence, const Material& material,
-             const Progress& progress)
-      : skin_(material.skin->skin),
-        members_(*members(measurement, skin_)),
-        table_(wavelengths_of(measurement), incidence, skin_fit_range(skin_), progress) {}
+using RecipeValues = RecipeTotals::Totals;
 
-  static std::optional<FreeMembers<SkinParameters>> members(const Measurement& measurement,
-                                                            const SkinParameters& skin) {
-    const SkinRange range = skin_fit_range(skin);
-    return free_members(measurement, "skin", skin_parameter_ranges(), range.low, range.high);
-  }
+RecipeValues look_up(const SkinReflectanceTable& table, const SkinParameters& skin,
+                     std::size_t band, std::span<double SkinParameters::*const> members,
+                     std::span<RecipeValues> by) {
+  std::vector<double> derivatives(by.size());
+  const double value = table.reflectance_at(band, skin, members.first(by.size()), derivatives);
+  for (std::size_t i = 0; i < by.size(); ++i) by[i] = {derivatives[i], 0.0};
+  return {value, 0.0};
+}
+
+RecipeValues look_up(const LeafTotalsTable& table, const LeafParameters& leaf, std::size_t band,
+                     std::span<double LeafParameters::*const> members, std::span<RecipeValues> by) {
+  std::vector<LeafTotalsTable::Totals> derivatives(by.size());
+  const auto totals = table.totals(leaf, band, members.first(by.size()), derivatives);
+  for (std::size_t i = 0; i < by.size(); ++i)
+    by[i] = {derivatives[i].reflectance, derivatives[i].transmittance};
+  return {totals.reflectance, totals.transmittance};
+}
+
+std::optional<FreeMembers<SkinParameters>> members_of(const Measurement& measurement,
+                                                      const SkinParameters& skin) {
+  const SkinRange range = skin_fit_range(skin);
+  return free_members(measurement, "skin", skin_parameter_ranges(), range.low, range.high);
+}
+
+std::optional<FreeMembers<LeafParameters>> members_of(const Measurement& measurement,
+                                                      const LeafParameters& leaf) {
+  const LeafRange range = leaf_fit_range(leaf);
+  return free_members(measurement, "leaf", leaf_parameter_ranges(), range.low, range.high);
+}
+
+template <class Parameters, class Table>
+class TableTotals final : public RecipeTotals {
+ public:
+  TableTotals(Parameters fixed, FreeMembers<Parameters> members, Table table)
+      : fixed_(std::move(fixed)), members_(std::move(members)), table_(std::move(table)) {}
 
   Totals at(std::span<const double> numbers, std::size_t band,
             std::span<Totals> derivatives) const override {
-    const SkinParameters skin = members_.with(skin_, numbers);
-    if (derivatives.empty()) return {table_.reflectance_at(band, skin), 0.0};
-    std::vector<double> by(members_.values.size());
-    const double value = table_.reflectance_at(band, skin, members_.values, by);
-    std::ranges::fill(derivatives, Totals{});
-    for (std::size_t i = 0; i < by.size(); ++i) derivatives[members_.free[i]].reflectance += by[i];
-    return {value, 0.0};
-  }
-  double specular_reflectance() const override { return table_.specular_reflectance(); }
-
- private:
-  SkinParameters skin_;
-  FreeMembers<SkinParameters> members_;
-  SkinReflectanceTable table_;
-};
-
-class LeafTotals final : public RecipeTotals {
- public:
-  LeafTotals(const Measurement& measurement, const Incidence& incidence, const Material& material,
-             const Progress& progress)
-      : leaf_(*material.leaf),
-        members_(*members(measurement, leaf_)),
-        table_(wavelengths_of(measurement), incidence, leaf_fit_range(leaf_), progress) {}
-
-  static std::optional<FreeMembers<LeafParameters>> members(const Measurement& measurement,
-                                                            const LeafParameters& leaf) {
-    const LeafRange range = leaf_fit_range(leaf);
-    return free_members(measurement, "leaf", leaf_parameter_ranges(), range.low, range.high);
-  }
-
-  Totals at(std::span<const double> numbers, std::size_t band,
-            std::span<Totals> derivatives) const override {
-    const LeafParameters leaf = members_.with(leaf_, numbers);
-    if (derivatives.empty()) {
-      const LeafTotalsTable::Totals totals = table_.totals(leaf, band);
-      return {totals.reflectance, totals.transmittance};
-    }
-    std::vector<LeafTotalsTable::Totals> by(members_.values.size());
-    const LeafTotalsTable::Totals totals = table_.totals(leaf, band, members_.values, by);
+    std::vector<Totals> by(derivatives.empty() ? 0 : members_.values.size());
+    const Totals totals =
+        look_up(table_, members_.with(fixed_, numbers), band, members_.values, by);
     std::ranges::fill(derivatives, Totals{});
     for (std::size_t i = 0; i < by.size(); ++i) {
       derivatives[members_.free[i]].reflectance += by[i].reflectance;
       derivatives[members_.free[i]].transmittance += by[i].transmittance;
     }
-    return {totals.reflectance, totals.transmittance};
+    return totals;
   }
   double specular_reflectance() const override { return table_.specular_reflectance(); }
 
  private:
-  LeafParameters leaf_;
-  FreeMembers<LeafParameters> members_;
-  LeafTotalsTable table_;
+  Parameters fixed_;
+  FreeMembers<Parameters> members_;
+  Table table_;
 };
 
 }  // namespace
@@ -174,10 +162,10 @@ bool has_recipe_totals(const Measurement& measurement, const MeasuredSeries& ser
   }
   if (is_skin) {
     const SkinParameters& skin = material.skin->skin;
-    return SkinTotals::members(measurement, skin) && !std::isfinite(skin.dermis_thickness) &&
+    return members_of(measurement, skin) && !std::isfinite(skin.dermis_thickness) &&
            is_recipe_alone(material, [&](double nm) { return skin_layer_stack(skin, nm); });
   }
-  return material.leaf && LeafTotals::members(measurement, *material.leaf) &&
+  return material.leaf && members_of(measurement, *material.leaf) &&
          is_recipe_alone(material, [&](double nm) { return leaf_layer_stack(*material.leaf, nm); });
 }
 
@@ -185,9 +173,17 @@ std::shared_ptr<const RecipeTotals> make_recipe_totals(const Measurement& measur
                                                        const MeasuredSeries& series,
                                                        const Progress& progress) {
   const Material material = at_start(measurement);
-  if (material.skin)
-    return std::make_shared<SkinTotals>(measurement, series.incidence, material, progress);
-  return std::make_shared<LeafTotals>(measurement, series.incidence, material, progress);
+  const std::vector<double> nm = wavelengths_of(measurement);
+  if (material.skin) {
+    const SkinParameters& skin = material.skin->skin;
+    return std::make_shared<TableTotals<SkinParameters, SkinReflectanceTable>>(
+        skin, *members_of(measurement, skin),
+        SkinReflectanceTable(nm, series.incidence, skin_fit_range(skin), progress));
+  }
+  const LeafParameters& leaf = *material.leaf;
+  return std::make_shared<TableTotals<LeafParameters, LeafTotalsTable>>(
+      leaf, *members_of(measurement, leaf),
+      LeafTotalsTable(nm, series.incidence, leaf_fit_range(leaf), progress));
 }
 
 std::string recipe_totals_key(const Measurement& measurement, const MeasuredSeries& series) {
