@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "lamina/core/error.h"
@@ -28,8 +29,9 @@ TEST(BandInformation, HasTheErrorsOfAFit) {
   std::vector<CandidateBand> candidates;
   for (const double each : nm) candidates.push_back({each});
   const SkinParameters skin;
-  const BandInformation information(candidates, {&skin, 1},
-                                    {"melanin", "hemoglobin_dermis", "scattering_scale"}, 0.01);
+  const BandInformation information(
+      candidates, {&skin, 1}, {"melanin", "hemoglobin_dermis", "saturation", "scattering_scale"},
+      0.01);
   const BandSetRating rating = information.rate({0, 1, 2, 3, 4});
 
   const SkinReflectanceTable table(nm, {}, skin_fit_range(skin));
@@ -43,7 +45,7 @@ TEST(BandInformation, HasTheErrorsOfAFit) {
       numbers.push_back(number);
     }
   const SkinFit fit = fit_skin(table, measurement, skin, numbers);
-  for (std::size_t n = 0; n < 3; ++n)
+  for (std::size_t n = 0; n < 4; ++n)
     EXPECT_NEAR(rating.deviations[n], fit.fit.parameters[n].standard_deviation,
                 1e-3 * rating.deviations[n]);
 }
@@ -112,13 +114,33 @@ TEST(BandInformation, KnowsWhatIsKnownBefore) {
   EXPECT_NEAR(rating.deviations[1], forearms.priors[4].standard_deviation, 0.01);
 }
 
-// Melanin and blood of the drawn skins have the medians of the population.
+// Means, standard deviations and correlation of drawn coordinates are those of the population.
 TEST(DrawnSkins, AreOfThePopulation) {
   const SkinPopulation& forearms = forearm_population();
-  std::vector<double> melanin;
-  for (const SkinParameters& skin : draw_skins(forearms, 2001, 4)) melanin.push_back(skin.melanin);
-  std::ranges::nth_element(melanin, melanin.begin() + 1000);
-  EXPECT_NEAR(melanin[1000], forearms.priors[0].mean, 0.05 * forearms.priors[0].mean);
+  const std::vector<SkinFitNumber> numbers = skin_fit_numbers({});
+  constexpr int count = 4000;
+  const std::vector<SkinParameters> skins = draw_skins(forearms, count, 4);
+  const auto deviations_of = [&](std::size_t number) {  // over the prior's
+    const FitParameter& parameter = numbers[number].parameter;
+    const double mean = fit_coordinate(parameter, forearms.priors[number].mean);
+    std::vector<double> deviations;
+    for (const SkinParameters& skin : skins)
+      deviations.push_back((fit_coordinate(parameter, skin.*numbers[number].values[0]) - mean) /
+                           forearms.priors[number].standard_deviation);
+    return deviations;
+  };
+  const auto mean_product = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0) / count;
+  };
+  const std::vector<double> ones(count, 1.0);
+  for (const std::size_t number : {0U, 3U, 5U, 6U}) {
+    const std::vector<double> deviations = deviations_of(number);
+    EXPECT_NEAR(mean_product(deviations, ones), 0.0, 0.07) << number;
+    EXPECT_NEAR(mean_product(deviations, deviations), 1.0, 0.1) << number;
+    EXPECT_NEAR(mean_product(deviations, deviations_of(0)), forearms.correlation(number, 0),
+                number == 0 ? 0.1 : 0.07)
+        << number;
+  }
 }
 
 }  // namespace
