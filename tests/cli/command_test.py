@@ -87,6 +87,10 @@ class WrongUse(unittest.TestCase):
         self.check(["photons", "jade", "--dr", "0.1"], "--dr", "--tally r")
         self.check(["photons", "jade", "--beam-radius", "1"], "--beam")
         self.check(["photons", "jade", "--plot", "x.svg"], "needs --tally r, angle or time")
+        self.check(["filters", "--count", "4"], "must lie in [5, 31], numbers to candidates, but is 4")
+        self.check(["filters", "--compare", "401"], "must be of the candidates, but one is 401 nm")
+        self.check(["filters", "--numbers", "melanine"], "must be of melanin, melanin_blend,")
+        self.check(["filters", "--candidates", "nowhere.csv"], "nowhere.csv")
         self.check(["photons", "jade", "--output", "."], ".mci")
 
     def test_refuses_numbers_that_are_none(self):
