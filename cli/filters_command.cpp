@@ -10,7 +10,7 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/acquire/band_choice.h"
+#include "lamina/acquire/bands/band_choice.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/csv_table.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/acquire/band_choice.h"
+#include "lamina/acquire/bands/band_choice.h"
 
 #include <algorithm>
 #include <array>
