@@ -87,8 +87,27 @@ void gradient_of_band(benchmark::State& state) {
 }
 BENCHMARK(gradient_of_band)
     ->Name("light and gradient of a band: side")
+    ->Arg(256)
     ->Arg(512)
     ->Arg(1024)
+    ->Unit(benchmark::kMillisecond);
+
+/// What the light changes by when all maps do.
+void tangent_of_band(benchmark::State& state) {
+  const int size = static_cast<int>(state.range(0));
+  const StackTables made = make_stack_tables(skin(), OperatorTotals::diffusion);
+  const TransportMaps<float> at{
+      maps(size), {make_plane(size, size, 0.0175f)}, make_plane(size, size, 1.0f)};
+  const AbsorptionRange ranges[] = {{0.18, 1.9}, {0.14, 0.61}};
+  DifferentiableTransport<float> model(made, size, size, ranges, 20.0 / size);
+  (void)model.light(at);
+  const TransportMaps<float> change{at.sigma_a, {}, {}};
+  for (auto _ : state) benchmark::DoNotOptimize(model.tangent(change));
+}
+BENCHMARK(tangent_of_band)
+    ->Name("changes of the light of a band: side")
+    ->Arg(256)
+    ->Arg(512)
     ->Unit(benchmark::kMillisecond);
 
 void one_operator(benchmark::State& state) {

@@ -174,6 +174,42 @@ TEST(TransportGradient, IsThatOfCentralDifferences) {
   }
 }
 
+// <J v, y> = <v, J^T y>, and J v is what the light changes by.
+TEST(TransportGradient, ChangesOfTheLightAreItsTranspose) {
+  for (const Case& at : cases()) {
+    DifferentiableTransport<double> model(tables_of(at), at.width, at.height, at.ranges,
+                                          mm_per_texel, at.options);
+    const TransportMaps<double> maps = maps_of<double>(at);
+    const TransportMaps<double> direction = direction_of(maps, 300);
+    const double h = at.stripe > 0 ? 1e-6 : 1e-4;
+    const TransportLight<double> ahead = model.light(moved(maps, direction, h));
+    const TransportLight<double> behind = model.light(moved(maps, direction, -h));
+    (void)model.light(maps);
+    const TransportLight<double> y{noise<double>(at.width, at.height, 2),
+                                   noise<double>(at.width, at.height, 3)};
+    const TransportLight<double> change = model.tangent(direction);
+    const double size =
+        std::sqrt(dot(change.reflected, change.reflected) * dot(y.reflected, y.reflected));
+    EXPECT_NEAR(dot(change.reflected, y.reflected) + dot(change.transmitted, y.transmitted),
+                dot(direction, model.gradient(y)), 1e-12 * size)
+        << at.name;
+    for (std::size_t i = 0; i < change.reflected.values.size(); ++i) {
+      const auto slope = [&](const PlaneOf<double>& high, const PlaneOf<double>& low) {
+        return (high.values[i] - low.values[i]) / (2.0 * h);
+      };
+      ASSERT_NEAR(change.reflected.values[i], slope(ahead.reflected, behind.reflected), 1e-6)
+          << at.name;
+      ASSERT_NEAR(change.transmitted.values[i], slope(ahead.transmitted, behind.transmitted), 1e-6)
+          << at.name;
+    }
+    // Maps that do not change can be left out.
+    const TransportLight<double> light = model.tangent({{}, {}, maps.irradiance});
+    const TransportLight<double> wanted = model.light(maps);
+    for (std::size_t i = 0; i < wanted.reflected.values.size(); ++i)
+      ASSERT_NEAR(light.reflected.values[i], wanted.reflected.values[i], 1e-14) << at.name;
+  }
+}
+
 // With the ranges that maps have, the light is that of make_heterogeneous_layers.
 TEST(TransportGradient, LightIsThatOfTheTransport) {
   for (const Case& at : cases()) {

@@ -44,7 +44,7 @@ TransportLayerOf<T> layer_of(const TransportLayer& from, int width, int height) 
   return layer;
 }
 
-/// Absorption as light on its way meets it (along_paths), with its step back.
+/// Absorption as light on its way meets it (along_paths), with its steps.
 template <class T>
 TapedPlane taped_along_paths(Tape<T>& tape, TapedPlane sigma_a, double reduced_scattering,
                              const BlurPyramid& pyramid, double mm_per_texel) {
@@ -78,62 +78,76 @@ TapedPlane taped_along_paths(Tape<T>& tape, TapedPlane sigma_a, double reduced_s
   const auto least_at = static_cast<std::size_t>(least - values.begin());
   const auto most_at = static_cast<std::size_t>(most - values.begin());
   const TapedPlane out = tape.take(std::move(blurred));
-  tape.record([=, &tape, &pyramid, beyond = std::move(beyond)] {
+  // The length follows the differences of neighbors: by its logarithm the blurred absorption
+  // changes by `slope`, and that changes with each texel by `by_texel`.
+  struct OfLength {
+    std::vector<T> slope, by_texel;
+  };
+  OfLength made{
+      apply(tape.plane(sigma_a), operator_of(detail::path_scale_slopes(pyramid, length))).values,
+      std::vector<T>(values.size())};
+  for (std::size_t i = 0; i < beyond.size(); ++i)
+    if (beyond[i] != 0) made.slope[i] = T{};
+  for_neighbors([&](std::size_t one, std::size_t other) {
+    absorption.add_derivatives(one, other, 1.0, made.by_texel);
+  });
+  const auto of_length = std::make_shared<const OfLength>(std::move(made));
+  const auto dot = [](const std::vector<T>& a, const std::vector<T>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  const auto end_of = [least_at, most_at](signed char side) {
+    return side < 0 ? least_at : most_at;
+  };
+  const auto add_times = [](std::vector<T>& sum, double factor, const std::vector<T>& more) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<T>(factor) * more[i];
+  };
+  const auto back = [=, &tape, &pyramid] {
     PlaneOf<T> by_blurred = tape.derivative(out);
     if (by_blurred.values.empty()) return;
     std::vector<T>& by_sigma_a = tape.derivative_sum(sigma_a);
+    add_times(by_sigma_a, dot(of_length->slope, by_blurred.values), of_length->by_texel);
     for (std::size_t i = 0; i < beyond.size(); ++i) {
       if (beyond[i] == 0) continue;
-      by_sigma_a[beyond[i] < 0 ? least_at : most_at] += by_blurred.values[i];
+      by_sigma_a[end_of(beyond[i])] += by_blurred.values[i];
       by_blurred.values[i] = T{};
     }
     tape.add_derivative(sigma_a,
                         apply_transposed(pyramid, std::vector{by_blurred}, basis,
                                          std::array<const MappedOperatorOf<T>*, 1>{&blur}));
-    // The length follows the differences of neighbors.
-    const PlaneOf<T> slope =
-        apply(tape.plane(sigma_a), operator_of(detail::path_scale_slopes(pyramid, length)));
-    const double by_log_length = std::inner_product(slope.values.begin(), slope.values.end(),
-                                                    by_blurred.values.begin(), 0.0);
-    for_neighbors([&](std::size_t one, std::size_t other) {
-      absorption.add_derivatives(one, other, by_log_length, by_sigma_a);
-    });
+  };
+  tape.record(back, [=, &tape] {
+    const std::vector<T>& change = tape.derivative(sigma_a).values;
+    if (change.empty()) return;
+    PlaneOf<T> blurred_change = apply(tape.derivative(sigma_a), blur);
+    for (std::size_t i = 0; i < beyond.size(); ++i)
+      if (beyond[i] != 0) blurred_change.values[i] = change[end_of(beyond[i])];
+    add_times(blurred_change.values, dot(of_length->by_texel, change), of_length->slope);
+    tape.add_derivative(out, std::move(blurred_change));
   });
   return out;
 }
 
-/// absorption_coordinate, with its step back.
+/// absorption_coordinate, with its steps.
 template <class T>
 TapedPlane taped_coordinate(Tape<T>& tape, TapedPlane sigma_a, const AbsorptionRange& range) {
   const TapedPlane out = tape.take(absorption_coordinate(tape.plane(sigma_a), range));
-  tape.record([&tape, sigma_a, range, out] {
-    const std::vector<T>& by_out = tape.derivative(out).values;
-    if (by_out.empty()) return;
-    const std::vector<T>& values = tape.plane(sigma_a).values;
-    std::vector<T>& by_sigma_a = tape.derivative_sum(sigma_a);
-    const T low = static_cast<T>(std::sqrt(range.lowest));
-    const T width = static_cast<T>(std::sqrt(range.highest)) - low;
-    for (std::size_t i = 0; i < by_out.size(); ++i) {
-      const T root = std::sqrt(values[i]);
-      if (low <= root && root <= low + width) by_sigma_a[i] += by_out[i] / (width * root);
-    }
+  const T low = static_cast<T>(std::sqrt(range.lowest));
+  const T width = static_cast<T>(std::sqrt(range.highest)) - low;
+  tape.record_by_texel(sigma_a, out, [&tape, sigma_a, low, width](std::size_t i) {
+    const T root = std::sqrt(tape.plane(sigma_a).values[i]);
+    return low <= root && root <= low + width ? T(1) / (width * root) : T{};
   });
   return out;
 }
 
-/// What a crossing of a sheet leaves, with its step back.
+/// What a crossing of a sheet leaves, with its steps.
 template <class T>
 TapedPlane taped_junction(Tape<T>& tape, TapedPlane absorbance) {
   PlaneOf<T> left = tape.plane(absorbance);
   for (T& value : left.values) value = std::exp(-value);
   const TapedPlane out = tape.take(std::move(left));
-  tape.record([&tape, absorbance, out] {
-    const std::vector<T>& by_out = tape.derivative(out).values;
-    if (by_out.empty()) return;
-    std::vector<T>& by_absorbance = tape.derivative_sum(absorbance);
-    for (std::size_t i = 0; i < by_out.size(); ++i)
-      by_absorbance[i] -= by_out[i] * tape.plane(out).values[i];
-  });
+  tape.record_by_texel(absorbance, out,
+                       [&tape, out](std::size_t i) { return -tape.plane(out).values[i]; });
   return out;
 }
 
@@ -256,6 +270,30 @@ TransportMaps<T> DifferentiableTransport<T>::gradient(const TransportLight<T>& b
   TransportMaps<T> result{.sigma_a = {}, .absorbance = {}, .irradiance = by(run_->irradiance)};
   for (const TapedPlane map : run_->sigma_a) result.sigma_a.push_back(by(map));
   for (const TapedPlane map : run_->absorbance) result.absorbance.push_back(by(map));
+  tape.forget_derivatives();
+  return result;
+}
+
+template <class T>
+TransportLight<T> DifferentiableTransport<T>::tangent(const TransportMaps<T>& change) {
+  assert(run_);
+  Tape<T>& tape = run_->tape;
+  std::vector<typename Tape<T>::Derivative> changes;
+  const auto add = [&](TapedPlane of, const PlaneOf<T>& by) {
+    if (!by.values.empty()) changes.push_back({of, by});
+  };
+  for (std::size_t i = 0; i < change.sigma_a.size(); ++i) add(run_->sigma_a[i], change.sigma_a[i]);
+  for (std::size_t i = 0; i < change.absorbance.size(); ++i)
+    add(run_->absorbance[i], change.absorbance[i]);
+  add(run_->irradiance, change.irradiance);
+  tape.go_ahead(std::move(changes));
+  const int width = model_->pyramid.width, height = model_->pyramid.height;
+  const auto of = [&](TapedPlane at) {
+    return at.is_none() ? make_plane<T>(width, height)
+                        : PlaneOf<T>{width, height, tape.derivative_sum(at)};
+  };
+  TransportLight<T> result{of(run_->reflected), of(run_->transmitted)};
+  tape.forget_derivatives();
   return result;
 }
 

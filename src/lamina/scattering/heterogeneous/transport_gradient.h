@@ -65,6 +65,13 @@ class DifferentiableTransport {
   /// @param by_light  its derivatives by what left
   [[nodiscard]] TransportMaps<T> gradient(const TransportLight<T>& by_light);
 
+  /// What the light changes by, to first order, when these maps do: the transpose of `gradient`,
+  /// <tangent(x), y> = <x, gradient(y)> to rounding. It costs less than `light`.
+  ///
+  /// @param change  of the maps that `light` was last called with; vectors and planes that are
+  ///                empty: nothing
+  [[nodiscard]] TransportLight<T> tangent(const TransportMaps<T>& change);
+
  private:
   struct Model;
   struct Run;

@@ -11,30 +11,37 @@
 
 namespace lamina::detail {
 
-using PerJunction = std::array<double, most_junctions>;
+template <class N>
+using PerJunctionOf = std::array<N, most_junctions>;
+using PerJunction = PerJunctionOf<double>;
 
 /// Totals [layer][operator] and what crossings leave [junction] at one place; or derivatives by
 /// them.
-struct LocalLayers {
-  explicit LocalLayers(std::size_t junctions) : n(junctions) {}
+template <class N>
+struct LocalLayersOf {
+  explicit LocalLayersOf(std::size_t junctions) : n(junctions) {}
   std::size_t n;
-  std::array<std::array<double, 4>, most_junctions + 1> total{};
-  PerJunction junction{};
+  std::array<std::array<N, 4>, most_junctions + 1> total{};
+  PerJunctionOf<N> junction{};
 };
+using LocalLayers = LocalLayersOf<double>;
 
-[[nodiscard]] inline Sweep<double> sweep_of(const LocalLayers& here) {
-  return local_sweep<double>(
+template <class N>
+[[nodiscard]] Sweep<N> sweep_of(const LocalLayersOf<N>& here) {
+  return local_sweep<N>(
       here.n, [&](std::size_t layer, LayerOperator which) { return here.total[layer][which]; },
       [&](std::size_t j) { return here.junction[j]; });
 }
 
 /// What goes down at each junction of light that goes up there.
-[[nodiscard]] inline PerJunction light_down(const LocalLayers& here, const PerJunction& up) {
-  PerJunction down{};
+template <class N>
+[[nodiscard]] PerJunctionOf<N> light_down(const LocalLayersOf<N>& here,
+                                          const PerJunctionOf<N>& up) {
+  PerJunctionOf<N> down{};
   for (std::size_t j = 0; j < here.n; ++j) {
     down[j] = here.total[j][reflection_below] * up[j];
-    if (j > 0) down[j] += here.total[j][transmission_down] * down[j - 1];
-    down[j] *= here.junction[j];
+    if (j > 0) down[j] = down[j] + here.total[j][transmission_down] * down[j - 1];
+    down[j] = down[j] * here.junction[j];
   }
   return down;
 }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cassert>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
+#include "lamina/core/dual_number.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweep_derivatives.h"
 
 namespace lamina::detail {
@@ -25,6 +27,13 @@ template <class T>
 struct Entry {
   std::vector<T> factor;  ///< empty: 1
   const std::array<MappedOperatorOf<T>, 4>* operators;
+
+  [[nodiscard]] std::vector<const MappedOperatorOf<T>*> those(
+      std::span<const std::size_t> which) const {
+    std::vector<const MappedOperatorOf<T>*> chosen;
+    for (const std::size_t w : which) chosen.push_back(&(*operators)[w]);
+    return chosen;
+  }
 };
 
 template <class T>
@@ -40,21 +49,38 @@ void add_to(std::vector<T>& sum, std::vector<T> more) {
   if (sum.empty())
     sum = std::move(more);
   else
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += more[i];
+    for (std::size_t i = 0; i < more.size(); ++i) sum[i] += more[i];
+}
+
+template <class T>
+void add_products(std::vector<T>& sum, const std::vector<T>& a, const std::vector<T>& b) {
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += a[i] * b[i];
 }
 
 using TotalPlanes = std::vector<std::array<TapedPlane, 4>>;
 
+/// What a plane holds at a texel; and what it changes by.
+template <class N, class T>
+N number_at(const Tape<T>& tape, TapedPlane plane, std::size_t i) {
+  const auto value = static_cast<double>(tape.plane(plane).values[i]);
+  if constexpr (std::is_same_v<N, double>) {
+    return value;
+  } else {
+    const std::vector<T>& change = tape.derivative(plane).values;
+    return {value, change.empty() ? 0.0 : static_cast<double>(change[i])};
+  }
+}
+
 /// The totals of all layers and the junctions at one texel.
-template <class T>
-LocalLayers local_layers(const Tape<T>& tape, const TotalPlanes& totals,
-                         const std::vector<TapedPlane>& junctions, std::size_t i) {
-  LocalLayers here(junctions.size());
+template <class N = double, class T>
+LocalLayersOf<N> local_layers(const Tape<T>& tape, const TotalPlanes& totals,
+                              const std::vector<TapedPlane>& junctions, std::size_t i) {
+  LocalLayersOf<N> here(junctions.size());
   for (std::size_t l = 0; l < totals.size(); ++l)
     for (std::size_t which = 0; which < 4; ++which)
-      here.total[l][which] = static_cast<double>(tape.plane(totals[l][which]).values[i]);
+      here.total[l][which] = number_at<N>(tape, totals[l][which], i);
   for (std::size_t j = 0; j < junctions.size(); ++j)
-    here.junction[j] = static_cast<double>(tape.plane(junctions[j]).values[i]);
+    here.junction[j] = number_at<N>(tape, junctions[j], i);
   return here;
 }
 
@@ -68,11 +94,11 @@ void add_local(Tape<T>& tape, const TotalPlanes& totals, const std::vector<Taped
     tape.derivative_sum(junctions[j])[i] += static_cast<T>(by_here.junction[j]);
 }
 
-template <class T>
-PerJunction values_at(const Tape<T>& tape, const std::vector<TapedPlane>& light, std::size_t i) {
-  PerJunction values{};
-  for (std::size_t j = 0; j < light.size(); ++j)
-    values[j] = static_cast<double>(tape.plane(light[j]).values[i]);
+template <class N = double, class T>
+PerJunctionOf<N> values_at(const Tape<T>& tape, const std::vector<TapedPlane>& light,
+                           std::size_t i) {
+  PerJunctionOf<N> values{};
+  for (std::size_t j = 0; j < light.size(); ++j) values[j] = number_at<N>(tape, light[j], i);
   return values;
 }
 
@@ -102,11 +128,16 @@ TapedPlane Tape<T>::sum(TapedPlane a, TapedPlane b) {
   PlaneOf<T> result = plane(a);
   for (std::size_t i = 0; i < result.values.size(); ++i) result.values[i] += plane(b).values[i];
   const TapedPlane out = take(std::move(result));
-  record([this, a, b, out] {
-    if (derivative(out).values.empty()) return;
-    add_derivative(a, derivative(out));
-    add_derivative(b, take_derivative(out));
-  });
+  record(
+      [this, a, b, out] {
+        if (derivative(out).values.empty()) return;
+        add_derivative(a, derivative(out));
+        add_derivative(b, take_derivative(out));
+      },
+      [this, a, b, out] {
+        add_derivative(out, derivative(a));
+        add_derivative(out, derivative(b));
+      });
   return out;
 }
 
@@ -115,15 +146,8 @@ TapedPlane Tape<T>::product(TapedPlane a, TapedPlane b) {
   PlaneOf<T> result = plane(a);
   for (std::size_t i = 0; i < result.values.size(); ++i) result.values[i] *= plane(b).values[i];
   const TapedPlane out = take(std::move(result));
-  record([this, a, b, out] {
-    const Values& by_out = derivative(out).values;
-    if (by_out.empty()) return;
-    Values &by_a = derivative_sum(a), &by_b = derivative_sum(b);
-    for (std::size_t i = 0; i < by_out.size(); ++i) {
-      by_a[i] += by_out[i] * plane(b).values[i];
-      by_b[i] += by_out[i] * plane(a).values[i];
-    }
-  });
+  record_by_texel(a, out, [this, b](std::size_t i) { return plane(b).values[i]; });
+  record_by_texel(b, out, [this, a](std::size_t i) { return plane(a).values[i]; });
   return out;
 }
 
@@ -133,24 +157,34 @@ TapedPlane Tape<T>::series(TapedPlane a, TapedPlane b) {
   for (std::size_t i = 0; i < result.values.size(); ++i)
     result.values[i] /= T(1) - plane(b).values[i];
   const TapedPlane out = take(std::move(result));
-  record([this, a, b, out] {
-    const Values& by_out = derivative(out).values;
-    if (by_out.empty()) return;
-    Values &by_a = derivative_sum(a), &by_b = derivative_sum(b);
-    for (std::size_t i = 0; i < by_out.size(); ++i) {
-      const T by_light = by_out[i] / (T(1) - plane(b).values[i]);
-      by_a[i] += by_light;
-      by_b[i] += by_light * plane(out).values[i];
-    }
+  record_by_texel(a, out, [this, b](std::size_t i) { return T(1) / (T(1) - plane(b).values[i]); });
+  record_by_texel(b, out, [this, b, out](std::size_t i) {
+    return plane(out).values[i] / (T(1) - plane(b).values[i]);
   });
   return out;
 }
 
 template <class T>
+void Tape<T>::forget_derivatives() {
+  for (PlaneOf<T>& sum : derivatives_) sum.values = {};
+}
+
+template <class T>
+void Tape<T>::start_with(std::vector<Derivative> derivatives) {
+  forget_derivatives();
+  for (Derivative& at : derivatives) add_derivative(at.of, std::move(at.value));
+}
+
+template <class T>
 void Tape<T>::go_back(std::vector<Derivative> by_results) {
-  for (PlaneOf<T>& sum : derivatives_) sum.values.clear();
-  for (Derivative& at : by_results) add_derivative(at.of, std::move(at.value));
-  for (std::size_t i = steps_.size(); i-- > 0;) steps_[i]();
+  start_with(std::move(by_results));
+  for (std::size_t i = steps_.size(); i-- > 0;) steps_[i].back();
+}
+
+template <class T>
+void Tape<T>::go_ahead(std::vector<Derivative> changes) {
+  start_with(std::move(changes));
+  for (const Step& step : steps_) step.ahead();
 }
 
 /// Each operator's blurs serve its derivative by the coordinate where light comes out, too; that by
@@ -164,8 +198,7 @@ std::vector<TapedPlane> TapedField<T>::apply(std::size_t number, std::span<const
   // What each output changes by with the coordinate where it comes out; empty: 0.
   const auto slopes = std::make_shared<std::vector<PlaneOf<T>>>(count);
   for (const Entry<T>& entry : entries_of(layer)) {
-    std::vector<const MappedOperatorOf<T>*> operators;
-    for (const std::size_t w : which) operators.push_back(&(*entry.operators)[w]);
+    const auto operators = entry.those(which);
     std::vector<PlaneAndSlope<T>> parts =
         entry.factor.empty()
             ? apply_operators_and_slopes(pyramid_, tape_.plane(light), layer.basis, operators)
@@ -181,8 +214,8 @@ std::vector<TapedPlane> TapedField<T>::apply(std::size_t number, std::span<const
   for (PlaneOf<T>& sum : sums) sum.width = pyramid_.width, sum.height = pyramid_.height;
   std::vector<Light> outs;
   for (PlaneOf<T>& sum : sums) outs.push_back(tape_.take(std::move(sum)));
-  tape_.record([this, &layer, number, numbers = std::vector(which.begin(), which.end()), light,
-                outs, slopes] {
+  const std::vector numbers(which.begin(), which.end());
+  const auto back = [this, &layer, number, numbers, light, outs, slopes] {
     std::vector<PlaneOf<T>> by_outs;
     std::vector<std::size_t> there;  // operators of which something comes back
     const Light coordinate = coordinates_[number];
@@ -191,26 +224,45 @@ std::vector<TapedPlane> TapedField<T>::apply(std::size_t number, std::span<const
       there.push_back(numbers[o]);
       const PlaneOf<T>& by_out = by_outs.emplace_back(tape_.take_derivative(outs[o]));
       const std::vector<T>& slope = (*slopes)[o].values;
-      if (slope.empty()) continue;
-      std::vector<T>& by_coordinate = tape_.derivative_sum(coordinate);
-      for (std::size_t i = 0; i < slope.size(); ++i)
-        by_coordinate[i] += by_out.values[i] * slope[i];
+      if (!slope.empty()) add_products(tape_.derivative_sum(coordinate), by_out.values, slope);
     }
     if (there.empty()) return;
     for (const Entry<T>& entry : entries_of(layer)) {
-      std::vector<const MappedOperatorOf<T>*> operators;
-      for (const std::size_t w : there) operators.push_back(&(*entry.operators)[w]);
-      PlaneOf<T> back = apply_transposed(pyramid_, by_outs, layer.basis, operators);
+      PlaneOf<T> entered = apply_transposed(pyramid_, by_outs, layer.basis, entry.those(there));
       if (entry.factor.empty()) {
-        tape_.add_derivative(light, std::move(back));
+        tape_.add_derivative(light, std::move(entered));
         continue;
       }
-      PlaneAndSlope<T> by_light = times_basis_and_slope(layer.basis, back, entry.factor);
+      PlaneAndSlope<T> by_light = times_basis_and_slope(layer.basis, entered, entry.factor);
       tape_.add_derivative(light, std::move(by_light.plane));
-      std::vector<T>& by_coordinate = tape_.derivative_sum(coordinate);
-      const std::vector<T>& entered = tape_.plane(light).values;
-      for (std::size_t i = 0; i < entered.size(); ++i)
-        by_coordinate[i] += by_light.slope.values[i] * entered[i];
+      add_products(tape_.derivative_sum(coordinate), by_light.slope.values,
+                   tape_.plane(light).values);
+    }
+  };
+  tape_.record(back, [this, &layer, number, numbers, light, outs, slopes] {
+    const Light coordinate = coordinates_[number];
+    const std::vector<T> none;
+    const std::vector<T>& moved = coordinate.is_none() ? none : tape_.derivative(coordinate).values;
+    for (const Entry<T>& entry : entries_of(layer)) {
+      PlaneOf<T> change = tape_.derivative(light);  // of what enters
+      if (!entry.factor.empty() && !(change.values.empty() && moved.empty())) {
+        if (!change.values.empty()) change = times_basis(layer.basis, change, entry.factor);
+        change.values.resize(tape_.plane(light).values.size());
+        if (!moved.empty())
+          add_products(
+              change.values, moved,
+              times_basis_and_slope(layer.basis, tape_.plane(light), entry.factor).slope.values);
+      }
+      if (change.values.empty()) continue;
+      std::vector<PlaneOf<T>> parts =
+          apply_operators(pyramid_, change, layer.basis, entry.those(numbers));
+      for (std::size_t o = 0; o < outs.size(); ++o)
+        tape_.add_derivative(outs[o], std::move(parts[o]));
+    }
+    for (std::size_t o = 0; o < outs.size(); ++o) {
+      const std::vector<T>& slope = (*slopes)[o].values;
+      if (!slope.empty() && !moved.empty())
+        add_products(tape_.derivative_sum(outs[o]), moved, slope);
     }
   });
   return outs;
@@ -223,12 +275,12 @@ TapedPlane TapedField<T>::total(std::size_t number, std::size_t which) const {
   const PlaneOf<T> ones = make_plane<T>(pyramid_.width, pyramid_.height, T(1));
   if (totals.empty()) return tape_.take(make_plane<T>(pyramid_.width, pyramid_.height));
   const Light out = tape_.take(times_basis(layer.basis, ones, totals));
-  const std::vector<T> slope = slope_of_powers<T>(totals);
-  if (!slope.empty())
-    tape_.record([this, &layer, slope, out, coordinate = coordinates_[number]] {
-      if (!tape_.derivative(out).values.empty())
-        tape_.add_derivative(coordinate, times_basis(layer.basis, tape_.derivative(out), slope));
-    });
+  const std::vector<T> coefficients = slope_of_powers<T>(totals);
+  if (!coefficients.empty())
+    tape_.record_by_texel(
+        coordinates_[number], out,
+        [slope = std::make_shared<const PlaneOf<T>>(times_basis(layer.basis, ones, coefficients))](
+            std::size_t i) { return slope->values[i]; });
   return out;
 }
 
@@ -267,7 +319,7 @@ void TapedField<T>::close_locally(std::vector<Light>& down) const {
     for (std::size_t j = 0; j < n; ++j) sums[j].values[i] = static_cast<T>(light[j]);
   }
   for (std::size_t j = 0; j < n; ++j) down[j] = tape_.take(std::move(sums[j]));
-  tape_.record([this, all, before, after = down, n, texels] {
+  const auto back = [this, all, before, after = down, n, texels] {
     for (const Light light : after) (void)tape_.derivative_sum(light);
     for (std::size_t i = 0; i < texels; ++i) {
       const LocalLayers here = local_layers(tape_, all.layers, all.junctions, i);
@@ -286,6 +338,15 @@ void TapedField<T>::close_locally(std::vector<Light>& down) const {
       back_over_sweep(here, values_at(tape_, after, i), by_before, by_here);
       add_local(tape_, all.layers, all.junctions, i, by_here);
     }
+  };
+  tape_.record(back, [this, all, before, after = down, n, texels] {
+    for (std::size_t i = 0; i < texels; ++i) {
+      const auto here = local_layers<Dual>(tape_, all.layers, all.junctions, i);
+      const auto light =
+          sum_of_sweeps(sweep_of(here), n, Dual{1.0}, values_at<Dual>(tape_, before, i));
+      for (std::size_t j = 0; j < n; ++j)
+        tape_.derivative_sum(after[j])[i] += static_cast<T>(light[j].change);
+    }
   });
 }
 
@@ -301,7 +362,7 @@ void TapedField<T>::turn_round(const std::vector<Light>& up, Light& arriving) co
   }
   const Light before = arriving;
   arriving = tape_.take(std::move(sum));
-  tape_.record([this, all, up, before, after = arriving, n, texels] {
+  const auto back = [this, all, up, before, after = arriving, n, texels] {
     if (tape_.derivative(after).values.empty()) return;
     tape_.add_derivative(before, tape_.derivative(after));
     for (std::size_t i = 0; i < texels; ++i) {
@@ -316,6 +377,15 @@ void TapedField<T>::turn_round(const std::vector<Light>& up, Light& arriving) co
         tape_.derivative_sum(up[j])[i] += static_cast<T>(by_up[j]);
       add_local(tape_, all.layers, all.junctions, i, by_here);
     }
+  };
+  tape_.record(back, [this, all, up, before, after = arriving, n, texels] {
+    std::vector<T>& change = tape_.derivative_sum(after);
+    for (std::size_t i = 0; i < texels; ++i) {
+      const auto here = local_layers<Dual>(tape_, all.layers, all.junctions, i);
+      const auto down = light_down(here, values_at<Dual>(tape_, up, i));
+      change[i] += static_cast<T>(down[n - 1].change);
+    }
+    tape_.add_derivative(after, tape_.derivative(before));
   });
 }
 

@@ -22,7 +22,8 @@ struct TapedPlane {
 };
 
 /// Planes that were made from one another, and how: so that the derivatives of a number by the last
-/// of them can be brought back to the first (reverse accumulation).
+/// of them can be brought back to the first (reverse accumulation), and changes of the first ahead
+/// to the last.
 template <class T>
 class Tape {
  public:
@@ -34,10 +35,25 @@ class Tape {
   [[nodiscard]] TapedPlane take(PlaneOf<T> plane);
   [[nodiscard]] const PlaneOf<T>& plane(TapedPlane at) const { return planes_[at.number]; }
 
-  /// Records what brings derivatives by later planes to earlier ones; called in reverse order.
-  void record(std::function<void()> step) { steps_.push_back(std::move(step)); }
+  /// Records what brings derivatives by later planes to earlier ones, called in reverse order; and
+  /// what brings changes of earlier planes to later ones.
+  void record(std::function<void()> back, std::function<void()> ahead) {
+    steps_.push_back({std::move(back), std::move(ahead)});
+  }
+  /// The same of a plane that follows another texel by texel.
+  /// @param slope  (texel) -> derivative of `out` by `in` there
+  template <class Slope>
+  void record_by_texel(TapedPlane in, TapedPlane out, const Slope& slope) {
+    const auto pass = [this, slope](TapedPlane from, TapedPlane to) {
+      const Values& passed = derivative(from).values;
+      if (passed.empty()) return;
+      Values& sum = derivative_sum(to);
+      for (std::size_t i = 0; i < passed.size(); ++i) sum[i] += passed[i] * slope(i);
+    };
+    record([pass, in, out] { pass(out, in); }, [pass, in, out] { pass(in, out); });
+  }
 
-  /// The derivative by a plane so far; empty: 0.
+  /// The derivative by a plane so far, or, on the way ahead, what the plane changes by; empty: 0.
   [[nodiscard]] const PlaneOf<T>& derivative(TapedPlane at) const {
     return derivatives_[at.number];
   }
@@ -60,11 +76,20 @@ class Tape {
     PlaneOf<T> value;
   };
   void go_back(std::vector<Derivative> by_results);
+  /// Goes ahead over all steps. @param changes  of planes, where they are not 0
+  void go_ahead(std::vector<Derivative> changes);
+  /// Frees what the last way left.
+  void forget_derivatives();
 
  private:
+  struct Step {
+    std::function<void()> back, ahead;
+  };
+  void start_with(std::vector<Derivative> derivatives);
+
   int width_, height_;
   std::deque<PlaneOf<T>> planes_, derivatives_;  // references to them last
-  std::vector<std::function<void()>> steps_;
+  std::vector<Step> steps_;
 };
 
 /// Layers whose coordinates and junctions are planes of a tape, and light between them, as
