@@ -214,7 +214,7 @@ std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind)
       for (int c = plane; c < plane + together; ++c) {
         const float value = ramp(x, y, static_cast<std::size_t>(c));
         const auto integer = static_cast<std::uint32_t>(
-            std::lround(static_cast<double>(value) * (kind.bits == 8 ? 255.0 : 65535.0)));
+            std::llround(static_cast<double>(value) * (std::exp2(kind.bits) - 1.0)));
         const std::size_t at = bytes.size();
         bytes.resize(at + static_cast<std::size_t>(kind.bits) / 8);
         const double wide = static_cast<double>(value);

@@ -163,8 +163,8 @@ TEST(Png, ClampsWhatDisplaysCannotShow) {
 TEST(Tiff, HoldsGreyAndRgbInEveryLayout) {
   for (const int samples : {1, 2, 3, 4})
     for (const auto& [bits, is_float] :
-         {std::pair{8, false}, std::pair{16, false}, std::pair{16, true}, std::pair{32, true},
-          std::pair{64, true}})
+         {std::pair{8, false}, std::pair{16, false}, std::pair{32, false}, std::pair{16, true},
+          std::pair{32, true}, std::pair{64, true}})
       for (const int compression : {1, 5, 8})
         for (const int layout : {0, 1, 2, 3, 4}) {
           const TiffKind kind{.samples = samples,
@@ -192,6 +192,9 @@ TEST(Tiff, IntegersAreDecodedAndFloatsAreNot) {
   const Image integers = decode_image(foreign_tiff(3, 3, {.samples = 4}), "f.tif");
   EXPECT_FLOAT_EQ(integers.at(1, 0)[0], static_cast<float>(srgb_decode(64.0 / 255.0)));
   EXPECT_FLOAT_EQ(integers.at(0, 0)[3], 191.0f / 255.0f);
+  const Image wide = decode_image(foreign_tiff(3, 3, {.samples = 4, .bits = 32}), "f.tif");
+  EXPECT_FLOAT_EQ(wide.at(1, 0)[0], static_cast<float>(srgb_decode(0.25)));
+  EXPECT_FLOAT_EQ(wide.at(0, 0)[3], 0.75f);
   const Image floats = decode_image(foreign_tiff(3, 3, {.bits = 32, .is_float = true}), "f.tif");
   EXPECT_EQ(floats.at(1, 0)[0], 0.25f);
 }
@@ -236,8 +239,9 @@ TEST_F(ImageFile, ThatIsNoImageIsAFileErrorInOneLine) {
   std::ofstream(path("empty.exr")).flush();
   for (const auto& [file, says] :
        {std::pair{path("missing.exr"), "there is no such file"}, std::pair{folder_, "is a folder"},
-        std::pair{path("text.png"), "EXR, PNG or TIFF"}, std::pair{path("photo.png"), "a JPEG"},
-        std::pair{path("empty.exr"), "is empty"}, std::pair{path("text.png/x"), "x:"},
+        std::pair{path("text.png"), "EXR, PNG, TIFF or ENVI"},
+        std::pair{path("photo.png"), "a JPEG"}, std::pair{path("empty.exr"), "is empty"},
+        std::pair{path("text.png/x"), "x:"},
         std::pair{std::filesystem::path("/dev/zero"), "is a device"}}) {
     try {
       (void)load_image(file);

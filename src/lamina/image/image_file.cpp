@@ -10,6 +10,7 @@
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
+#include "lamina/image/envi_file.h"
 #include "lamina/image/internal/codec.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/spectrum/srgb.h"
@@ -96,8 +97,12 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n"sv)) return decode_png(file);
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
     if (starts_with(bytes, magic)) return decode_tiff(file);
+  if (starts_with(bytes, "ENVI"))
+    throw FileError(name +
+                    ": must be an image, but is the header of an ENVI image, whose numbers " +
+                    "are in a file beside it");
   const std::string_view other = known_but_unread(bytes);
-  throw FileError(name + ": must be an EXR, PNG or TIFF image, but " +
+  throw FileError(name + ": must be an EXR, PNG, TIFF or ENVI image, but " +
                   (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
 }
 
@@ -109,6 +114,10 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
 
 Image load_image(const std::filesystem::path& file, ColorEncoding encoding, MemoryBudget& memory) {
   const std::string bytes = read_file_bytes(file, memory);
+  if (bytes.starts_with("ENVI")) {
+    memory.left += bytes.size();
+    return load_envi(file, {}, memory);
+  }
   Image image = decode_image(std::as_bytes(std::span(bytes)), file.string(), encoding, memory);
   memory.left += bytes.size();  // which end here
   return image;

@@ -13,7 +13,7 @@
 
 namespace lamina {
 
-/// What the numbers of an 8 or 16 bit image mean. Alpha and floating point numbers are always
+/// What the integers of an image mean. Alpha and floating point numbers are always
 /// linear.
 enum class ColorEncoding {
   srgb,    ///< colours as displays take them; decoded to linear light on loading
@@ -24,15 +24,17 @@ template <>
 inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
     {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
-/// Reads an EXR, PNG or TIFF file; what it is, its first bytes say, not its name.
+/// Reads an EXR, PNG, TIFF or ENVI file; what it is, its first bytes say, not its name.
 ///
 /// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
 ///   file with several parts the first. The image is the display window; pixels of the data window
 ///   beyond it are dropped, pixels of it without data are 0. Deep images are refused.
 /// - PNG: every kind. Channels "Y" or "R", "G", "B", then "A" if there is transparency.
-/// - TIFF: grey or RGB, with or without alpha, 8 or 16 bits, or 16, 32 or 64 bit floating point.
+/// - TIFF: grey or RGB, with or without alpha, 8, 16 or 32 bits, or 16, 32 or 64 bit
+///   floating point.
+/// - ENVI: the path of its header; see load_envi for parts of large files.
 ///
-/// @return  numbers of 8 and 16 bits scaled to [0, 1]; floating point numbers as they are,
+/// @return  integers scaled to [0, 1]; floating point numbers as they are,
 ///          infinities and NaN included (see require_finite).
 /// @throws  FileError if the file is missing, not an image, cut short, damaged where that shows,
 ///          claims a size that its length cannot hold, or takes more memory than is left; that of

@@ -110,8 +110,8 @@ Layout read_layout(const EncodedImage& file, TIFF* tiff) {
   require(layout.is_float || format == SAMPLEFORMAT_UINT,
           "its numbers must be unsigned or floating point");
   require(layout.is_float ? layout.bits == 16 || layout.bits == 32 || layout.bits == 64
-                          : layout.bits == 8 || layout.bits == 16,
-          "it must have 8 or 16 bits, or 16, 32 or 64 bit floating point, but has " +
+                          : layout.bits == 8 || layout.bits == 16 || layout.bits == 32,
+          "it must have 8, 16 or 32 bits, or 16, 32 or 64 bit floating point, but has " +
               std::to_string(layout.bits) + " bits");
   require_plausible_size(file, "TIFF", layout.width, layout.height, layout.samples);
   layout.colors = photometric == PHOTOMETRIC_RGB ? 3 : 1;
@@ -123,17 +123,23 @@ Layout read_layout(const EncodedImage& file, TIFF* tiff) {
 /// Turns raw samples into linear floats.
 class Decoder {
  public:
-  Decoder(const Layout& layout, ColorEncoding encoding) : layout_(layout) {
-    if (layout.is_float) return;
+  Decoder(const Layout& layout, ColorEncoding encoding)
+      : layout_(layout), is_srgb_(encoding == ColorEncoding::srgb) {
+    if (layout.is_float || layout.bits == 32) return;
     const std::uint32_t largest = (1u << layout.bits) - 1u;
     for (std::uint32_t v = 0; v <= largest; ++v) {
       const std::uint32_t value = layout.is_white_zero ? largest - v : v;
-      color_.push_back(decoded_value(value, largest, encoding == ColorEncoding::srgb));
+      color_.push_back(decoded_value(value, largest, is_srgb_));
       alpha_.push_back(decoded_value(v, largest, false));
     }
   }
 
   [[nodiscard]] float operator()(const std::byte* from, bool is_alpha) const {
+    if (!layout_.is_float && layout_.bits == 32) {
+      const auto value = as<std::uint32_t>(from);
+      return decoded_value(layout_.is_white_zero && !is_alpha ? ~value : value, ~0u,
+                           is_srgb_ && !is_alpha);
+    }
     if (!layout_.is_float) {
       const std::uint32_t value =
           layout_.bits == 8 ? std::to_integer<std::uint32_t>(*from) : as<std::uint16_t>(from);
@@ -155,7 +161,8 @@ class Decoder {
   }
 
   Layout layout_;
-  std::vector<float> color_, alpha_;
+  bool is_srgb_;
+  std::vector<float> color_, alpha_;  ///< of each number of 8 or 16 bits
 };
 
 /// Puts raw samples of a rectangle into the image; for planar files, of one channel of it.

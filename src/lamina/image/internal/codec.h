@@ -38,7 +38,7 @@ void require_plausible_size(const EncodedImage& file, const char* format, std::i
 void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t height,
                        std::size_t channels, std::size_t decoder_bytes);
 
-/// The linear value of an 8 or 16 bit number as a fraction of the largest one.
+/// The linear value of an integer as a fraction of the largest one.
 [[nodiscard]] float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb);
 
 }  // namespace lamina
