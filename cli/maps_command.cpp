@@ -12,7 +12,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
-#include "lamina/scene/skin_totals.h"
+#include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
 
@@ -36,34 +36,6 @@ Image picture_of(Image map) {
   return map;
 }
 
-/// The recipe "skin" that uses the maps.
-JsonOutput skin_json(const SkinMaps& base, const std::vector<SkinMap>& maps) {
-  JsonOutput skin;
-  skin["constants"] = name_of(base.constants);
-  for (const SkinParameterRange& range : skin_parameter_ranges()) {
-    const std::string name(range.name);
-    const double value = base.skin.*range.value;
-    if (std::ranges::any_of(maps, [&](const SkinMap& map) { return map.name == name; }))
-      skin[name] = {{"map", name + ".exr"}};
-    else if (std::isfinite(value))
-      skin[name] = value;
-  }
-  if (!base.skin.junction_spectrum.empty()) skin["junction_spectrum"] = base.skin.junction_spectrum;
-  for (std::size_t i = 0; i < base.skin.inks.size(); ++i) {
-    const SkinInk& from = base.skin.inks[i];
-    const std::string name = "ink_" + ink_name(base.skin, i);
-    JsonOutput ink;
-    ink["name"] = ink_name(base.skin, i);
-    if (std::ranges::find(maps, name, &SkinMap::name) != maps.end())
-      ink["absorbance"] = {{"map", name + ".exr"}};
-    else
-      ink["absorbance"] = from.absorbance;
-    if (!from.spectrum.empty()) ink["spectrum"] = from.spectrum;
-    skin["inks"].push_back(std::move(ink));
-  }
-  return skin;
-}
-
 /// A patch file that uses the maps.
 JsonOutput patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& maps) {
   return {{"lamina", "patch"},
@@ -71,7 +43,7 @@ JsonOutput patch_json(const SkinMapRecipe& recipe, const std::vector<SkinMap>& m
           {"mm_per_pixel", recipe.mm_per_texel},
           {"width", recipe.width},
           {"height", recipe.height},
-          {"skin", skin_json(recipe.base, maps)}};
+          {"skin", mapped_skin_json(recipe.base, maps)}};
 }
 
 /// A material file that uses the maps of a surface.
@@ -79,7 +51,7 @@ JsonOutput material_json(const SurfaceMapRecipe& recipe, const std::vector<SkinM
   return {{"lamina", "material"},
           {"version", 1},
           {"length_unit", "mm"},
-          {"skin", skin_json(recipe.base, maps)}};
+          {"skin", mapped_skin_json(recipe.base, maps)}};
 }
 
 /// Says what is to be known of the patches that a recipe spreads.
