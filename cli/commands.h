@@ -10,6 +10,7 @@ namespace lamina::cli {
 // Each adds one subcommand: its options, its help with an example, and what it does when chosen.
 // One file each: parse, call the library, print.
 void add_bsdf_command(CLI::App& app);
+void add_acquire_command(CLI::App& app);
 void add_filters_command(CLI::App& app);
 void add_fit_command(CLI::App& app);
 void add_maps_command(CLI::App& app);

@@ -63,6 +63,18 @@ TEST(Exr, KeepsNamedChannelsAndFloatsExactly) {
   EXPECT_EQ(select_channels(back, image.channels).pixels, image.pixels);
 }
 
+TEST(Exr, SaysWhatItIsOf) {
+  const std::vector<ImageNote> notes = {{"lamina.unit", "volume fraction"}, {"lamina.number", "melanin"}};
+  const std::vector<std::byte> bytes =
+      encode_exr(make_image(2, 2, {"Y"}), ExrPrecision::half, notes);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  // The name, its type, the length, the text: as the format has attributes.
+  EXPECT_NE(text.find(std::string("lamina.unit\0string\0\x0f\0\0\0volume fraction", 38)),
+            std::string_view::npos);
+  EXPECT_NE(text.find("melanin"), std::string_view::npos);
+  EXPECT_EQ(decode_image(bytes, "a.exr").pixels.size(), 4U);
+}
+
 TEST(Exr, HalvesHaveElevenBitsAndEndAt65504) {
   Image image = make_image(4, 1, {"Y"});
   image.pixels = {1.0f / 3.0f, 1e6f, -1e6f, std::numeric_limits<float>::infinity()};

@@ -2,6 +2,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
@@ -243,7 +244,8 @@ Image decode_exr(const EncodedImage& file) {
   }
 }
 
-std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision) {
+std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
+                                  std::span<const ImageNote> notes) {
   if (image.width < 1 || image.height < 1 || image.channels.empty())
     throw InvalidInput("image: an EXR file needs at least one pixel and one channel");
   if (std::set(image.channels.begin(), image.channels.end()).size() != image.channels.size())
@@ -263,6 +265,8 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision) {
                                : reinterpret_cast<const char*>(image.pixels.data());
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
+  for (const ImageNote& note : notes)
+    header.insert(note.name, Imf::StringAttribute(note.text));
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
     header.channels().insert(image.channels[c], Imf::Channel(type));

@@ -142,8 +142,9 @@ void require_finite(const Image& image, const std::filesystem::path& file) {
                                     : "-inf"));
 }
 
-void save_exr(const Image& image, const std::filesystem::path& file, ExrPrecision precision) {
-  write_file_bytes(file, encode_exr(image, precision));
+void save_exr(const Image& image, const std::filesystem::path& file, ExrPrecision precision,
+              std::span<const ImageNote> notes) {
+  write_file_bytes(file, encode_exr(image, precision, notes));
 }
 
 void save_png(const Image& image, const std::filesystem::path& file) {

@@ -58,10 +58,16 @@ enum class ExrPrecision {
   single_float,  ///< all of them
 };
 
+/// What an EXR file says of itself, as its attributes.
+struct ImageNote {
+  std::string name;  ///< of the attribute: ASCII, not one that OpenEXR has a meaning for
+  std::string text;
+};
+
 /// Writes all channels, with ZIP compression. The file appears whole or not at all.
 /// @throws InvalidInput if there are no pixels or two channels have one name; WriteError.
 void save_exr(const Image& image, const std::filesystem::path& file,
-              ExrPrecision precision = ExrPrecision::half);
+              ExrPrecision precision = ExrPrecision::half, std::span<const ImageNote> notes = {});
 
 /// Writes 8 bit sRGB from linear "R", "G", "B" (or "Y"), and "A" if there is one, which stays
 /// linear; other channels are left out. Numbers outside [0, 1] are clamped, NaN is 0. Equal images
@@ -71,7 +77,8 @@ void save_png(const Image& image, const std::filesystem::path& file);
 
 /// The bytes that save_exr and save_png write.
 [[nodiscard]] std::vector<std::byte> encode_exr(const Image& image,
-                                                ExrPrecision precision = ExrPrecision::half);
+                                                ExrPrecision precision = ExrPrecision::half,
+                                                std::span<const ImageNote> notes = {});
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
 }  // namespace lamina

@@ -23,23 +23,6 @@ constexpr std::size_t most_numbers = 8;
 constexpr double most_sets = 1e6;
 using Square = std::array<double, most_numbers * most_numbers>;  ///< rows of a smaller matrix
 
-/// Wavelengths and weights of a band: 11 over three times its width.
-std::vector<std::array<double, 2>> samples_of(const CandidateBand& band) {
-  if (band.width == 0.0) return {{band.wavelength, 1.0}};
-  constexpr int count = 11;
-  std::vector<std::array<double, 2>> samples;
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i) {
-    const double x = 3.0 * (i - 0.5 * (count - 1)) / (count - 1);  // in widths
-    const double nm = band.wavelength + x * band.width;
-    if (nm < 350.0 || nm > 1000.0) continue;
-    samples.push_back({nm, std::exp(-4.0 * std::numbers::ln2 * x * x)});
-    sum += samples.back()[1];
-  }
-  for (auto& [nm, weight] : samples) weight /= sum;
-  return samples;
-}
-
 /// The change of a number's value with its coordinate: its logarithm, or the logit of a share; with
 /// a prior that of the number.
 double value_by_coordinate(const FitParameter& parameter, double value, bool has_prior) {
@@ -108,6 +91,22 @@ double sets_of(std::size_t candidates, int count) {
 }
 
 }  // namespace
+
+std::vector<std::array<double, 2>> band_samples(const CandidateBand& band) {
+  if (band.width == 0.0) return {{band.wavelength, 1.0}};
+  constexpr int count = 11;
+  std::vector<std::array<double, 2>> samples;
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double x = 3.0 * (i - 0.5 * (count - 1)) / (count - 1);  // in widths
+    const double nm = band.wavelength + x * band.width;
+    if (nm < 350.0 || nm > 1000.0) continue;
+    samples.push_back({nm, std::exp(-4.0 * std::numbers::ln2 * x * x)});
+    sum += samples.back()[1];
+  }
+  for (auto& [nm, weight] : samples) weight /= sum;
+  return samples;
+}
 
 std::vector<SkinParameters> skins_of_choice() {
   const auto skin = [](double melanin, double blend, double epidermis, double carotene,
@@ -190,7 +189,7 @@ BandInformation::BandInformation(std::vector<CandidateBand> candidates,
     if (!(0.0 <= band.width && band.width <= 200.0))
       throw InvalidInput("candidates: a width must lie in [0, 200] nm, but is " +
                          number_text(band.width));
-    for (const auto& [nm, weight] : samples_of(band)) {
+    for (const auto& [nm, weight] : band_samples(band)) {
       wavelengths.push_back(nm);
       weights.push_back(weight);
     }

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,6 +19,9 @@ struct CandidateBand {
   double wavelength = 0.0;  ///< [nm], its middle, in [350, 1000]
   double width = 0.0;       ///< [nm] full, at half of its height: a Gaussian; 0: one wavelength
 };
+
+/// Wavelengths [nm] and weights, of sum 1, of a band: its middle, or 11 over three times its width.
+[[nodiscard]] std::vector<std::array<double, 2>> band_samples(const CandidateBand& band);
 
 /// Skins that bands are chosen for: light, medium, dark, of a freckle and over a vessel, with
 /// constants of the calibrated recipe.

@@ -1,0 +1,131 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/acquired_files.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/image/image_file.h"
+#include "lamina/io/file_bytes.h"
+#include "lamina/io/json_output.h"
+#include "lamina/skin_maps/mapped_skin_json.h"
+
+namespace lamina {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string coordinate_of(const FitParameter& parameter) {
+  switch (parameter.scale) {
+    case FitScale::logarithmic:
+      return parameter.offset > 0.0 ? "ln(value + " + number_text(parameter.offset) + ")"
+                                    : "ln(value)";
+    case FitScale::logit:
+      return "logit of the value in [" + number_text(parameter.low) + ", " +
+             number_text(parameter.high) + "]";
+    case FitScale::linear:
+      break;
+  }
+  return "value";
+}
+
+std::vector<ImageNote> notes_of(const AcquiredNumber& number, const Capture& capture,
+                                const std::string& version) {
+  const std::string& name = number.number.parameter.name;
+  return {{"lamina.version", version},
+          {"lamina.number", name},
+          {"lamina.unit", unit_of_number(name)},
+          {"lamina.capture", capture.name},
+          {"lamina.population", capture.population_name},
+          {"lamina.prior_share", number_text(number.prior_share)},
+          {"lamina.told", number.prior_share <= share_of_prior ? "by the capture"
+                                                               : "from the prior"}};
+}
+
+/// The maps by the names that recipes of skin have, without their pixels.
+SkinMaps recipe_of(const AcquiredSkin& skin, const Capture& capture) {
+  SkinMaps recipe{.skin = capture.skin.skin, .constants = capture.skin.constants};
+  for (const AcquiredNumber& number : skin.numbers)
+    for (double SkinParameters::*const value : number.number.values)
+      for (const SkinParameterRange& range : skin_parameter_ranges())
+        if (range.value == value) recipe.maps.push_back({std::string(range.name), value, {}});
+  return recipe;
+}
+
+/// The recipe with the file of each number; one map may give several.
+JsonOutput skin_json(const AcquiredSkin& skin, const Capture& capture) {
+  const SkinMaps recipe = recipe_of(skin, capture);
+  JsonOutput json = mapped_skin_json(recipe, recipe.maps);
+  for (const AcquiredNumber& number : skin.numbers)
+    for (const SkinMap& map : recipe.maps)
+      if (std::ranges::count(number.number.values, map.parameter) > 0)
+        json[map.name] = {{"map", number.number.parameter.name + ".exr"}};
+  return json;
+}
+
+}  // namespace
+
+std::string unit_of_number(const std::string& name) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> units = {{
+      {"melanin", "volume fraction of the epidermis; eumelanin of 6.6e10 nm^-3.33 /mm, pheomelanin "
+                  "of 2.9e14 nm^-4.75 /mm"},
+      {"melanin_blend", "share of eumelanin"},
+      {"hemoglobin_epidermis", "volume fraction of whole blood, 150 g/L, in the epidermis"},
+      {"hemoglobin_dermis", "volume fraction of whole blood, 150 g/L, in the dermis"},
+      {"carotene", "volume fraction of a 1 g/L solution in the epidermis"},
+      {"saturation", "share of hemoglobin with oxygen"},
+      {"scattering_scale", "times the scattering of Donner et al. 2008, eq. 12"},
+      {"baseline_scale", "times the absorption of skin without pigment, Jacques 1998"},
+  }};
+  for (const auto& [number, unit] : units)
+    if (number == name) return std::string(unit);
+  return "";
+}
+
+AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
+                            const fs::path& folder, const std::string& version) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  AcquiredFiles files;
+  for (const AcquiredNumber& number : skin.numbers) {
+    const std::string& name = number.number.parameter.name;
+    std::vector<ImageNote> notes = notes_of(number, capture, version);
+    files.maps.push_back(folder / (name + ".exr"));
+    save_exr(number.values, files.maps.back(), ExrPrecision::single_float, notes);
+    notes[2] = {"lamina.unit", "standard deviation of " + coordinate_of(number.number.parameter)};
+    files.deviations.push_back(folder / (name + ".sd.exr"));
+    save_exr(number.deviations, files.deviations.back(), ExrPrecision::half, notes);
+  }
+  Image mask = make_image(skin.width, skin.height, {"Y"});
+  for (std::size_t i = 0; i < skin.kinds.size(); ++i)
+    mask.pixels[i] = skin.kinds[i] == PixelKind::skin ? 1.0f : 0.0f;
+  files.mask = folder / "mask.exr";
+  save_exr(mask, files.mask);
+  const JsonOutput recipe = skin_json(skin, capture);
+  const auto write = [](const fs::path& file, const JsonOutput& json) {
+    const std::string text = json.text(1) + "\n";
+    write_file_bytes(file, std::as_bytes(std::span(text)));
+  };
+  files.material = folder / "material.json";
+  write(files.material, {{"lamina", "material"},
+                         {"version", 1},
+                         {"name", capture.name},
+                         {"length_unit", "mm"},
+                         {"skin", recipe}});
+  if (capture.mm_per_pixel) {
+    files.patch = folder / "patch.json";
+    write(files.patch, {{"lamina", "patch"},
+                        {"version", 1},
+                        {"mm_per_pixel", *capture.mm_per_pixel},
+                        {"width", skin.width},
+                        {"height", skin.height},
+                        {"skin", recipe}});
+  }
+  return files;
+}
+
+}  // namespace lamina

@@ -1,0 +1,91 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/acquired_skin.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+
+namespace lamina {
+namespace {
+
+PixelKind kind_of(const Capture& capture, std::size_t pixel, const float* bands) {
+  if (!capture.is_masked.empty() && capture.is_masked[pixel]) return PixelKind::masked;
+  for (std::size_t b = 0; b < capture.saturation.size(); ++b)
+    if (static_cast<double>(bands[b]) >= capture.saturation[b]) return PixelKind::saturated;
+  return PixelKind::skin;
+}
+
+/// The middle of those of a map that are skin.
+double median_over_skin(const Image& map, const std::vector<PixelKind>& kinds) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    if (kinds[i] == PixelKind::skin) values.push_back(map.pixels[i]);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return static_cast<double>(*middle);
+}
+
+}  // namespace
+
+SkinColorTable color_table_of(const Capture& capture, const SkinReflectanceTable& table,
+                              const Progress& progress) {
+  return {table,
+          {.sensor = capture.sensor,
+           .errors = capture.errors,
+           .has_specular = capture.has_specular},
+          capture.skin.skin,
+          capture.numbers,
+          capture.population,
+          SkinColorTable::usual_fits,
+          progress};
+}
+
+AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
+                            const Progress& progress) {
+  if (capture.reflectance.channel_count() != 3)
+    throw InvalidInput("capture: pixel by pixel needs three bands, but has " +
+                       std::to_string(capture.reflectance.channel_count()));
+  AcquiredSkin skin{.width = capture.reflectance.width, .height = capture.reflectance.height};
+  const std::size_t count = table.numbers().size();
+  for (std::size_t n = 0; n < count; ++n)
+    skin.numbers.push_back({.number = table.numbers()[n],
+                            .prior_deviation = table.prior_deviations()[n],
+                            .values = make_image(skin.width, skin.height, {"Y"}),
+                            .deviations = make_image(skin.width, skin.height, {"Y"})});
+  const auto width = static_cast<std::size_t>(skin.width);
+  const auto height = static_cast<std::size_t>(skin.height);
+  skin.kinds.resize(width * height);
+  const auto row = [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      const float* bands = capture.reflectance.pixels.data() + 3 * i;
+      const ColorFit fit = table.at({bands[0], bands[1], bands[2]});
+      PixelKind kind = kind_of(capture, i, bands);
+      if (kind == PixelKind::skin && !(fit.distance <= static_cast<float>(farthest_skin)))
+        kind = PixelKind::not_skin;
+      skin.kinds[i] = kind;
+      for (std::size_t n = 0; n < count; ++n) {
+        skin.numbers[n].values.pixels[i] = fit.values[n];
+        skin.numbers[n].deviations.pixels[i] =
+            kind == PixelKind::skin ? fit.deviations[n]
+                                    : static_cast<float>(skin.numbers[n].prior_deviation);
+      }
+    }
+  };
+  parallel_for(height, row, progress);
+  for (const PixelKind kind : skin.kinds) ++skin.counts[static_cast<std::size_t>(kind)];
+  if (skin.counts[0] == 0)
+    throw InvalidInput("capture: no pixel has a color of skin: of " +
+                       std::to_string(skin.kinds.size()) + ", " +
+                       std::to_string(skin.counts[1]) + " are masked, " +
+                       std::to_string(skin.counts[2]) + " no skin, " +
+                       std::to_string(skin.counts[3]) + " saturated");
+  for (AcquiredNumber& number : skin.numbers)
+    number.prior_share =
+        median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
+  return skin;
+}
+
+}  // namespace lamina

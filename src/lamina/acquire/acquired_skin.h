@@ -1,0 +1,58 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lamina/core/progress.h"
+#include "lamina/acquire/capture.h"
+#include "lamina/acquire/skin_color_table.h"
+#include "lamina/image/image.h"
+
+namespace lamina {
+
+/// What a pixel of a capture is.
+enum class PixelKind : std::uint8_t {
+  skin,
+  masked,     ///< by a mask, or transparent
+  not_skin,   ///< of a color that skin of the population does not have
+  saturated,  ///< a channel at the top of its file
+};
+inline constexpr std::size_t pixel_kinds = 4;
+
+/// A number of skin at every pixel.
+struct AcquiredNumber {
+  SkinFitNumber number;
+  double prior_deviation = 0.0;  ///< of its coordinate among people
+  Image values;                  ///< one channel "Y"; where there is no skin that of the nearest color
+  Image deviations;              ///< of the coordinate, "Y"; where there is no skin the prior's
+  double prior_share = 1.0;      ///< median over skin of the deviation over the prior's
+};
+
+/// Maps of what skin is made of, from photographs.
+struct AcquiredSkin {
+  int width = 0, height = 0;
+  std::vector<AcquiredNumber> numbers;
+  std::vector<PixelKind> kinds;                   ///< [y][x]
+  std::array<std::size_t, pixel_kinds> counts = {};  ///< of each kind
+};
+
+/// Each pixel of a capture of three bands on its own: no light goes from one to the other, as in
+/// textures of albedo.
+/// @throws InvalidInput if the capture has other than three bands, or no pixel is skin; Interrupted
+///         if progress asks to stop.
+[[nodiscard]] AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
+                                          const Progress& progress = {});
+
+/// The table for a capture of three bands. @throws as SkinColorTable
+[[nodiscard]] SkinColorTable color_table_of(const Capture& capture,
+                                            const SkinReflectanceTable& table,
+                                            const Progress& progress = {});
+
+/// Numbers whose error is more than this part of what people differ by come from the prior: the
+/// capture does not tell them.
+inline constexpr double share_of_prior = prior_share_of_note;
+
+}  // namespace lamina

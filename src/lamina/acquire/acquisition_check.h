@@ -1,0 +1,35 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lamina/acquire/acquired_skin.h"
+#include "lamina/core/dense_matrix.h"
+#include "lamina/reflectance/skin_reflectance_table.h"
+
+namespace lamina {
+
+/// What acquired maps say, held against what was photographed, and how far they hang on the
+/// calibration.
+struct AcquisitionCheck {
+  Image measured;             ///< [y][x][band] every so-manieth pixel of the capture
+  Image predicted;            ///< what the maps reflect there
+  std::vector<bool> is_skin;  ///< [y][x] of both
+  std::vector<double> residual;  ///< [band] root of the mean squared relative difference over skin
+  /// CIEDE2000 between both over skin, mean and 95th percentile; of bands that are sRGB
+  std::optional<double> mean_difference, high_difference;
+  /// Change of each number's coordinate if a band were 2 % brighter, at the median color of skin;
+  /// [band][number]
+  DenseMatrix by_calibration;
+  DenseMatrix correlation;  ///< of the numbers' coordinates there
+};
+
+/// @param table  over the wavelengths of the capture
+/// @param size   the longer side of the images of the check
+/// @throws Interrupted if progress asks to stop
+[[nodiscard]] AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& skin,
+                                                 const SkinReflectanceTable& table, int size = 320,
+                                                 const Progress& progress = {});
+
+}  // namespace lamina

@@ -1,0 +1,44 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamina/core/dense_matrix.h"
+#include "lamina/core/memory_budget.h"
+#include "lamina/fit/skin/skin_population.h"
+#include "lamina/image/image.h"
+#include "lamina/materials/skin.h"
+#include "lamina/scattering/profile/slab_totals.h"
+
+namespace lamina {
+
+/// Photographs of skin, registered and calibrated: what each place reflects in some bands.
+struct Capture {
+  std::string name;
+  Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are the bands
+  std::vector<double> errors;        ///< [band] standard deviation, relative
+  std::vector<double> saturation;    ///< [band] values from here on are saturated; infinite: none
+  std::vector<bool> is_masked;       ///< [y][x]; empty: nothing is
+  std::vector<double> wavelengths;   ///< [nm] of the spectra that bands see
+  DenseMatrix sensor;                ///< [band][wavelength] weights of a spectrum, rows of sum 1
+  Incidence incidence;               ///< of the light
+  bool has_specular = false;         ///< whether what the surface mirrors is part of it
+  std::optional<double> mm_per_pixel;
+  SkinRecipe skin;                   ///< what is not acquired
+  std::vector<SkinFitNumber> numbers;  ///< what is
+  SkinPopulation population;         ///< what is known before
+  std::string population_name;       ///< as the file has it
+  std::vector<std::string> warnings;
+};
+
+/// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the
+/// format.
+/// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
+[[nodiscard]] Capture load_capture(const std::filesystem::path& file, MemoryBudget memory = {},
+                                   std::span<const std::string> settings = {});
+
+}  // namespace lamina

@@ -1,0 +1,302 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/skin_color_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "lamina/acquire/bands/band_choice.h"
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
+#include "lamina/core/symmetric_eigen.h"
+
+namespace lamina {
+namespace {
+
+/// Along the axes of what is not brightness, in standard deviations of the population.
+constexpr double half_box = 8.0;
+constexpr int drawn_people = 400;
+constexpr float darkest = 1e-4f;  ///< channel; what is below counts as that
+/// The range of brightness: skin without melanin, this much brighter, to skin of this melanin.
+constexpr double brighter = 0.5, most_melanin = 0.4;
+const FitOptions fit_options{.max_iterations = 20, .tolerance = 1e-3};
+
+using LogColor = std::array<double, 3>;
+double brightness_of(const LogColor& logs) { return (logs[0] + logs[1] + logs[2]) / 3.0; }
+
+std::vector<double> color_of(const DenseMatrix& sensor, std::span<const double> spectrum) {
+  std::vector<double> color(sensor.rows, 0.0);
+  for (std::size_t c = 0; c < sensor.rows; ++c)
+    for (std::size_t w = 0; w < sensor.columns; ++w) color[c] += sensor(c, w) * spectrum[w];
+  return color;
+}
+
+/// What the sensor sees of skin.
+LogColor log_color_of(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+                      const SkinParameters& skin) {
+  std::vector<double> spectrum = table.reflectance(skin);
+  for (double& r : spectrum) r += measurement.has_specular ? table.specular_reflectance() : 0.0;
+  const std::vector<double> color = color_of(measurement.sensor, spectrum);
+  LogColor logs;
+  for (std::size_t c = 0; c < 3; ++c)
+    logs[c] = std::log(std::max(color[c], static_cast<double>(darkest)));
+  return logs;
+}
+
+/// Colors of the mean person with more and more melanin, from dark to bright.
+std::vector<LogColor> colors_over_melanin(const SkinReflectanceTable& table,
+                                          const ColorMeasurement& measurement,
+                                          const SkinParameters& skin,
+                                          const SkinPopulation& population) {
+  SkinParameters mean = skin;
+  for (const SkinFitNumber& number : skin_fit_numbers(skin)) {
+    const auto known = std::ranges::find(population.names, number.parameter.name);
+    if (known == population.names.end()) continue;
+    for (double SkinParameters::*const value : number.values)
+      mean.*value = population.priors[static_cast<std::size_t>(known - population.names.begin())].mean;
+  }
+  constexpr int steps = 60;
+  std::vector<LogColor> colors;
+  for (int i = steps; i >= 0; --i) {
+    mean.melanin = most_melanin * std::pow(static_cast<double>(i) / steps, 3);
+    colors.push_back(log_color_of(table, measurement, mean));
+  }
+  LogColor past = colors.back();
+  for (double& log : past) log += brighter;
+  colors.push_back(past);
+  return colors;
+}
+
+/// Of ascending brightness, the color of one.
+LogColor color_at(const std::vector<LogColor>& colors, double brightness) {
+  const auto above = std::ranges::upper_bound(colors, brightness, {}, brightness_of);
+  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+      above - colors.begin(), 1, static_cast<std::ptrdiff_t>(colors.size()) - 1));
+  const double low = brightness_of(colors[i - 1]), high = brightness_of(colors[i]);
+  const double share = std::clamp((brightness - low) / (high - low), 0.0, 1.0);
+  LogColor color;
+  for (std::size_t c = 0; c < 3; ++c) color[c] = std::lerp(colors[i - 1][c], colors[i][c], share);
+  return color;
+}
+
+/// How people of equal brightness differ: two axes, [axis][channel], each as long as its standard
+/// deviation; and the standard deviation and mean of
+/// brightness.
+struct ColorSpread {
+  std::array<LogColor, 2> axes = {};
+  double brightness = 0.0, mean_brightness = 0.0;
+};
+ColorSpread spread_of_people(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+                             const std::vector<LogColor>& curve, const SkinPopulation& population) {
+  DenseMatrix covariance(3, 3);
+  std::vector<double> brightness;
+  for (const SkinParameters& person : draw_skins(population, drawn_people, 1)) {
+    const LogColor logs = log_color_of(table, measurement, person);
+    brightness.push_back(brightness_of(logs));
+    const LogColor usual = color_at(curve, brightness.back());
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b < 3; ++b)
+        covariance(a, b) += (logs[a] - usual[a]) * (logs[b] - usual[b]) / drawn_people;
+  }
+  const SymmetricEigen eigen = symmetric_eigen(covariance);  // the least: 0, of brightness
+  const double least = *std::ranges::min_element(measurement.errors);
+  ColorSpread spread;
+  for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t c = 0; c < 3; ++c)
+      spread.axes[a][c] =
+          std::sqrt(std::max(eigen.values[a + 1], least * least)) * eigen.vectors(c, a + 1);
+  for (const double each : brightness) spread.mean_brightness += each / drawn_people;
+  for (const double each : brightness)
+    spread.brightness += std::pow(each - spread.mean_brightness, 2) / drawn_people;
+  spread.brightness = std::sqrt(spread.brightness);
+  return spread;
+}
+
+/// How much further colors of one brightness lie apart in dark skin than in that of people in the
+/// mean: moles, and people that the population does not know.
+template <class T>
+T widening(T brightness, T mean) {
+  return std::clamp(T{1} + static_cast<T>(0.4) * (mean - brightness), T{1}, T{2});
+}
+
+/// A function on a grid of three axes, on one of half the step: by cubics through four nodes, at
+/// the ends by lines.
+/// @param nodes  along the first, second and third axis
+std::vector<float> halved_steps(std::vector<float> values, const std::array<std::size_t, 3>& nodes) {
+  for (const std::size_t n : nodes) {  // the first becomes the last, three times
+    const std::size_t m = 2 * n - 1;
+    const std::size_t lines = values.size() / n;
+    std::vector<float> next(lines * m);
+    for (std::size_t line = 0; line < lines; ++line) {
+      const float* from = values.data() + line * n;
+      for (std::size_t i = 0; i < n; ++i) next[2 * i * lines + line] = from[i];
+      for (std::size_t i = 0; i + 1 < n; ++i) {
+        const float mean = 0.5f * (from[i] + from[i + 1]);
+        const bool has_four = i > 0 && i + 2 < n;
+        next[(2 * i + 1) * lines + line] =
+            has_four ? 1.125f * mean - 0.0625f * (from[i - 1] + from[i + 2]) : mean;
+      }
+    }
+    values = std::move(next);
+  }
+  return values;
+}
+
+void check(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
+           const std::vector<SkinFitNumber>& numbers, int fits) {
+  if (fits < 4 || fits > 33)
+    throw InvalidInput("fits: must be in [4, 33], but is " + std::to_string(fits));
+  if (measurement.sensor.rows != 3 || measurement.sensor.columns != table.wavelengths().size())
+    throw InvalidInput("sensor: must have 3 rows and a column for each of " +
+                       std::to_string(table.wavelengths().size()) + " wavelengths, but has " +
+                       std::to_string(measurement.sensor.rows) + " and " +
+                       std::to_string(measurement.sensor.columns));
+  if (measurement.errors.size() != 3)
+    throw InvalidInput("errors: must be 3, but are " + std::to_string(measurement.errors.size()));
+  for (const double error : measurement.errors)
+    if (!(1e-4 <= error && error <= 0.5))
+      throw InvalidInput("errors: must be in [1e-4, 0.5], but one is " + number_text(error));
+  if (numbers.empty() || numbers.size() > ColorFit::most_numbers)
+    throw InvalidInput("numbers: must be 1 to " + std::to_string(ColorFit::most_numbers) +
+                       ", but are " + std::to_string(numbers.size()));
+}
+
+}  // namespace
+
+SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
+                               const ColorMeasurement& measurement, const SkinParameters& skin,
+                               std::vector<SkinFitNumber> numbers,
+                               const SkinPopulation& population, int fits,
+                               const Progress& progress)
+    : numbers_(std::move(numbers)) {
+  check(table, measurement, numbers_, fits);
+  channels_ = 2 * numbers_.size() + 1;
+  const std::vector<LogColor> curve = colors_over_melanin(table, measurement, skin, population);
+  const ColorSpread spread = spread_of_people(table, measurement, curve, population);
+  const double low = brightness_of(curve.front()), high = brightness_of(curve.back());
+  constexpr std::size_t curve_points = 128;
+  for (std::size_t i = 0; i < curve_points; ++i) {
+    const LogColor color =
+        color_at(curve, std::lerp(low, high, static_cast<double>(i) / (curve_points - 1)));
+    for (std::size_t c = 0; c < 3; ++c)
+      curve_.push_back(static_cast<float>(color[c]));
+  }
+  low_ = static_cast<float>(low);
+  high_ = static_cast<float>(high);
+  brightness_deviation_ = static_cast<float>(spread.brightness);
+  mean_brightness_ = static_cast<float>(spread.mean_brightness);
+  for (std::size_t a = 0; a < 2; ++a) {
+    double squares = 0.0;
+    for (const double each : spread.axes[a]) squares += each * each;
+    for (std::size_t c = 0; c < 3; ++c)
+      axes_[a][c] = static_cast<float>(spread.axes[a][c] / squares);
+  }
+  for (const SkinFitNumber& number : numbers_) {
+    const auto known = std::ranges::find(population.names, number.parameter.name);
+    if (known == population.names.end())
+      throw InvalidInput(number.parameter.name + ": the population knows nothing of it");
+    priors_.push_back(population.priors[static_cast<std::size_t>(known - population.names.begin())]
+                          .standard_deviation);
+  }
+  const auto n = static_cast<std::size_t>(fits), along = 2 * n - 1;  // of brightness
+  std::vector<std::vector<float>> found(channels_, std::vector<float>(n * n * along));
+  const auto fit_at = [&](std::size_t i) {
+    const auto place_of = [&](std::size_t node) {
+      return half_box * (2.0 * static_cast<double>(node) / static_cast<double>(n - 1) - 1.0);
+    };
+    const LogColor usual = color_at(
+        curve, std::lerp(low, high, static_cast<double>(i / (n * n)) / static_cast<double>(along - 1)));
+    std::array<double, 2> at = {place_of(i % n), place_of(i / n % n)};
+    const double distance = std::hypot(at[0], at[1]);
+    const double wide = widening(brightness_of(usual), spread.mean_brightness);
+    for (double& x : at)
+      x *= wide * std::min(1.0, half_box / distance);  // corners: no color of skin
+    SkinMeasurement seen{.measured = std::vector<double>(3),
+                         .standard_deviation = std::vector<double>(3),
+                         .sensor = measurement.sensor,
+                         .has_specular = measurement.has_specular};
+    for (std::size_t c = 0; c < 3; ++c) {
+      seen.measured[c] =
+          std::exp(usual[c] + at[0] * spread.axes[0][c] + at[1] * spread.axes[1][c]);
+      seen.standard_deviation[c] = measurement.errors[c] * seen.measured[c];
+    }
+    const FitResult fit = fit_skin(table, seen, skin, numbers_, &population, fit_options).fit;
+    for (std::size_t p = 0; p < numbers_.size(); ++p) {
+      const FittedParameter& number = fit.parameters[p];
+      found[p][i] =
+          static_cast<float>(fit_coordinate(numbers_[p].parameter, number.value));
+      found[numbers_.size() + p][i] = static_cast<float>(std::log(
+          number.is_at_bound ? priors_[p] : std::min(priors_[p], number.standard_deviation)));
+    }
+    found.back()[i] = static_cast<float>(std::sqrt(fit.chi_squared + fit.prior_squares));
+  };
+  parallel_for(n * n * along, fit_at, progress);
+
+  nodes_ = {2 * n - 1, 2 * n - 1, 2 * along - 1};
+  values_.resize(nodes_[0] * nodes_[1] * nodes_[2] * channels_);
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    const std::vector<float> fine = halved_steps(std::move(found[channel]), {n, n, along});
+    for (std::size_t i = 0; i < fine.size(); ++i) values_[i * channels_ + channel] = fine[i];
+  }
+}
+
+std::array<float, 3> SkinColorTable::place(const std::array<float, 3>& color) const {
+  std::array<float, 3> logs;
+  for (std::size_t c = 0; c < 3; ++c) logs[c] = std::log(std::max(color[c], darkest));
+  const float brightness = (logs[0] + logs[1] + logs[2]) / 3.0f;
+  const float last = static_cast<float>(curve_.size() / 3 - 1);
+  const float step = std::clamp((brightness - low_) / (high_ - low_), 0.0f, 1.0f) * last;
+  const std::size_t point = std::min(static_cast<std::size_t>(step), curve_.size() / 3 - 2);
+  const float share = step - static_cast<float>(point);
+  std::array<float, 3> at = {0.0f, 0.0f, brightness};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float usual = std::lerp(curve_[3 * point + c], curve_[3 * point + 3 + c], share);
+    for (std::size_t a = 0; a < 2; ++a) at[a] += (logs[c] - usual) * axes_[a][c];
+  }
+  for (std::size_t a = 0; a < 2; ++a) at[a] /= widening(brightness, mean_brightness_);
+  return at;
+}
+
+ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
+  const std::array<float, 3> at = place(color);
+  constexpr auto half = static_cast<float>(half_box);
+  const std::array<float, 3> low = {-half, -half, low_}, high = {half, half, high_};
+  const std::array<float, 3> deviation = {1.0f, 1.0f, brightness_deviation_};
+  std::array<std::size_t, 3> node;
+  std::array<float, 3> between;
+  float beyond = 0.0f;  // the box, squared
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float inside = std::clamp(at[a], low[a], high[a]);
+    const float outside = (at[a] - inside) / deviation[a];
+    beyond += outside * outside;
+    const float step = (inside - low[a]) / (high[a] - low[a]) * static_cast<float>(nodes_[a] - 1);
+    node[a] = std::min(static_cast<std::size_t>(step), nodes_[a] - 2);
+    between[a] = step - static_cast<float>(node[a]);
+  }
+  std::array<float, most_channels> sum = {};
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    std::size_t i = 0;
+    float weight = 1.0f;
+    for (std::size_t a = 3; a-- > 0;) {
+      const std::size_t up = corner >> a & 1;
+      i = i * nodes_[a] + node[a] + up;
+      weight *= up ? between[a] : 1.0f - between[a];
+    }
+    const float* from = values_.data() + i * channels_;
+    for (std::size_t c = 0; c < channels_; ++c) sum[c] += weight * from[c];
+  }
+  ColorFit fit;
+  const std::size_t count = numbers_.size();
+  for (std::size_t p = 0; p < count; ++p) {
+    fit.values[p] =
+        static_cast<float>(fit_value(numbers_[p].parameter, static_cast<double>(sum[p])));
+    fit.deviations[p] = std::exp(sum[count + p]);
+  }
+  const float within = std::max(sum[2 * count], 0.0f);
+  fit.distance = std::sqrt(within * within + beyond);
+  return fit;
+}
+
+}  // namespace lamina

@@ -1,0 +1,141 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/acquired_skin.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "lamina/acquire/acquired_files.h"
+#include "lamina/acquire/acquisition_check.h"
+#include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
+#include "lamina/io/json_input.h"
+#include "lamina/skin_maps/skin_maps.h"
+
+namespace lamina {
+namespace {
+
+/// Three bands, for which a table is quick to make, of skins that the maps must find again.
+struct Made {
+  Capture capture;
+  std::vector<SkinParameters> skins;  ///< [pixel]
+  SkinReflectanceTable table{{450.0, 550.0, 650.0}, {.is_diffuse = true}, skin_fit_range({})};
+
+  Made() {
+    capture.name = "made";
+    capture.wavelengths = table.wavelengths();
+    capture.sensor = DenseMatrix(3, 3);
+    for (std::size_t b = 0; b < 3; ++b) capture.sensor(b, b) = 1.0;
+    capture.errors.assign(3, 0.01);
+    capture.saturation.assign(3, 0.99);
+    capture.incidence.is_diffuse = true;
+    capture.mm_per_pixel = 0.5;
+    capture.population = forearm_population();
+    capture.population.missed.assign(capture.population.missed.size(), 0.0);
+    capture.population_name = "forearms";
+    const std::vector<SkinFitNumber> all = skin_fit_numbers({});
+    capture.numbers = {all[0], all[3], all[5]};  // melanin, blood of the dermis, saturation
+    capture.reflectance = make_image(6, 4, {"450nm", "550nm", "650nm"});
+    for (std::size_t i = 0; i < 24; ++i) {
+      SkinParameters skin;
+      skin.melanin = 0.006 * std::pow(1.08, static_cast<double>(i % 6));
+      skin.hemoglobin_dermis = 0.004 * std::pow(1.2, static_cast<double>(i / 6));
+      skins.push_back(skin);
+      const std::vector<double> bands = table.reflectance(skin);
+      for (std::size_t b = 0; b < 3; ++b)
+        capture.reflectance.pixels[3 * i + b] = static_cast<float>(bands[b]);
+    }
+    capture.is_masked.assign(24, false);
+    capture.is_masked[1] = true;
+    std::fill_n(capture.reflectance.at(2, 0), 3, 1.0f);                // saturated
+    std::ranges::copy(std::array{0.1f, 0.5f, 0.1f}, capture.reflectance.at(3, 0));  // green
+  }
+};
+const Made& made() {
+  static const Made each;
+  return each;
+}
+const AcquiredSkin& acquired() {
+  static const AcquiredSkin skin =
+      acquire_pixels(made().capture, color_table_of(made().capture, made().table));
+  return skin;
+}
+
+TEST(AcquiredSkin, FindsWhatSkinIsMadeOf) {
+  for (std::size_t i = 6; i < 24; ++i) {
+    const auto off = [&](std::size_t number) {
+      const AcquiredNumber& each = acquired().numbers[number];
+      const FitParameter& parameter = each.number.parameter;
+      return std::abs(fit_coordinate(parameter, static_cast<double>(each.values.pixels[i])) -
+                      fit_coordinate(parameter, made().skins[i].*each.number.values[0])) /
+             static_cast<double>(each.deviations.pixels[i]);
+    };
+    for (std::size_t n = 0; n < 3; ++n) EXPECT_LT(off(n), 3.0) << "pixel " << i;
+  }
+  EXPECT_LT(acquired().numbers[0].prior_share, 0.5);
+}
+
+TEST(AcquiredSkin, CountsWhatIsNoSkin) {
+  EXPECT_EQ(acquired().counts, (std::array<std::size_t, pixel_kinds>{21, 1, 1, 1}));
+  EXPECT_EQ(acquired().kinds[1], PixelKind::masked);
+  EXPECT_EQ(acquired().kinds[2], PixelKind::saturated);
+  EXPECT_EQ(acquired().kinds[3], PixelKind::not_skin);
+  for (const AcquiredNumber& number : acquired().numbers)
+    for (const std::size_t i : {1, 2, 3}) {
+      EXPECT_FLOAT_EQ(number.deviations.pixels[i], static_cast<float>(number.prior_deviation));
+      EXPECT_TRUE(std::isfinite(number.values.pixels[i]));
+    }
+}
+
+TEST(AcquiredSkin, RefusesWhatHasNoSkin) {
+  Capture dark = made().capture;
+  std::ranges::fill(dark.reflectance.pixels, 0.0f);
+  const SkinColorTable table = color_table_of(made().capture, made().table);
+  try {
+    (void)acquire_pixels(dark, table);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_STREQ(error.what(), "capture: no pixel has a color of skin: of 24, 1 are masked, 23 no "
+                               "skin, 0 saturated");
+  }
+}
+
+// Independent: the change of a band, by hand, moves the numbers as the check says.
+TEST(AcquisitionCheck, SaysHowFarMapsHangOnTheCalibration) {
+  const AcquisitionCheck check = check_acquisition(made().capture, acquired(), made().table);
+  for (const double residual : check.residual) EXPECT_LT(residual, 0.02);
+  EXPECT_FALSE(check.mean_difference);
+  Capture brighter = made().capture;
+  for (std::size_t i = 0; i < 24; ++i) brighter.reflectance.pixels[3 * i + 1] *= 1.02f;
+  const AcquiredSkin moved = acquire_pixels(brighter, color_table_of(brighter, made().table));
+  for (std::size_t n = 0; n < 3; ++n) {
+    const FitParameter& parameter = acquired().numbers[n].number.parameter;
+    std::vector<double> changes;
+    for (std::size_t i = 6; i < 24; ++i)
+      changes.push_back(
+          fit_coordinate(parameter, static_cast<double>(moved.numbers[n].values.pixels[i])) -
+          fit_coordinate(parameter, static_cast<double>(acquired().numbers[n].values.pixels[i])));
+    std::ranges::sort(changes);
+    EXPECT_NEAR(check.by_calibration(1, n), changes[changes.size() / 2], 0.03);
+  }
+}
+
+TEST(AcquiredFiles, AreReadByWhatUsesThem) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "lamina_acquired";
+  const AcquiredFiles files = save_acquired(acquired(), made().capture, folder, "1.0");
+  const JsonDocument document = load_json(files.material);
+  const JsonObject object = document.root().file_object("material", 1, {"name", "length_unit", "skin"});
+  const SkinMaps maps = decode_skin_maps(object.required("skin"));
+  ASSERT_EQ(maps.maps.size(), 4U);  // both saturations are one map
+  EXPECT_TRUE(maps.warnings.empty());
+  EXPECT_EQ(maps.maps[0].name, "melanin");
+  EXPECT_EQ(maps.maps[0].values.pixels, acquired().numbers[0].values.pixels);
+  EXPECT_EQ(load_image(files.mask).pixels[2], 0.0f);
+  EXPECT_TRUE(std::filesystem::exists(files.patch));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace lamina
