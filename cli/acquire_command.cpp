@@ -31,8 +31,7 @@ struct AcquireOptions {
 };
 
 double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 std::string text_of(const Capture& capture, const AcquiredSkin& skin,
@@ -44,19 +43,19 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
                                                           "saturated"};
   for (std::size_t k = 1; k < pixel_kinds; ++k)
     if (skin.counts[k] > 0)
-      text += fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all,
-                          kinds[k]);
+      text +=
+          fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all, kinds[k]);
   text += fmt::format("\n{:<22} {:>9} {:>9} {:>9} {:>8}  {}\n", "", "median", "5 %", "95 %",
                       "error", "of the prior's error");
   for (const NumberSummary& each : summaries_of(skin))
-    text += fmt::format("{:<22} {:>9.4g} {:>9.4g} {:>9.4g} {:>8}  {:.2f}, {}\n", each.name,
-                        each.median, each.low, each.high,
-                        deviation_text(each.deviation, each.is_relative), each.prior_share,
-                        told_text(each.prior_share));
+    text +=
+        fmt::format("{:<22} {:>9.4g} {:>9.4g} {:>9.4g} {:>8}  {:.2f}, {}\n", each.name, each.median,
+                    each.low, each.high, deviation_text(each.deviation, each.is_relative),
+                    each.prior_share, told_text(each.prior_share));
   text += "what the maps reflect differs from the capture by";
   for (std::size_t b = 0; b < check.residual.size(); ++b)
-    text += fmt::format(" {:.1f} % ({})", 100.0 * check.residual[b],
-                        capture.reflectance.channels[b]);
+    text +=
+        fmt::format(" {:.1f} % ({})", 100.0 * check.residual[b], capture.reflectance.channels[b]);
   if (check.mean_difference) text += fmt::format(", CIEDE2000 {:.2f}", *check.mean_difference);
   return text + "\n";
 }
@@ -101,8 +100,7 @@ void run_acquire(const AcquireOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
-  const Capture capture =
-      load_capture(options.capture, options.common.memory, options.settings);
+  const Capture capture = load_capture(options.capture, options.common.memory, options.settings);
   const Progress progress = make_progress("acquiring", Keeps::nothing);
   const double start = seconds();
   const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
@@ -120,11 +118,10 @@ void run_acquire(const AcquireOptions& options) {
   for (const std::string& setting : options.settings)
     arguments.insert(arguments.end(), {"--set", setting});
   MemoryBudget memory = options.common.memory;
-  write_file(page.string(),
-             acquire_page(capture, skin, check, lamina_command_line(arguments),
-                          is_device(options.capture) || options.capture == "-"
-                              ? ""
-                              : read_file_bytes(options.capture, memory)));
+  write_file(page.string(), acquire_page(capture, skin, check, lamina_command_line(arguments),
+                                         is_device(options.capture) || options.capture == "-"
+                                             ? ""
+                                             : read_file_bytes(options.capture, memory)));
   JsonOutput json = json_of(capture, skin, check, files);
   json["report"] = page.string();
   json["solving_seconds"] = solved;
@@ -133,9 +130,9 @@ void run_acquire(const AcquireOptions& options) {
     json["warnings"].push_back(warning);
   }
   write_json(json, options.common);
-  print(options.common, text_of(capture, skin, check) +
-                            fmt::format("solved in {:.1f} s; {}, {}\n", solved,
-                                        files.material.string(), page.string()));
+  print(options.common,
+        text_of(capture, skin, check) + fmt::format("solved in {:.1f} s; {}, {}\n", solved,
+                                                    files.material.string(), page.string()));
 }
 
 }  // namespace

@@ -44,9 +44,9 @@ std::string picture(const Image& image, const std::string& caption) {
 Image for_eyes(const Image& bands) {
   const std::size_t count = bands.channel_count();
   const bool is_color = bands.channels == std::vector<std::string>{"R", "G", "B"};
-  const std::array<std::size_t, 3> from =
-      is_color ? std::array<std::size_t, 3>{0, 1, 2}
-               : std::array<std::size_t, 3>{count - 1, count / 2, 0};
+  const std::array<std::size_t, 3> from = is_color
+                                              ? std::array<std::size_t, 3>{0, 1, 2}
+                                              : std::array<std::size_t, 3>{count - 1, count / 2, 0};
   Image image = make_image(bands.width, bands.height, {"R", "G", "B"});
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     image.pixels[i] = bands.pixels[i / 3 * count + from[i % 3]];
@@ -92,8 +92,9 @@ std::string map_html(const AcquiredNumber& number, const NumberSummary& summary,
   std::string html = "<h3>" + html_escaped(summary.name) + "</h3><p class=\"soft\">" +
                      html_escaped(unit_of_number(summary.name)) + "</p>";
   if (!is_told)
-    html += "<p class=\"bad\">From the prior: the capture does not tell it. The map is what people "
-            "of these colors have on average, not a measurement.</p>";
+    html +=
+        "<p class=\"bad\">From the prior: the capture does not tell it. The map is what people "
+        "of these colors have on average, not a measurement.</p>";
   html += std::string("<div class=\"pair") + (is_told ? "" : " untold") + "\"><div>" +
           picture(values, is_told ? "measured" : "expected by the prior") +
           scale_html(printf_text("%.3g", low < 0.0 ? 0.0 : low), printf_text("%.3g", high)) +
@@ -105,22 +106,17 @@ std::string map_html(const AcquiredNumber& number, const NumberSummary& summary,
 }
 
 std::string numbers_html(const std::vector<NumberSummary>& summaries) {
-  const std::vector<HtmlColumn> columns = {{"number"},
-                                           {"median", true},
-                                           {"5 %", true},
-                                           {"95 %", true},
-                                           {"error", true},
-                                           {"of the prior's", true},
-                                           {"which means"}};
+  const std::vector<HtmlColumn> columns = {
+      {"number"},      {"median", true},         {"5 %", true},  {"95 %", true},
+      {"error", true}, {"of the prior's", true}, {"which means"}};
   std::vector<std::vector<std::string>> rows;
   for (const NumberSummary& each : summaries) {
     const bool is_told = each.prior_share <= share_of_prior;
-    rows.push_back({html_escaped(each.name), printf_text("%.4g", each.median),
-                    printf_text("%.4g", each.low), printf_text("%.4g", each.high),
-                    deviation_text(each.deviation, each.is_relative),
-                    printf_text("%.2f", each.prior_share),
-                    (is_told ? "<span>" : "<span class=\"bad\">") + told_text(each.prior_share) +
-                        "</span>"});
+    rows.push_back(
+        {html_escaped(each.name), printf_text("%.4g", each.median), printf_text("%.4g", each.low),
+         printf_text("%.4g", each.high), deviation_text(each.deviation, each.is_relative),
+         printf_text("%.2f", each.prior_share),
+         (is_told ? "<span>" : "<span class=\"bad\">") + told_text(each.prior_share) + "</span>"});
   }
   return html_table(columns, rows) +
          "<p class=\"soft\">Percentiles over the pixels that are skin. Errors are standard "
@@ -137,11 +133,12 @@ std::string calibration_html(const Capture& capture, const std::vector<NumberSum
     std::vector<std::string>& row = rows.emplace_back(
         std::vector{html_escaped(capture.reflectance.channels[b]) + " 2 % brighter"});
     for (std::size_t n = 0; n < summaries.size(); ++n)
-      row.push_back(printf_text(summaries[n].is_relative ? "%+.0f %%" : "%+.2f",
-                                check.by_calibration(b, n) *
-                                    (summaries[n].is_relative ? 100.0 : 1.0)));
+      row.push_back(
+          printf_text(summaries[n].is_relative ? "%+.0f %%" : "%+.2f",
+                      check.by_calibration(b, n) * (summaries[n].is_relative ? 100.0 : 1.0)));
   }
-  return "<p>Changes of what is found at the median color if a band were calibrated 2 % too bright. "
+  return "<p>Changes of what is found at the median color if a band were calibrated 2 % too "
+         "bright. "
          "The residual does not show such errors.</p>" +
          html_table(columns, rows);
 }
@@ -154,8 +151,8 @@ std::string counts_text(const AcquiredSkin& skin) {
                                                                "of no skin's color", "saturated"};
   for (std::size_t k = 1; k < pixel_kinds; ++k)
     if (skin.counts[k] > 0)
-      text += fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all,
-                          names[k]);
+      text +=
+          fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all, names[k]);
   return text;
 }
 
@@ -175,9 +172,10 @@ std::string assumed_html(const Capture& capture) {
   std::vector<std::vector<std::string>> rows = {
       {"population", html_escaped(capture.population_name)},
       {"mirror reflection", capture.has_specular ? "part of the capture" : "not in the capture"},
-      {"light", capture.incidence.is_diffuse
-                    ? "from all sides"
-                    : printf_text("from %.3g degrees", capture.incidence.theta * 180.0 / 3.14159265358979)},
+      {"light",
+       capture.incidence.is_diffuse
+           ? "from all sides"
+           : printf_text("from %.3g degrees", capture.incidence.theta * 180.0 / 3.14159265358979)},
       {"lateral transport", "none: each pixel on its own"}};
   if (capture.mm_per_pixel)
     rows.push_back({"mm per pixel", printf_text("%.4g", *capture.mm_per_pixel)});
@@ -260,13 +258,12 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
                       html_plot(format_correlations(names, check.correlation),
                                 "correlations of the numbers")) +
           section("What was assumed", assumed_html(capture)) +
-          section("How it was made", "<p>lamina " LAMINA_VERSION "</p><pre>" +
-                                         html_escaped(command) + "</pre>" +
-                                         (file.empty() ? ""
-                                                       : "<details><summary>the capture "
-                                                         "file</summary><pre>" +
-                                                             html_escaped(file) +
-                                                             "</pre></details>")),
+          section("How it was made",
+                  "<p>lamina " LAMINA_VERSION "</p><pre>" + html_escaped(command) + "</pre>" +
+                      (file.empty() ? ""
+                                    : "<details><summary>the capture "
+                                      "file</summary><pre>" +
+                                          html_escaped(file) + "</pre></details>")),
       acquire_style);
 }
 

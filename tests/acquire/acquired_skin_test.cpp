@@ -49,7 +49,7 @@ struct Made {
     }
     capture.is_masked.assign(24, false);
     capture.is_masked[1] = true;
-    std::fill_n(capture.reflectance.at(2, 0), 3, 1.0f);                // saturated
+    std::fill_n(capture.reflectance.at(2, 0), 3, 1.0f);                             // saturated
     std::ranges::copy(std::array{0.1f, 0.5f, 0.1f}, capture.reflectance.at(3, 0));  // green
   }
 };
@@ -97,8 +97,9 @@ TEST(AcquiredSkin, RefusesWhatHasNoSkin) {
     (void)acquire_pixels(dark, table);
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "capture: no pixel has a color of skin: of 24, 1 are masked, 23 no "
-                               "skin, 0 saturated");
+    EXPECT_STREQ(error.what(),
+                 "capture: no pixel has a color of skin: of 24, 1 are masked, 23 no "
+                 "skin, 0 saturated");
   }
 }
 
@@ -126,7 +127,8 @@ TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "lamina_acquired";
   const AcquiredFiles files = save_acquired(acquired(), made().capture, folder, "1.0");
   const JsonDocument document = load_json(files.material);
-  const JsonObject object = document.root().file_object("material", 1, {"name", "length_unit", "skin"});
+  const JsonObject object =
+      document.root().file_object("material", 1, {"name", "length_unit", "skin"});
   const SkinMaps maps = decode_skin_maps(object.required("skin"));
   ASSERT_EQ(maps.maps.size(), 4U);  // both saturations are one map
   EXPECT_TRUE(maps.warnings.empty());

@@ -43,10 +43,12 @@ TEST(CaptureFile, ReadsATexture) {
   // A spectrum has the color that it has everywhere else.
   std::vector<double> spectrum;
   for (const double nm : capture.wavelengths) spectrum.push_back(0.3 + 0.001 * (nm - 400.0));
-  const LinearSrgb expected = linear_srgb(make_band_weights(BandSet(capture.wavelengths)), spectrum);
+  const LinearSrgb expected =
+      linear_srgb(make_band_weights(BandSet(capture.wavelengths)), spectrum);
   for (std::size_t c = 0; c < 3; ++c) {
     const std::span row = capture.sensor.row(c);
-    EXPECT_NEAR(std::inner_product(row.begin(), row.end(), spectrum.begin(), 0.0), expected[c], 1e-12);
+    EXPECT_NEAR(std::inner_product(row.begin(), row.end(), spectrum.begin(), 0.0), expected[c],
+                1e-12);
   }
 }
 

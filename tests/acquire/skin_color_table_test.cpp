@@ -45,8 +45,7 @@ const Study& study() {
 }
 
 std::array<float, 3> floats(const std::vector<double>& color) {
-  return {static_cast<float>(color[0]), static_cast<float>(color[1]),
-          static_cast<float>(color[2])};
+  return {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])};
 }
 
 // Independent: the fit itself, at colors between the nodes.
@@ -68,8 +67,7 @@ TEST(SkinColorTable, HasTheFitsOfColors) {
       apart.push_back(std::abs(fit_coordinate(parameter, static_cast<double>(found.values[n])) -
                                fit_coordinate(parameter, fit.parameters[n].value)) /
                       deviation);
-      EXPECT_NEAR(static_cast<double>(found.deviations[n]) / deviation, 1.0, 0.2)
-          << parameter.name;
+      EXPECT_NEAR(static_cast<double>(found.deviations[n]) / deviation, 1.0, 0.2) << parameter.name;
     }
     EXPECT_NEAR(static_cast<double>(found.distance), std::sqrt(fit.chi_squared + fit.prior_squares),
                 0.5);
@@ -119,7 +117,9 @@ TEST(SkinColorTable, ErrorsCoverTheTruthAsOftenAsTheySay) {
 }
 
 TEST(SkinColorTable, KnowsColorsThatAreNoSkin) {
-  const auto distance = [](float r, float g, float b) { return study().colors.at({r, g, b}).distance; };
+  const auto distance = [](float r, float g, float b) {
+    return study().colors.at({r, g, b}).distance;
+  };
   EXPECT_LT(distance(0.45f, 0.29f, 0.22f), 6.0f);
   EXPECT_LT(distance(0.12f, 0.06f, 0.035f), 8.0f);  // dark skin
   EXPECT_GT(distance(0.1f, 0.3f, 0.1f), farthest_skin);

@@ -64,7 +64,8 @@ TEST(Exr, KeepsNamedChannelsAndFloatsExactly) {
 }
 
 TEST(Exr, SaysWhatItIsOf) {
-  const std::vector<ImageNote> notes = {{"lamina.unit", "volume fraction"}, {"lamina.number", "melanin"}};
+  const std::vector<ImageNote> notes = {{"lamina.unit", "volume fraction"},
+                                        {"lamina.number", "melanin"}};
   const std::vector<std::byte> bytes =
       encode_exr(make_image(2, 2, {"Y"}), ExrPrecision::half, notes);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -35,14 +35,14 @@ std::string coordinate_of(const FitParameter& parameter) {
 std::vector<ImageNote> notes_of(const AcquiredNumber& number, const Capture& capture,
                                 const std::string& version) {
   const std::string& name = number.number.parameter.name;
-  return {{"lamina.version", version},
-          {"lamina.number", name},
-          {"lamina.unit", unit_of_number(name)},
-          {"lamina.capture", capture.name},
-          {"lamina.population", capture.population_name},
-          {"lamina.prior_share", number_text(number.prior_share)},
-          {"lamina.told", number.prior_share <= share_of_prior ? "by the capture"
-                                                               : "from the prior"}};
+  return {
+      {"lamina.version", version},
+      {"lamina.number", name},
+      {"lamina.unit", unit_of_number(name)},
+      {"lamina.capture", capture.name},
+      {"lamina.population", capture.population_name},
+      {"lamina.prior_share", number_text(number.prior_share)},
+      {"lamina.told", number.prior_share <= share_of_prior ? "by the capture" : "from the prior"}};
 }
 
 /// The maps by the names that recipes of skin have, without their pixels.
@@ -70,8 +70,9 @@ JsonOutput skin_json(const AcquiredSkin& skin, const Capture& capture) {
 
 std::string unit_of_number(const std::string& name) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> units = {{
-      {"melanin", "volume fraction of the epidermis; eumelanin of 6.6e10 nm^-3.33 /mm, pheomelanin "
-                  "of 2.9e14 nm^-4.75 /mm"},
+      {"melanin",
+       "volume fraction of the epidermis; eumelanin of 6.6e10 nm^-3.33 /mm, pheomelanin "
+       "of 2.9e14 nm^-4.75 /mm"},
       {"melanin_blend", "share of eumelanin"},
       {"hemoglobin_epidermis", "volume fraction of whole blood, 150 g/L, in the epidermis"},
       {"hemoglobin_dermis", "volume fraction of whole blood, 150 g/L, in the dermis"},

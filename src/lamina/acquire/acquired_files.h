@@ -14,7 +14,8 @@ struct AcquiredFiles {
   std::vector<std::filesystem::path> maps, deviations;  ///< [number]
   std::filesystem::path mask;                           ///< 1 where there is skin
   std::filesystem::path material;                       ///< a material that uses the maps
-  std::filesystem::path patch;  ///< a patch that uses them; empty if the size of pixels is not known
+  std::filesystem::path
+      patch;  ///< a patch that uses them; empty if the size of pixels is not known
 };
 
 /// Writes maps (NAME.exr), their standard deviations (NAME.sd.exr), mask.exr, material.json and,

@@ -32,15 +32,14 @@ double median_over_skin(const Image& map, const std::vector<PixelKind>& kinds) {
 
 SkinColorTable color_table_of(const Capture& capture, const SkinReflectanceTable& table,
                               const Progress& progress) {
-  return {table,
-          {.sensor = capture.sensor,
-           .errors = capture.errors,
-           .has_specular = capture.has_specular},
-          capture.skin.skin,
-          capture.numbers,
-          capture.population,
-          SkinColorTable::usual_fits,
-          progress};
+  return {
+      table,
+      {.sensor = capture.sensor, .errors = capture.errors, .has_specular = capture.has_specular},
+      capture.skin.skin,
+      capture.numbers,
+      capture.population,
+      SkinColorTable::usual_fits,
+      progress};
 }
 
 AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
@@ -78,13 +77,11 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
   for (const PixelKind kind : skin.kinds) ++skin.counts[static_cast<std::size_t>(kind)];
   if (skin.counts[0] == 0)
     throw InvalidInput("capture: no pixel has a color of skin: of " +
-                       std::to_string(skin.kinds.size()) + ", " +
-                       std::to_string(skin.counts[1]) + " are masked, " +
-                       std::to_string(skin.counts[2]) + " no skin, " +
+                       std::to_string(skin.kinds.size()) + ", " + std::to_string(skin.counts[1]) +
+                       " are masked, " + std::to_string(skin.counts[2]) + " no skin, " +
                        std::to_string(skin.counts[3]) + " saturated");
   for (AcquiredNumber& number : skin.numbers)
-    number.prior_share =
-        median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
+    number.prior_share = median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
   return skin;
 }
 

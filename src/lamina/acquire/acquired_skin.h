@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/progress.h"
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/skin_color_table.h"
+#include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 
 namespace lamina {
@@ -26,16 +26,16 @@ inline constexpr std::size_t pixel_kinds = 4;
 struct AcquiredNumber {
   SkinFitNumber number;
   double prior_deviation = 0.0;  ///< of its coordinate among people
-  Image values;                  ///< one channel "Y"; where there is no skin that of the nearest color
-  Image deviations;              ///< of the coordinate, "Y"; where there is no skin the prior's
-  double prior_share = 1.0;      ///< median over skin of the deviation over the prior's
+  Image values;              ///< one channel "Y"; where there is no skin that of the nearest color
+  Image deviations;          ///< of the coordinate, "Y"; where there is no skin the prior's
+  double prior_share = 1.0;  ///< median over skin of the deviation over the prior's
 };
 
 /// Maps of what skin is made of, from photographs.
 struct AcquiredSkin {
   int width = 0, height = 0;
   std::vector<AcquiredNumber> numbers;
-  std::vector<PixelKind> kinds;                   ///< [y][x]
+  std::vector<PixelKind> kinds;                      ///< [y][x]
   std::array<std::size_t, pixel_kinds> counts = {};  ///< of each kind
 };
 

@@ -26,7 +26,8 @@ std::vector<double> bands_of(const Capture& capture, const AcquiredSkin& skin, s
     for (double& r : spectrum) r += table.specular_reflectance();
   std::vector<double> bands(capture.sensor.rows, 0.0);
   for (std::size_t b = 0; b < bands.size(); ++b)
-    for (std::size_t w = 0; w < spectrum.size(); ++w) bands[b] += capture.sensor(b, w) * spectrum[w];
+    for (std::size_t w = 0; w < spectrum.size(); ++w)
+      bands[b] += capture.sensor(b, w) * spectrum[w];
   return bands;
 }
 
@@ -50,7 +51,8 @@ void compare(AcquisitionCheck& check) {
       check.residual[b] += std::pow(static_cast<double>(predicted[b] / measured[b]) - 1.0, 2);
     if (is_color) differences.push_back(color_difference(lab_of(measured), lab_of(predicted)));
   }
-  for (double& sum : check.residual) sum = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+  for (double& sum : check.residual)
+    sum = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
   if (differences.empty()) return;
   std::ranges::sort(differences);
   double sum = 0.0;
@@ -83,9 +85,8 @@ void vary_calibration(const Capture& capture, const SkinReflectanceTable& table,
   check.correlation = DenseMatrix(numbers, numbers);
   if (middle.empty()) return;
   const auto fit = [&](const std::vector<double>& measured) {
-    SkinMeasurement seen{.measured = measured,
-                         .sensor = capture.sensor,
-                         .has_specular = capture.has_specular};
+    SkinMeasurement seen{
+        .measured = measured, .sensor = capture.sensor, .has_specular = capture.has_specular};
     for (std::size_t b = 0; b < measured.size(); ++b)
       seen.standard_deviation.push_back(capture.errors[b] * measured[b]);
     return fit_skin(table, seen, capture.skin.skin, capture.numbers, &capture.population).fit;
@@ -120,9 +121,9 @@ AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& s
   std::vector<char> is_skin(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const auto row = [&](std::size_t y) {
     for (int x = 0; x < width; ++x) {
-      const std::size_t pixel = y * static_cast<std::size_t>(step) *
-                                    static_cast<std::size_t>(skin.width) +
-                                static_cast<std::size_t>(x) * static_cast<std::size_t>(step);
+      const std::size_t pixel =
+          y * static_cast<std::size_t>(step) * static_cast<std::size_t>(skin.width) +
+          static_cast<std::size_t>(x) * static_cast<std::size_t>(step);
       const std::size_t i = y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
       const std::vector<double> predicted = bands_of(capture, skin, pixel, table);
       for (std::size_t b = 0; b < bands; ++b) {

@@ -13,9 +13,9 @@ namespace lamina {
 /// What acquired maps say, held against what was photographed, and how far they hang on the
 /// calibration.
 struct AcquisitionCheck {
-  Image measured;             ///< [y][x][band] every so-manieth pixel of the capture
-  Image predicted;            ///< what the maps reflect there
-  std::vector<bool> is_skin;  ///< [y][x] of both
+  Image measured;                ///< [y][x][band] every so-manieth pixel of the capture
+  Image predicted;               ///< what the maps reflect there
+  std::vector<bool> is_skin;     ///< [y][x] of both
   std::vector<double> residual;  ///< [band] root of the mean squared relative difference over skin
   /// CIEDE2000 between both over skin, mean and 95th percentile; of bands that are sRGB
   std::optional<double> mean_difference, high_difference;

@@ -20,18 +20,18 @@ namespace lamina {
 struct Capture {
   std::string name;
   Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are the bands
-  std::vector<double> errors;        ///< [band] standard deviation, relative
-  std::vector<double> saturation;    ///< [band] values from here on are saturated; infinite: none
-  std::vector<bool> is_masked;       ///< [y][x]; empty: nothing is
-  std::vector<double> wavelengths;   ///< [nm] of the spectra that bands see
-  DenseMatrix sensor;                ///< [band][wavelength] weights of a spectrum, rows of sum 1
-  Incidence incidence;               ///< of the light
-  bool has_specular = false;         ///< whether what the surface mirrors is part of it
+  std::vector<double> errors;       ///< [band] standard deviation, relative
+  std::vector<double> saturation;   ///< [band] values from here on are saturated; infinite: none
+  std::vector<bool> is_masked;      ///< [y][x]; empty: nothing is
+  std::vector<double> wavelengths;  ///< [nm] of the spectra that bands see
+  DenseMatrix sensor;               ///< [band][wavelength] weights of a spectrum, rows of sum 1
+  Incidence incidence;              ///< of the light
+  bool has_specular = false;        ///< whether what the surface mirrors is part of it
   std::optional<double> mm_per_pixel;
-  SkinRecipe skin;                   ///< what is not acquired
+  SkinRecipe skin;                     ///< what is not acquired
   std::vector<SkinFitNumber> numbers;  ///< what is
-  SkinPopulation population;         ///< what is known before
-  std::string population_name;       ///< as the file has it
+  SkinPopulation population;           ///< what is known before
+  std::string population_name;         ///< as the file has it
   std::vector<std::string> warnings;
 };
 

@@ -39,8 +39,7 @@ std::vector<std::string> channels_to_read(const JsonObject& object, const Image&
     std::vector<std::string> names;
     for (const JsonInput& each : given->array(1, most_images)) {
       names.push_back(each.string());
-      if (!channel_index(image, names.back()))
-        each.refuse("must be a channel of the image");
+      if (!channel_index(image, names.back())) each.refuse("must be a channel of the image");
     }
     return names;
   }
@@ -76,9 +75,8 @@ DecodedImage decode_captured(const JsonInput& value) {
   decoded.errors.assign(bands, default_error);
   if (const auto error = object.optional("error"))
     decoded.errors = error->number_or_numbers(bands, closed_interval(1e-4, 0.5));
-  decoded.saturation.assign(bands, encoding == ColorEncoding::srgb
-                                       ? 1.0
-                                       : std::numeric_limits<double>::infinity());
+  decoded.saturation.assign(
+      bands, encoding == ColorEncoding::srgb ? 1.0 : std::numeric_limits<double>::infinity());
   if (const auto saturated = object.optional("saturated"))
     decoded.saturation = saturated->number_or_numbers(bands, greater_than(0.0));
   std::vector<double> white(bands, 1.0);
@@ -89,10 +87,11 @@ DecodedImage decode_captured(const JsonInput& value) {
     pixel = static_cast<float>(static_cast<double>(pixel) / white[i % bands]);
     if (lowest_reflectance <= pixel && pixel <= highest_reflectance) continue;
     const auto width = static_cast<std::size_t>(decoded.image.width);
-    file.fail("must hold fractions of what white reflects, in [-0.02, 2] (\"white\" divides), but "
-              "pixel " +
-              std::to_string(i / bands % width) + ", " + std::to_string(i / bands / width) +
-              " has " + names[i % bands] + " = " + number_text(static_cast<double>(pixel)));
+    file.fail(
+        "must hold fractions of what white reflects, in [-0.02, 2] (\"white\" divides), but "
+        "pixel " +
+        std::to_string(i / bands % width) + ", " + std::to_string(i / bands / width) + " has " +
+        names[i % bands] + " = " + number_text(static_cast<double>(pixel)));
   }
   for (std::size_t b = 0; b < bands; ++b) decoded.saturation[b] /= white[b];
   return decoded;
@@ -184,10 +183,10 @@ void decode_numbers(const JsonObject& object, Capture& capture) {
 Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
                      std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
-  const JsonObject object = document.root().file_object(
-      "capture", 1,
-      {"name", "source", "images", "mask", "incidence", "specular", "mm_per_pixel", "skin",
-       "population", "numbers"});
+  const JsonObject object =
+      document.root().file_object("capture", 1,
+                                  {"name", "source", "images", "mask", "incidence", "specular",
+                                   "mm_per_pixel", "skin", "population", "numbers"});
   Capture capture;
   if (const auto name = object.optional("name")) capture.name = name->string();
   if (const auto source = object.optional("source")) (void)source->string();

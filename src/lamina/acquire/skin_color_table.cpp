@@ -55,7 +55,8 @@ std::vector<LogColor> colors_over_melanin(const SkinReflectanceTable& table,
     const auto known = std::ranges::find(population.names, number.parameter.name);
     if (known == population.names.end()) continue;
     for (double SkinParameters::*const value : number.values)
-      mean.*value = population.priors[static_cast<std::size_t>(known - population.names.begin())].mean;
+      mean.*value =
+          population.priors[static_cast<std::size_t>(known - population.names.begin())].mean;
   }
   constexpr int steps = 60;
   std::vector<LogColor> colors;
@@ -124,7 +125,8 @@ T widening(T brightness, T mean) {
 /// A function on a grid of three axes, on one of half the step: by cubics through four nodes, at
 /// the ends by lines.
 /// @param nodes  along the first, second and third axis
-std::vector<float> halved_steps(std::vector<float> values, const std::array<std::size_t, 3>& nodes) {
+std::vector<float> halved_steps(std::vector<float> values,
+                                const std::array<std::size_t, 3>& nodes) {
   for (const std::size_t n : nodes) {  // the first becomes the last, three times
     const std::size_t m = 2 * n - 1;
     const std::size_t lines = values.size() / n;
@@ -167,9 +169,8 @@ void check(const SkinReflectanceTable& table, const ColorMeasurement& measuremen
 
 SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
                                const ColorMeasurement& measurement, const SkinParameters& skin,
-                               std::vector<SkinFitNumber> numbers,
-                               const SkinPopulation& population, int fits,
-                               const Progress& progress)
+                               std::vector<SkinFitNumber> numbers, const SkinPopulation& population,
+                               int fits, const Progress& progress)
     : numbers_(std::move(numbers)) {
   check(table, measurement, numbers_, fits);
   channels_ = 2 * numbers_.size() + 1;
@@ -180,8 +181,7 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
   for (std::size_t i = 0; i < curve_points; ++i) {
     const LogColor color =
         color_at(curve, std::lerp(low, high, static_cast<double>(i) / (curve_points - 1)));
-    for (std::size_t c = 0; c < 3; ++c)
-      curve_.push_back(static_cast<float>(color[c]));
+    for (std::size_t c = 0; c < 3; ++c) curve_.push_back(static_cast<float>(color[c]));
   }
   low_ = static_cast<float>(low);
   high_ = static_cast<float>(high);
@@ -207,7 +207,8 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
       return half_box * (2.0 * static_cast<double>(node) / static_cast<double>(n - 1) - 1.0);
     };
     const LogColor usual = color_at(
-        curve, std::lerp(low, high, static_cast<double>(i / (n * n)) / static_cast<double>(along - 1)));
+        curve,
+        std::lerp(low, high, static_cast<double>(i / (n * n)) / static_cast<double>(along - 1)));
     std::array<double, 2> at = {place_of(i % n), place_of(i / n % n)};
     const double distance = std::hypot(at[0], at[1]);
     const double wide = widening(brightness_of(usual), spread.mean_brightness);
@@ -218,15 +219,13 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
                          .sensor = measurement.sensor,
                          .has_specular = measurement.has_specular};
     for (std::size_t c = 0; c < 3; ++c) {
-      seen.measured[c] =
-          std::exp(usual[c] + at[0] * spread.axes[0][c] + at[1] * spread.axes[1][c]);
+      seen.measured[c] = std::exp(usual[c] + at[0] * spread.axes[0][c] + at[1] * spread.axes[1][c]);
       seen.standard_deviation[c] = measurement.errors[c] * seen.measured[c];
     }
     const FitResult fit = fit_skin(table, seen, skin, numbers_, &population, fit_options).fit;
     for (std::size_t p = 0; p < numbers_.size(); ++p) {
       const FittedParameter& number = fit.parameters[p];
-      found[p][i] =
-          static_cast<float>(fit_coordinate(numbers_[p].parameter, number.value));
+      found[p][i] = static_cast<float>(fit_coordinate(numbers_[p].parameter, number.value));
       found[numbers_.size() + p][i] = static_cast<float>(std::log(
           number.is_at_bound ? priors_[p] : std::min(priors_[p], number.standard_deviation)));
     }

@@ -30,11 +30,10 @@ struct ColorFit {
 
 /// The fits of fit_skin to all colors that skin can have, for millions of pixels.
 ///
-/// Fits on a grid: along brightness, from more melanin than people have to none, and across it, along
-/// the axes in which people of equal brightness differ; brought to half its step by cubics and
-/// interpolated linearly. For people of the population values differ
-/// from those of fits by a thirtieth of their error bar in the median; one color costs .15 µs, the
-/// table 3 CPU-s.
+/// Fits on a grid: along brightness, from more melanin than people have to none, and across it,
+/// along the axes in which people of equal brightness differ; brought to half its step by cubics
+/// and interpolated linearly. For people of the population values differ from those of fits by a
+/// thirtieth of their error bar in the median; one color costs .15 µs, the table 3 CPU-s.
 class SkinColorTable {
  public:
   static constexpr int usual_fits = 13;
@@ -64,8 +63,8 @@ class SkinColorTable {
   [[nodiscard]] std::array<float, 3> place(const std::array<float, 3>& color) const;
 
   std::vector<SkinFitNumber> numbers_;
-  std::vector<double> priors_;  ///< standard deviations
-  std::vector<float> curve_;  ///< [brightness][channel] logarithms of usual colors
+  std::vector<double> priors_;      ///< standard deviations
+  std::vector<float> curve_;        ///< [brightness][channel] logarithms of usual colors
   float low_ = 0.0f, high_ = 0.0f;  ///< brightness
   float brightness_deviation_ = 0.0f, mean_brightness_ = 0.0f;
   std::array<std::array<float, 3>, 2> axes_ = {};  ///< [axis][channel], to standard deviations

@@ -2,10 +2,10 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVersion.h>
 
@@ -265,8 +265,7 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
                                : reinterpret_cast<const char*>(image.pixels.data());
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  for (const ImageNote& note : notes)
-    header.insert(note.name, Imf::StringAttribute(note.text));
+  for (const ImageNote& note : notes) header.insert(note.name, Imf::StringAttribute(note.text));
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
     header.channels().insert(image.channels[c], Imf::Channel(type));

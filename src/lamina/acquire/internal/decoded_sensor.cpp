@@ -83,8 +83,9 @@ Light decode_light(const JsonObject& object) {
   if (name.ends_with(".csv"))
     light.table = read_spectrum(load_csv(given->file_path(), given->memory()), "", at_least(0.0));
   else
-    light.named = given->choice<Illuminant>(
-        {{"d65", Illuminant::d65}, {"a", Illuminant::a}, {"equal_energy", Illuminant::equal_energy}});
+    light.named = given->choice<Illuminant>({{"d65", Illuminant::d65},
+                                             {"a", Illuminant::a},
+                                             {"equal_energy", Illuminant::equal_energy}});
   return light;
 }
 
@@ -108,8 +109,7 @@ DecodedSensor decode_curves(const JsonObject& object, const std::vector<std::str
       band.push_back({nm, weight});
       sum += weight;
     }
-    if (!(sum > 0.0))
-      file.fail("column " + column + " sees no light between 400 and 700 nm");
+    if (!(sum > 0.0)) file.fail("column " + column + " sees no light between 400 and 700 nm");
     for (auto& [nm, weight] : band) weight /= sum;
   }
   return sensor;
