@@ -52,7 +52,7 @@ struct PixelMask {
 [[nodiscard]] PixelMask make_pixel_mask(int width, int height);
 
 /// Pixels below a half in "Y", the only or the first channel are excluded, as in masks that people
-/// paint, and as in the pattern of a window (light_window.h).
+/// paint, and as in the pattern of a window.
 [[nodiscard]] PixelMask mask_from_image(const Image& image);
 
 /// Used are the pixels that both use. @throws InvalidInput if they differ in size.
