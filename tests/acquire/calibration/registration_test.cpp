@@ -134,7 +134,7 @@ TEST(MovedBack, ShowsEachChannelWhereTheFirstIs) {
   const ImageMotion motion{{1.3, -0.4}, 1.002, 0.003};
   const auto scene = [&](double x, double y, std::size_t c) {
     const Vec2 p = c == 0 ? Vec2{x, y} : back(motion, {x, y});
-    return 0.4 * skin_texture(0.5 * p.x, 0.5 * p.y, 0.1);
+    return 0.4 * skin_texture(0.3 * p.x, 0.3 * p.y, 0.1);
   };
   Developed image{.reflectance = image_of(width, height, {"a", "b"}, scene),
                   .deviation = image_of(width, height, {"a", "b"},

@@ -21,10 +21,10 @@ struct MovedNumber {
 };
 
 MovedNumber number_at(const Developed& image, std::size_t channel, Vec2 place) {
-  constexpr double no_weight = 1e-3;
+  constexpr double no_weight = 1e-3;  // such pixels may have faults
   const CubicLookup across = cubic_lookup(place.x), down = cubic_lookup(place.y);
   MovedNumber result;
-  double squares = 0.0;
+  double squares = 0.0, weights = 0.0;
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i < 4; ++i) {
       const double weight = across.weights[i] * down.weights[j];
@@ -39,8 +39,10 @@ MovedNumber number_at(const Developed& image, std::size_t channel, Vec2 place) {
       result.value += weight * static_cast<double>(image.reflectance.at(x, y)[channel]);
       result.variance += weight * weight * deviation * deviation;
       squares += weight * weight;
+      weights += weight;
     }
   if (squares > 0.0) result.variance /= squares;
+  if (weights > 0.0) result.value /= weights;
   return result;
 }
 
