@@ -1,0 +1,75 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "lamina/acquire/inversion/internal/patch_objective.h"
+
+namespace lamina::detail {
+
+/// Where an inversion stands, and when it is to end.
+class InversionCourse {
+ public:
+  InversionCourse(const InversionOptions& options, const PatchLight& light,
+                  const Progress& progress, PatchState start)
+      : options_(options), light_(light), progress_(progress), best(std::move(start)) {
+    record();
+  }
+
+  /// Takes a better state. Returns whether all is done.
+  bool take(PatchState better) {
+    const double decrease = (best.objective - better.objective) / best.objective;
+    best = std::move(better);
+    record();
+    if (decrease < options_.tolerance) return ends(InversionStop::converged);
+    constexpr double hardly = 0.01;  // steps that gain less fit the noise
+    if (options_.stops_at_noise && best.in_deviations <= 1.0 && decrease < hardly)
+      return ends(InversionStop::at_noise);
+    return must_end();
+  }
+
+  /// Whether somebody asks to stop, or nothing is left to spend on `next` forward equivalents.
+  bool must_end(double next = 1.0) {
+    next *= light_.cost();
+    const double share = std::min(1.0, light_.forwards() / options_.most_forwards);
+    if (!report_progress(progress_, share)) return ends(InversionStop::interrupted);
+    if (light_.forwards() + next > options_.most_forwards)
+      return ends(InversionStop::most_forwards);
+    return false;
+  }
+
+  bool ends(InversionStop why) {
+    stop = why;
+    return true;
+  }
+
+ private:
+  void record() {
+    history.push_back({light_.forwards(), best.residual, best.in_deviations, best.objective});
+  }
+
+  const InversionOptions& options_;
+  const PatchLight& light_;
+  const Progress& progress_;
+
+ public:
+  PatchState best;
+  std::vector<InversionStep> history;
+  InversionStop stop = InversionStop::converged;
+};
+
+/// Moves coordinates by a step times a factor, no further than their ranges.
+[[nodiscard]] inline TexelMaps moved(const InversionTables& tables, TexelMaps coordinates,
+                                     double factor, const TexelMaps& step) {
+  add_times(coordinates, factor, step);
+  for (std::size_t n = 0; n < coordinates.size(); ++n) {
+    const FitParameter& parameter = tables.numbers[n].parameter;
+    const auto low = static_cast<float>(fit_coordinate(parameter, parameter.low));
+    const auto high = static_cast<float>(fit_coordinate(parameter, parameter.high));
+    for (float& value : coordinates[n]) value = std::clamp(value, low, high);
+  }
+  return coordinates;
+}
+
+}  // namespace lamina::detail

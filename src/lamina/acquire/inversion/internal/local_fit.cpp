@@ -1,0 +1,125 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/inversion/internal/local_fit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lamina/acquire/inversion/internal/local_model.h"
+#include "lamina/core/parallel.h"
+
+namespace lamina::detail {
+namespace {
+
+constexpr std::size_t chunk = 256;  // texels that one thread takes at a time
+
+/// Calls body(model, texel) for all texels.
+template <class Body>
+void for_texels(const PatchObjective& objective, const Body& body) {
+  const std::size_t texels = objective.weights()[0].size();
+  parallel_for((texels + chunk - 1) / chunk, [&](std::size_t c) {
+    LocalModel model(objective.capture(), objective.tables());
+    for (std::size_t t = c * chunk; t < std::min(texels, (c + 1) * chunk); ++t) body(model, t);
+  });
+}
+
+/// A map with weights, on a grid.
+struct WeightedMap {
+  std::size_t width, height;
+  std::vector<float> values, weights;
+};
+
+/// Fills texels of weight 0 from coarser grids, on which values are means of those with weight.
+void fill_unknown(WeightedMap& map) {
+  if (std::ranges::all_of(map.weights, [](float weight) { return weight > 0.0f; })) return;
+  if (std::ranges::none_of(map.weights, [](float weight) { return weight > 0.0f; })) return;
+  WeightedMap coarse{(map.width + 1) / 2, (map.height + 1) / 2, {}, {}};
+  coarse.values.resize(coarse.width * coarse.height);
+  coarse.weights.resize(coarse.values.size());
+  const auto for_all = [&](const auto& body) {
+    for (std::size_t y = 0; y < map.height; ++y)
+      for (std::size_t x = 0; x < map.width; ++x)
+        body(y * map.width + x, y / 2 * coarse.width + x / 2);
+  };
+  for_all([&](std::size_t fine, std::size_t at) {
+    coarse.values[at] += map.weights[fine] * map.values[fine];
+    coarse.weights[at] += map.weights[fine];
+  });
+  for (std::size_t at = 0; at < coarse.values.size(); ++at)
+    if (coarse.weights[at] > 0.0f) {
+      coarse.values[at] /= coarse.weights[at];
+      coarse.weights[at] = 1.0f;
+    }
+  fill_unknown(coarse);
+  for_all([&](std::size_t fine, std::size_t at) {
+    if (map.weights[fine] == 0.0f) map.values[fine] = coarse.values[at];
+  });
+}
+
+}  // namespace
+
+TexelMaps light_levels(const PatchObjective& objective) {
+  const PatchCapture& capture = objective.capture();
+  const InversionTables& tables = objective.tables();
+  TexelMaps level;
+  if (tables.stacks.empty()) {
+    for (const PatchImage& image : capture.images)
+      level.push_back(capture.lights[image.light].values);
+    return level;
+  }
+  TexelMaps uniform;
+  for (const double coordinate : tables.reference)
+    uniform.emplace_back(objective.weights()[0].size(), static_cast<float>(coordinate));
+  level = objective.light().images(uniform);
+  LocalModel model(capture, tables);
+  model.predict(tables.reference);
+  for (std::size_t i = 0; i < level.size(); ++i)
+    for (float& value : level[i]) value /= static_cast<float>(model.reflectance[i]);
+  return level;
+}
+
+TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level, double robust_limit) {
+  const PatchCapture& capture = objective.capture();
+  const InversionTables& tables = objective.tables();
+  const TexelMaps& weights = objective.weights();
+  const std::size_t images = weights.size();
+  const std::size_t numbers = tables.numbers.size();
+  TexelMaps result(numbers, std::vector<float>(weights[0].size()));
+  std::vector<float> known(weights[0].size(), 0.0f);
+  for_texels(objective, [&](LocalModel& model, std::size_t t) {
+    TexelData data{std::vector<double>(images), std::vector<double>(images),
+                   std::vector<double>(images)};
+    for (std::size_t i = 0; i < images; ++i) {
+      data.weight[i] = static_cast<double>(weights[i][t]);
+      if (data.weight[i] == 0.0) continue;
+      data.measured[i] = static_cast<double>(capture.images[i].reflected.values[t]);
+      data.level[i] = static_cast<double>(level[i][t]);
+      known[t] = 1.0f;
+    }
+    if (known[t] == 0.0f) return;
+    const TexelNumbers fit = fit_texel(model, data, tables, tables.reference, robust_limit);
+    for (std::size_t n = 0; n < numbers; ++n) result[n][t] = static_cast<float>(fit[n]);
+  });
+  for (std::vector<float>& map : result) {
+    WeightedMap weighted{static_cast<std::size_t>(capture.width),
+                         static_cast<std::size_t>(capture.height), std::move(map), known};
+    fill_unknown(weighted);
+    map = std::move(weighted.values);
+  }
+  return result;
+}
+
+TexelMaps local_images(const PatchObjective& objective, const TexelMaps& level,
+                       const TexelMaps& coordinates) {
+  TexelMaps images = level;
+  for_texels(objective, [&](LocalModel& model, std::size_t t) {
+    TexelNumbers at = {};
+    for (std::size_t n = 0; n < coordinates.size(); ++n)
+      at[n] = static_cast<double>(coordinates[n][t]);
+    model.predict(std::span(at).first(coordinates.size()));
+    for (std::size_t i = 0; i < images.size(); ++i)
+      images[i][t] *= static_cast<float>(model.reflectance[i]);
+  });
+  return images;
+}
+
+}  // namespace lamina::detail

@@ -1,0 +1,180 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/inversion/internal/patch_objective.h"
+
+#include <cmath>
+#include <utility>
+
+#include "lamina/core/parallel.h"
+
+namespace lamina::detail {
+namespace {
+
+/// Calls take(texel, its neighbor) for each two texels side by side.
+template <class Take>
+void for_neighbors(int width, int height, const Take& take) {
+  const auto row = static_cast<std::size_t>(width);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+    for (std::size_t x = 0; x < row; ++x) {
+      const std::size_t t = y * row + x;
+      if (x + 1 < row) take(t, t + 1);
+      if (y + 1 < static_cast<std::size_t>(height)) take(t, t + row);
+    }
+}
+
+}  // namespace
+
+PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTables& tables,
+                               const InversionOptions& options, PatchLight& light)
+    : capture_(capture),
+      tables_(tables),
+      light_(light),
+      robust_limit_(options.robust_limit),
+      smoothness_(tables.numbers.size(), 0.0) {
+  for (const PatchImage& image : capture.images) {
+    const Plane& arriving = capture.lights[image.light];
+    double missed = 0.0;
+    for (std::size_t w = 0; w < tables.wavelengths.size(); ++w)
+      missed += std::pow(image.sensor[w] * tables.missed_deviation[w], 2);
+    std::vector<float>& weights = weights_.emplace_back(image.reflected.values.size(), 0.0f);
+    std::vector<float>& measured = measured_.emplace_back(weights.size(), 0.0f);
+    double sum = 0.0, count = 0.0;
+    for (std::size_t t = 0; t < weights.size(); ++t) {
+      const auto deviation = static_cast<double>(image.deviation.values[t]);
+      if (std::isinf(deviation) || arriving.values[t] == 0.0f) continue;
+      measured[t] = image.reflected.values[t];
+      const auto value = static_cast<double>(measured[t]);
+      const auto lit = static_cast<double>(arriving.values[t]);
+      weights[t] = static_cast<float>(1.0 / std::sqrt(deviation * deviation + missed * lit * lit +
+                                                      std::pow(options.model_error * value, 2)));
+      sum += value;
+      count += 1.0;
+    }
+    means_.push_back(count > 0.0 ? sum / count : 0.0);
+    known_ += count;
+  }
+}
+
+TexelMaps PatchObjective::off_prior(const TexelMaps& coordinates) const {
+  TexelMaps off = coordinates;
+  for (std::size_t n = 0; n < off.size(); ++n)
+    for (float& value : off[n]) value -= static_cast<float>(tables_.prior_mean[n]);
+  return off;
+}
+
+std::vector<double> PatchObjective::squared_differences(const TexelMaps& maps) const {
+  std::vector<double> sums(maps.size(), 0.0);
+  parallel_for(maps.size(), [&](std::size_t n) {
+    for_neighbors(capture_.width, capture_.height, [&](std::size_t a, std::size_t b) {
+      const auto difference = static_cast<double>(maps[n][a] - maps[n][b]);
+      sums[n] += difference * difference;
+    });
+  });
+  return sums;
+}
+
+double PatchObjective::objective(const PatchState& state) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights_.size(); ++i)
+    for (std::size_t t = 0; t < weights_[i].size(); ++t) {
+      const double size =
+          std::abs(static_cast<double>(weights_[i][t] * (state.images[i][t] - measured_[i][t])));
+      sum += robust_limit_ > 0.0 && size > robust_limit_
+                 ? robust_limit_ * (size - 0.5 * robust_limit_)
+                 : 0.5 * size * size;
+    }
+  const std::vector<double> differences = squared_differences(state.coordinates);
+  for (std::size_t n = 0; n < differences.size(); ++n) sum += 0.5 * smoothness_[n] * differences[n];
+  const TexelMaps off = off_prior(state.coordinates);
+  for (std::size_t a = 0; a < off.size(); ++a)
+    for (std::size_t b = 0; b < off.size(); ++b) {
+      const double precision = tables_.prior_precision(a, b);
+      if (precision == 0.0) continue;
+      double products = 0.0;
+      for (std::size_t t = 0; t < off[a].size(); ++t)
+        products += static_cast<double>(off[a][t]) * static_cast<double>(off[b][t]);
+      sum += 0.5 * precision * products;
+    }
+  return sum;
+}
+
+PatchState PatchObjective::state(TexelMaps coordinates) const {
+  TexelMaps images = light_.images(coordinates);
+  return state(std::move(coordinates), std::move(images));
+}
+
+PatchState PatchObjective::state(TexelMaps coordinates, TexelMaps images) const {
+  PatchState state{.coordinates = std::move(coordinates), .images = std::move(images)};
+  state.objective = objective(state);
+  double relative = 0.0, squares = 0.0, used = 0.0;
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t t = 0; t < weights_[i].size(); ++t) {
+      if (weights_[i][t] == 0.0f) continue;
+      const auto miss = static_cast<double>(state.images[i][t] - measured_[i][t]);
+      sum += miss * miss;
+      squares += std::pow(static_cast<double>(weights_[i][t]) * miss, 2);
+      count += 1.0;
+    }
+    if (count == 0.0) continue;
+    relative += sum / count / (means_[i] * means_[i]);
+    used += 1.0;
+  }
+  state.residual = std::sqrt(relative / used);
+  state.in_deviations = std::sqrt(squares / known_);
+  return state;
+}
+
+void PatchObjective::add_prior_matrix(const TexelMaps& change, TexelMaps& sum) const {
+  parallel_for(change.size(), [&](std::size_t n) {
+    std::vector<float>& to = sum[n];
+    const std::vector<float>& from = change[n];
+    const auto weight = static_cast<float>(smoothness_[n]);
+    for_neighbors(capture_.width, capture_.height, [&](std::size_t a, std::size_t b) {
+      const float flow = weight * (from[a] - from[b]);
+      to[a] += flow;
+      to[b] -= flow;
+    });
+    for (std::size_t m = 0; m < change.size(); ++m) {
+      const auto precision = static_cast<float>(tables_.prior_precision(n, m));
+      if (precision == 0.0f) continue;
+      for (std::size_t t = 0; t < to.size(); ++t) to[t] += precision * change[m][t];
+    }
+  });
+}
+
+TexelMaps PatchObjective::gradient(const PatchState& state) const {
+  TexelMaps by_images = weights_;
+  for (std::size_t i = 0; i < by_images.size(); ++i)
+    for (std::size_t t = 0; t < by_images[i].size(); ++t) {
+      const float weight = weights_[i][t];
+      float miss = weight * (state.images[i][t] - measured_[i][t]);
+      const auto limit = static_cast<float>(robust_limit_);
+      if (limit > 0.0f && std::abs(miss) > limit) miss = std::copysign(limit, miss);
+      by_images[i][t] = weight * miss;
+    }
+  TexelMaps result = light_.gradient(by_images);
+  add_prior_matrix(off_prior(state.coordinates), result);
+  return result;
+}
+
+void PatchObjective::linearize(const PatchState& state) {
+  shares_ = weights_;
+  for (std::size_t i = 0; i < shares_.size(); ++i)
+    for (std::size_t t = 0; t < shares_[i].size(); ++t) {
+      const float size = std::abs(weights_[i][t] * (state.images[i][t] - measured_[i][t]));
+      const auto limit = static_cast<float>(robust_limit_);
+      shares_[i][t] = limit > 0.0f && size > limit ? limit / size : 1.0f;
+    }
+}
+
+TexelMaps PatchObjective::times_matrix(const TexelMaps& change) const {
+  TexelMaps images = light_.change(change);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    for (std::size_t t = 0; t < images[i].size(); ++t)
+      images[i][t] *= weights_[i][t] * weights_[i][t] * shares_[i][t];
+  TexelMaps result = light_.gradient(images);
+  add_prior_matrix(change, result);
+  return result;
+}
+
+}  // namespace lamina::detail

@@ -1,0 +1,71 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "lamina/acquire/inversion/internal/patch_light.h"
+#include "lamina/acquire/inversion/patch_inversion.h"
+
+namespace lamina::detail {
+
+/// Coordinates of skin, the images that they make, and how well these meet the photographs.
+struct PatchState {
+  TexelMaps coordinates, images;
+  double objective = 0.0;
+  double residual = 0.0, in_deviations = 0.0;  ///< as in InversionStep
+};
+
+/// What an inversion makes least (patch_inversion.h), its gradient and the matrix of its
+/// Gauss-Newton steps.
+class PatchObjective {
+ public:
+  /// All must outlive this.
+  PatchObjective(const PatchCapture& capture, const InversionTables& tables,
+                 const InversionOptions& options, PatchLight& light);
+
+  /// Weights of differences, [number].
+  void set_smoothness(std::vector<double> smoothness) { smoothness_ = std::move(smoothness); }
+  [[nodiscard]] const std::vector<double>& smoothness() const { return smoothness_; }
+
+  [[nodiscard]] PatchState state(TexelMaps coordinates) const;
+  /// The same with images that are known.
+  [[nodiscard]] PatchState state(TexelMaps coordinates, TexelMaps images) const;
+  /// The state's objective, with other smoothness than it was made with.
+  void weigh_again(PatchState& state) const { state.objective = objective(state); }
+
+  /// Of the state that was made last.
+  [[nodiscard]] TexelMaps gradient(const PatchState& state) const;
+  /// Takes a state, which is made last, as the one whose matrix is asked for.
+  void linearize(const PatchState& state);
+  /// The matrix of second derivatives, of first ones of the light alone, times a change.
+  [[nodiscard]] TexelMaps times_matrix(const TexelMaps& change) const;
+
+  /// 1 / deviation of texels that are known, else 0, [image].
+  [[nodiscard]] const TexelMaps& weights() const { return weights_; }
+  /// Part of its square that a residual counts by (Huber), [image]; of the last linearize.
+  [[nodiscard]] const TexelMaps& shares() const { return shares_; }
+  /// How many numbers of images are known and lit.
+  [[nodiscard]] double known() const { return known_; }
+  /// Sums of squared differences of neighbors, [number].
+  [[nodiscard]] std::vector<double> squared_differences(const TexelMaps& maps) const;
+  [[nodiscard]] const PatchCapture& capture() const { return capture_; }
+  [[nodiscard]] const InversionTables& tables() const { return tables_; }
+  [[nodiscard]] PatchLight& light() const { return light_; }
+
+ private:
+  [[nodiscard]] double objective(const PatchState& state) const;
+  /// Adds what smoothness and prior make of a change.
+  void add_prior_matrix(const TexelMaps& change, TexelMaps& sum) const;
+  [[nodiscard]] TexelMaps off_prior(const TexelMaps& coordinates) const;
+
+  const PatchCapture& capture_;
+  const InversionTables& tables_;
+  PatchLight& light_;
+  double robust_limit_;
+  std::vector<double> smoothness_;
+  TexelMaps measured_, weights_, shares_;  ///< 0 where not known
+  std::vector<double> means_;              ///< of what was measured, [image]
+  double known_ = 0.0;
+};
+
+}  // namespace lamina::detail

@@ -1,0 +1,37 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
+
+namespace lamina {
+
+/// A photograph of a patch of skin through one filter.
+struct PatchImage {
+  Plane reflected;  ///< what leaves, in the unit of its light; without what the surface mirrors
+  Plane deviation;  ///< standard deviation of each texel, > 0; infinite: the texel is not known
+  /// What the image sees of the light, [wavelength]: filter times lamp times sensor, of sum 1.
+  std::vector<double> sensor;
+  std::size_t light = 0;  ///< which pattern lights it
+};
+
+/// Photographs of one patch, texel upon texel: of narrow bands or wide ones, of red, green and
+/// blue, under one light or several patterns. Beyond its edges the patch goes on as its mirror
+/// image.
+struct PatchCapture {
+  int width = 0, height = 0;  ///< texels of all planes
+  double mm_per_texel = 0.1;
+  double theta = 0.0;               ///< angle of incidence [rad], in [0, pi/2)
+  std::vector<double> wavelengths;  ///< [nm], ascending
+  std::vector<Plane> lights;        ///< irradiance that arrives, >= 0
+  std::vector<PatchImage> images;
+};
+
+/// @throws InvalidInput naming image, texel, the rule that is broken and the value given: planes of
+///         other sizes, numbers that are not finite where texels are known, reflected light far
+///         below 0, weights that do not sum to 1, no texel that is lit and known.
+void check_capture(const PatchCapture& capture);
+
+}  // namespace lamina

@@ -1,0 +1,111 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lamina/acquire/inversion/inversion_tables.h"
+#include "lamina/acquire/inversion/patch_capture.h"
+#include "lamina/core/dense_matrix.h"
+#include "lamina/core/enum_names.h"
+#include "lamina/core/progress.h"
+
+namespace lamina {
+
+enum class InversionMethod {
+  gauss_newton,      ///< all texels together; conjugate gradients for each step
+  lbfgs,             ///< all texels together; from gradients alone [NocedalWright2006] §7.2
+  gradient_descent,  ///< of [Donner2008] §6: differences of a number moved at all texels at once
+  per_pixel,         ///< each texel by itself, as if its surroundings were like it
+};
+
+template <>
+inline constexpr auto enum_names<InversionMethod> = std::to_array<EnumName<InversionMethod>>(
+    {{"gauss_newton", InversionMethod::gauss_newton},
+     {"lbfgs", InversionMethod::lbfgs},
+     {"gradient_descent", InversionMethod::gradient_descent},
+     {"per_pixel", InversionMethod::per_pixel}});
+
+struct InversionOptions {
+  InversionMethod method = InversionMethod::gauss_newton;
+  /// How much numbers of neighbors are taken to be alike, [number]: the weight of the squared
+  /// difference of the coordinates of two texels side by side, half of it counting beside half of
+  /// the squared residuals in standard deviations. Hardly depends on the size of a texel. Empty:
+  /// chosen by the data
+  std::vector<double> smoothness;
+  /// Residuals beyond so many standard deviations count as straight lines, not as squares (Huber);
+  /// 0: all as squares
+  double robust_limit = 0.0;
+  double model_error =
+      0.0;  ///< of the forward model, relative to what it predicts: joins the noise
+  double most_forwards = 120.0;  ///< forward equivalents: light, change and gradient are one each
+  double tolerance = 1e-3;       ///< relative decrease of the objective that ends the steps
+  bool stops_at_noise = true;    ///< ends where residuals are at their standard deviations, too
+  int deviation_samples = 0;     ///< drawn for standard deviations; 0: none are computed
+  std::uint64_t seed = 0;        ///< of these
+  std::vector<Plane> start;      ///< [number] values; empty: those of `per_pixel`
+};
+
+/// A number of skin over the patch.
+struct NumberMap {
+  std::string name;  ///< as in skin_fit_numbers
+  Plane value;
+  Plane deviation;    ///< standard deviation of the coordinate of skin_fit_numbers; empty: none
+  Plane prior_share;  ///< that over the prior's; without a population over `wide_deviation`
+};
+
+/// Where an inversion stood.
+struct InversionStep {
+  double forwards = 0.0;       ///< forward equivalents so far
+  double residual = 0.0;       ///< root of the mean square over images, each relative to its mean
+  double in_deviations = 0.0;  ///< the same of residuals in standard deviations
+  double objective = 0.0;      ///< with what smoothness and prior add
+};
+
+enum class InversionStop { converged, at_noise, most_forwards, interrupted };
+
+template <>
+inline constexpr auto enum_names<InversionStop> =
+    std::to_array<EnumName<InversionStop>>({{"converged", InversionStop::converged},
+                                            {"at the noise", InversionStop::at_noise},
+                                            {"most forwards", InversionStop::most_forwards},
+                                            {"interrupted", InversionStop::interrupted}});
+
+struct InversionResult {
+  std::vector<NumberMap> numbers;
+  DenseMatrix correlation;         ///< of the coordinates, mean over texels; empty: not computed
+  std::vector<Plane> residual;     ///< [image] measured less predicted; 0 where not known
+  std::vector<double> smoothness;  ///< [number] that was used
+  std::vector<InversionStep> history;
+  double deviation_forwards = 0.0;  ///< that standard deviations took
+  InversionStop stop = InversionStop::converged;
+};
+
+/// What skin is at each texel of a patch, from photographs of it, with light that travels sideways
+/// in the skin: the maps whose light by DifferentiableTransport meets the photographs, smooth as
+/// far as these allow, by least squares
+///
+///     1/2 sum of residual² / deviation² + 1/2 sum over numbers of smoothness * differences²
+///     + 1/2 sum over texels of the prior's squares
+///
+/// over coordinates of skin_fit_numbers. The prior is that of the population of the tables; without
+/// one it is as wide as `wide_deviation` about the reference skin, so that texels that nothing is
+/// known of have a value.
+///
+/// Gauss-Newton steps are solved by conjugate gradients with tangent and gradient of the transport;
+/// their preconditioner is each texel's block of the matrix, if its surroundings were like it.
+///
+/// @param tables  made for this capture, or one with the same wavelengths and angle
+/// @param progress  told the share of most_forwards; asked to stop, the best maps so far are handed
+///                  over
+/// @throws InvalidInput as check_capture, and for options out of range.
+///
+/// Sources: [Donner2008] §6 for the problem; [NocedalWright2006] §7.
+[[nodiscard]] InversionResult invert_patch(const PatchCapture& capture,
+                                           const InversionTables& tables,
+                                           const InversionOptions& options = {},
+                                           const Progress& progress = {});
+
+}  // namespace lamina

@@ -1,0 +1,244 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/inversion/patch_inversion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "acquire/inversion/synthetic_patch.h"
+#include "lamina/core/error.h"
+#include "lamina/fit/skin/skin_fit.h"
+
+namespace lamina {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::infinity();
+
+// Skin of the usual constants in three bands, in which three numbers show; the closed form's
+// totals, which take little time.
+SyntheticSetup small_setup() {
+  return {.size = 32,
+          .window = 0.0,
+          .tape = 0,
+          .wavelengths = {420.0, 520.0, 580.0},
+          .skin = {},
+          .totals = OperatorTotals::diffusion,
+          .is_finer = false};
+}
+
+InversionModel small_model() {
+  InversionModel model;
+  model.numbers = {"melanin", "hemoglobin_epidermis", "hemoglobin_dermis"};
+  model.skin.melanin_blend = 0.65;
+  model.skin.carotene = 0.003;
+  model.totals = OperatorTotals::diffusion;
+  return model;
+}
+
+struct SmallPatch {
+  SyntheticPatch patch;
+  InversionTables tables;
+};
+const SmallPatch& small_patch() {
+  static const SmallPatch made = [] {
+    SyntheticPatch patch = make_synthetic_patch(small_setup());
+    InversionTables tables = make_inversion_tables(patch.capture, small_model());
+    return SmallPatch{std::move(patch), std::move(tables)};
+  }();
+  return made;
+}
+
+MapError error_of(const SyntheticPatch& patch, const NumberMap& map, std::size_t truth) {
+  return map_error(
+      patch.capture, [&](std::size_t t) { return static_cast<double>(map.value.values[t]); },
+      [&](std::size_t t) { return static_cast<double>(patch.truth[truth].values[t]); });
+}
+
+TEST(PatchInversion, FindsTheMapsThatAPhotographWasMadeOf) {
+  const auto& [patch, tables] = small_patch();
+  const InversionResult result = invert_patch(patch.capture, tables, {.most_forwards = 60.0});
+  EXPECT_LT(result.history.back().in_deviations, 2.0);
+  ASSERT_EQ(result.numbers.size(), 3u);
+  const MapError melanin = error_of(patch, result.numbers[0], 0);
+  EXPECT_EQ(result.numbers[0].name, "melanin");
+  EXPECT_GT(melanin.correlation, 0.98);
+  EXPECT_GT(error_of(patch, result.numbers[2], 3).correlation, 0.95);
+  // Each texel by itself takes the light of freckles for that of skin beside them.
+  const InversionResult alone =
+      invert_patch(patch.capture, tables, {.method = InversionMethod::per_pixel});
+  EXPECT_LT(melanin.relative, 0.8 * error_of(patch, alone.numbers[0], 0).relative);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t t = 0; t < 32 * 32; t += 37) {
+      const float predicted =
+          patch.capture.images[i].reflected.values[t] - result.residual[i].values[t];
+      EXPECT_NEAR(predicted, patch.clean[i].values[t], 0.02f);
+    }
+}
+
+// Uniform skin under uniform light: each texel is a spectrum that fit_skin fits.
+TEST(PatchInversion, OfUniformSkinIsTheFitOfASpectrum) {
+  InversionModel model = small_model();
+  model.numbers = {"melanin", "hemoglobin_dermis"};
+  model.totals = OperatorTotals::radiative_transfer;
+  SkinParameters skin = model.skin;
+  skin.melanin = 0.03;
+  skin.hemoglobin_dermis = 0.02;
+  const SkinReflectanceTable table({420.0, 580.0}, {}, skin_fit_range(skin));
+  const std::vector<double> reflected = table.reflectance(skin);
+  PatchCapture capture{.width = 8,
+                       .height = 8,
+                       .mm_per_texel = 0.3,
+                       .wavelengths = table.wavelengths(),
+                       .lights = {make_plane(8, 8, 1.0f)}};
+  for (std::size_t w = 0; w < 2; ++w)
+    capture.images.push_back({make_plane(8, 8, static_cast<float>(reflected[w])),
+                              make_plane(8, 8, 0.002f),
+                              w == 0 ? std::vector{1.0, 0.0} : std::vector{0.0, 1.0}});
+  std::vector<SkinFitNumber> numbers;
+  for (const SkinFitNumber& number : skin_fit_numbers(model.skin))
+    if (std::ranges::find(model.numbers, number.parameter.name) != model.numbers.end())
+      numbers.push_back(number);
+  const SkinFit fit = fit_skin(table, {reflected, {0.002, 0.002}, {}, false}, model.skin, numbers);
+  const InversionTables tables = make_inversion_tables(capture, model);
+  InversionModel alone = model;
+  alone.has_transport = false;
+  for (const bool has_transport : {false, true}) {
+    const InversionResult result =
+        has_transport ? invert_patch(capture, tables)
+                      : invert_patch(capture, make_inversion_tables(capture, alone),
+                                     {.method = InversionMethod::per_pixel});
+    for (std::size_t n = 0; n < 2; ++n)
+      for (const float value : result.numbers[n].value.values)
+        EXPECT_NEAR(value / fit.fit.parameters[n].value, 1.0, has_transport ? 0.03 : 2e-3)
+            << result.numbers[n].name;
+  }
+}
+
+// A window of light: what lies in the dark has no part in it. Texels that are not known may hold
+// anything, and get values of those around.
+TEST(PatchInversion, LeavesOutWhatIsNotKnown) {
+  SyntheticPatch patch = small_patch().patch;
+  for (int y = 12; y < 16; ++y)
+    for (int x = 12; x < 16; ++x)
+      for (PatchImage& image : patch.capture.images) {
+        const auto t = static_cast<std::size_t>(32 * y + x);
+        image.deviation.values[t] = unknown;
+        image.reflected.values[t] = std::numeric_limits<float>::quiet_NaN();
+      }
+  const InversionResult result =
+      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 40.0});
+  EXPECT_LT(result.history.back().in_deviations, 2.5);
+  const std::vector<float>& melanin = result.numbers[0].value.values;
+  EXPECT_TRUE(std::ranges::all_of(melanin, [](float value) { return std::isfinite(value); }));
+  EXPECT_EQ(result.residual[0].values[32 * 13 + 13], 0.0f);
+  EXPECT_GT(error_of(patch, result.numbers[0], 0).correlation, 0.97);
+}
+
+TEST(PatchInversion, HandsOverTheBestSoFarWhenInterrupted) {
+  const auto& [patch, tables] = small_patch();
+  int calls = 0;
+  const InversionResult result =
+      invert_patch(patch.capture, tables, {}, [&](double) { return ++calls < 12; });
+  EXPECT_EQ(result.stop, InversionStop::interrupted);
+  const InversionResult at_once =
+      invert_patch(patch.capture, tables, {}, [](double) { return false; });
+  EXPECT_EQ(at_once.stop, InversionStop::interrupted);
+  EXPECT_EQ(at_once.numbers.size(), 3u);
+  // It goes on from there.
+  InversionOptions on{.most_forwards = 20.0};
+  for (const NumberMap& map : result.numbers) on.start.push_back(map.value);
+  const InversionResult resumed = invert_patch(patch.capture, tables, on);
+  EXPECT_NEAR(resumed.history.front().objective / result.history.back().objective, 1.0, 0.02);
+  EXPECT_LT(resumed.history.back().objective, result.history.back().objective);
+}
+
+// Red, green and blue are sums over wavelengths; strips of light are one more pattern.
+TEST(PatchInversion, TakesWideBandsAndPatterns) {
+  SyntheticSetup setup = small_setup();
+  setup.sensors = {{0.8, 0.2, 0.0}, {0.1, 0.6, 0.3}, {0.0, 0.3, 0.7}};
+  setup.strips = {0.0, 2.5};
+  const SyntheticPatch patch = make_synthetic_patch(setup);
+  ASSERT_EQ(patch.capture.images.size(), 6u);
+  const InversionResult result =
+      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 40.0});
+  EXPECT_LT(result.history.back().in_deviations, 3.0);
+  EXPECT_GT(error_of(patch, result.numbers[0], 0).correlation, 0.95);
+}
+
+TEST(PatchInversion, SaysWhatIsWrongWithACapture) {
+  const auto& [patch, tables] = small_patch();
+  const auto message = [&](const std::function<void(PatchCapture&)>& spoil) -> std::string {
+    PatchCapture capture = patch.capture;
+    spoil(capture);
+    try {
+      check_capture(capture);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message([](PatchCapture&) {}), "");
+  EXPECT_EQ(message([](PatchCapture& c) { c.images.clear(); }), "capture: must have images");
+  EXPECT_EQ(message([](PatchCapture& c) { c.images[1].reflected = make_plane(8, 8); }),
+            "image 1: must be 32 x 32 texels, but is 8 x 8");
+  EXPECT_EQ(message([](PatchCapture& c) {
+              c.images[0].sensor = {0.5, std::nan(""), 0.5};
+            }),
+            "image 0: weights of the sensor must be finite, but is nan");
+  EXPECT_EQ(message([](PatchCapture& c) {
+              c.images[0].sensor = {0.5, 0.25, 0.0};
+            }),
+            "image 0: weights of the sensor must sum to 1, but is 0.75");
+  EXPECT_EQ(message([](PatchCapture& c) { c.images[2].deviation.values[33] = 0.0f; }),
+            "image 2 at texel (1, 1): deviation must be > 0, but is 0");
+  EXPECT_EQ(message([](PatchCapture& c) { c.images[2].reflected.values[3] = -0.5f; }),
+            "image 2 at texel (3, 0): reflected light must be finite, and >= 0 but for noise, but "
+            "is -0.5");
+  EXPECT_EQ(message([](PatchCapture& c) { c.images[2].reflected.values[3] = -0.001f; }), "");
+  EXPECT_EQ(message([](PatchCapture& c) {
+              for (PatchImage& image : c.images) std::ranges::fill(image.deviation.values, unknown);
+            }),
+            "capture: must have a texel that is lit and known");
+  InversionModel model = small_model();
+  for (const char* name : {"melanine", "scattering_scale", "hemoglobin_dermis"}) {
+    model.numbers = {name, "hemoglobin_dermis"};
+    EXPECT_THROW((void)make_inversion_tables(patch.capture, model), InvalidInput) << name;
+  }
+  EXPECT_THROW((void)invert_patch(patch.capture, tables, {.smoothness = {1.0}}), InvalidInput);
+  EXPECT_THROW((void)invert_patch(patch.capture, tables, {.tolerance = -1.0}), InvalidInput);
+}
+
+TEST(LocalReflectance, IsThatOfTheTableOfSkin) {
+  const std::vector<double> wavelengths = {420.0, 650.0};
+  const LocalReflectance local(wavelengths, 0.0, {});
+  SkinRange range = skin_fit_range({});
+  range.low.scattering_scale = range.high.scattering_scale = SkinParameters{}.scattering_scale;
+  const SkinReflectanceTable table(wavelengths, {}, range);
+  for (const double melanin : {0.001, 0.01, 0.08, 0.3})
+    for (const double blood : {0.0005, 0.01, 0.06}) {
+      SkinParameters skin;
+      skin.melanin = melanin;
+      skin.hemoglobin_dermis = blood;
+      for (std::size_t w = 0; w < 2; ++w) {
+        const std::array<double, 2> sigma_a = {epidermis_absorption(skin, wavelengths[w]),
+                                               dermis_absorption(skin, wavelengths[w])};
+        const LocalReflectance::Value value = local.at(w, sigma_a);
+        EXPECT_NEAR(value.reflectance / table.reflectance_at(w, skin), 1.0, 2e-4);
+        for (std::size_t l = 0; l < 2; ++l) {
+          auto above = sigma_a, below = sigma_a;
+          above[l] *= 1.0001;
+          below[l] /= 1.0001;
+          const double slope = (local.at(w, above).reflectance - local.at(w, below).reflectance) /
+                               (above[l] - below[l]);
+          EXPECT_NEAR(value.by_sigma_a[l] / slope, 1.0, 1e-4);
+        }
+      }
+    }
+}
+
+}  // namespace
+}  // namespace lamina
