@@ -10,6 +10,7 @@
 
 #include "lamina/core/random.h"
 #include "lamina/core/smooth_step.h"
+#include "lamina/image/blur.h"
 
 namespace lamina {
 namespace {
@@ -50,40 +51,6 @@ double value_at(std::span<const float> sorted, double share) {
 std::vector<float> ascending(std::vector<float> values) {
   std::ranges::sort(values);
   return values;
-}
-
-/// A place in an endless row of mirror images of `length` texels, in the first of them.
-std::size_t mirrored(int i, int length) {
-  i %= 2 * length;
-  if (i < 0) i += 2 * length;
-  return static_cast<std::size_t>(i < length ? i : 2 * length - 1 - i);
-}
-
-/// A Gaussian blur of an image that goes on as its mirror image; `spread` in texels.
-std::vector<float> blurred(const std::vector<float>& image, int width, int height, double spread) {
-  const int reach = static_cast<int>(std::ceil(3.0 * spread));
-  std::vector<float> taps;
-  for (int i = -reach; i <= reach; ++i)
-    taps.push_back(static_cast<float>(std::exp(-0.5 * i * i / (spread * spread))));
-  const float sum = std::accumulate(taps.begin(), taps.end(), 0.0f);
-  /// Along one side of the image, whose texels are `stride` apart in lines that are `next` apart.
-  const auto pass = [&](const std::vector<float>& from, int length, int lines, int stride,
-                        int next) {
-    std::vector<float> to(from.size());
-    std::vector<float> line(static_cast<std::size_t>(length + 2 * reach));
-    for (int l = 0; l < lines; ++l) {
-      const auto at = [&](std::size_t i) {
-        return static_cast<std::size_t>(l * next) + i * static_cast<std::size_t>(stride);
-      };
-      for (int i = -reach; i < length + reach; ++i)
-        line[static_cast<std::size_t>(i + reach)] = from[at(mirrored(i, length))];
-      for (int i = 0; i < length; ++i)
-        to[at(static_cast<std::size_t>(i))] =
-            std::inner_product(taps.begin(), taps.end(), line.begin() + i, 0.0f) / sum;
-    }
-    return to;
-  };
-  return pass(pass(image, width, height, 1, width), height, width, width, 1);
 }
 
 /// Normal deviates of the ranks of values. Of equal values those are lower that lie among lower
@@ -209,9 +176,9 @@ void MapExample::level_values(const Level& level, std::span<const Tile> tiles,
     for (int corner = 0; corner < 4; ++corner) {
       const int i = corner & 1, j = corner >> 1;
       const double share = (i ? x - left : 1.0 - (x - left)) * (j ? y - top : 1.0 - (y - top));
-      const std::size_t texel = maps * (mirrored(static_cast<int>(top) + j, level.height) *
+      const std::size_t texel = maps * (mirrored_index(static_cast<int>(top) + j, level.height) *
                                             static_cast<std::size_t>(level.width) +
-                                        mirrored(static_cast<int>(left) + i, level.width));
+                                        mirrored_index(static_cast<int>(left) + i, level.width));
       for (std::size_t m = 0; m < maps; ++m) {
         coarse[m] += share * coarse_weight * static_cast<double>(level.coarse[texel + m]);
         fine[m] += share * fine_weight * static_cast<double>(level.fine[texel + m]);
