@@ -131,6 +131,12 @@ Option Command::add_flag(const std::string& name, T& value, const std::string& t
   return Option(with_checked_numbers<T>(app_->add_flag(name, value, text)));
 }
 
+Option Command::add_step(const std::string& name,
+                         const std::function<void(const std::string&)>& take,
+                         const std::string& text) const {
+  return Option(app_->add_option_function<std::string>(name, take, text)->trigger_on_parse());
+}
+
 Option Command::add_output_file(const std::string& name, std::string& file, const std::string& text,
                                 const std::string& ending) const {
   constexpr const char* file_type = "FILE";  // marks the files to be written

@@ -63,6 +63,11 @@ class Command {
         [&value](std::string_view given) { value = *find_enum_value<E>(given); }, text);
   }
 
+  /// An option that may be given any number of times, in an order that counts among all of its kind:
+  /// `take` gets each value when its turn comes.
+  Option add_step(const std::string& name, const std::function<void(const std::string&)>& take,
+                  const std::string& text) const;
+
   /// A file to be written, which is refused before the work if it cannot be, or if it has another
   /// `ending` than it must have. "-" passes: --json takes it for standard output.
   Option add_output_file(const std::string& name, std::string& file, const std::string& text,

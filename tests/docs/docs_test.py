@@ -139,6 +139,8 @@ def smaller(words):
             continue
         kept.append(rest[i].replace("--compare", "--compare=500") if subcommand == "slab" else rest[i])
         i += 1
+    if subcommand == "edit" and "--no-preview" not in kept:  # previews take seconds
+        kept.append("--no-preview")
     return [subcommand, *kept, *(word for pair in numbers.items() for word in pair)]
 
 
