@@ -1,0 +1,198 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/acquire/calibration/skin_gains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lamina/acquire/bands/band_choice.h"
+#include "lamina/acquire/calibration/internal/channel_values.h"
+#include "lamina/acquire/calibration/internal/local_median.h"
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
+#include "lamina/core/random.h"
+
+namespace lamina {
+namespace {
+
+DenseMatrix inverse_matrix(const DenseMatrix& a) {
+  DenseMatrix one(a.rows, a.rows);
+  for (std::size_t i = 0; i < a.rows; ++i) one(i, i) = 1.0;
+  return solve_linear(a, one);
+}
+
+/// x^T A x
+double quadratic_form(const DenseMatrix& a, std::span<const double> x) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t j = 0; j < x.size(); ++j) sum += x[i] * a(i, j) * x[j];
+  return sum;
+}
+
+void require_channels(std::size_t given, const SkinColors& population) {
+  if (given != population.mean.size())
+    throw InvalidInput("skin gains: colors must have the " +
+                       std::to_string(population.mean.size()) +
+                       " channels of the population, but have " + std::to_string(given));
+}
+
+/// The curve that 99 % of numbers of a chi-squared law lie below: Wilson and Hilferty's cube.
+double chi_squared_99(double degrees) {
+  constexpr double normal = 2.32635;
+  const double spread = 2.0 / (9.0 * degrees);
+  return degrees * std::pow(1.0 - spread + normal * std::sqrt(spread), 3);
+}
+
+}  // namespace
+
+SkinColors make_skin_colors(const SkinReflectanceTable& table, const DenseMatrix& sensor,
+                            const SkinPopulation& population, bool with_specular, int count,
+                            std::uint64_t seed) {
+  const std::vector<double>& wavelengths = table.wavelengths();
+  const std::size_t channels = sensor.rows, components = population.missed_components.rows;
+  if (count < 100)
+    throw InvalidInput("skin colors: at least 100 skins are required, but " +
+                       std::to_string(count) + " are asked for");
+  if (sensor.columns != wavelengths.size() || channels == 0)
+    throw InvalidInput("skin colors: the sensor must have weights at the " +
+                       std::to_string(wavelengths.size()) + " wavelengths of the table, but has " +
+                       std::to_string(sensor.columns));
+  // What the model misses: at each wavelength its mean, and the size of each component.
+  DenseMatrix missed(components + 1, wavelengths.size());
+  for (std::size_t w = 0; w < wavelengths.size(); ++w) {
+    missed(0, w) = at_wavelength(population, population.missed, wavelengths[w]);
+    for (std::size_t k = 0; k < components; ++k)
+      missed(k + 1, w) =
+          at_wavelength(population, population.missed_components.row(k), wavelengths[w]);
+  }
+  Random random = make_random(seed, 1);
+  const auto normal = [&] {
+    return std::sqrt(-2.0 * std::log(1.0 - random.uniform())) *
+           std::cos(2.0 * std::numbers::pi * random.uniform());
+  };
+  DenseMatrix colors(static_cast<std::size_t>(count), channels);
+  SkinColors result{.mean = std::vector<double>(channels),
+                    .covariance = DenseMatrix(channels, channels)};
+  const std::vector<SkinParameters> skins = draw_skins(population, count, seed);
+  for (std::size_t s = 0; s < skins.size(); ++s) {
+    std::vector<double> spectrum = table.reflectance(skins[s]);
+    for (std::size_t k = 0; k <= components; ++k) {
+      const double size = k == 0 ? 1.0 : normal();
+      for (std::size_t w = 0; w < spectrum.size(); ++w) spectrum[w] += size * missed(k, w);
+    }
+    for (std::size_t c = 0; c < channels; ++c) {
+      double color = 0.0;
+      for (std::size_t w = 0; w < spectrum.size(); ++w)
+        color +=
+            sensor(c, w) * (spectrum[w] + (with_specular ? table.specular_reflectance() : 0.0));
+      colors(s, c) = std::log(std::max(color, 1e-4));  // darker than any skin
+      result.mean[c] += colors(s, c) / count;
+    }
+  }
+  for (std::size_t s = 0; s < skins.size(); ++s)
+    for (std::size_t c = 0; c < channels; ++c)
+      for (std::size_t d = 0; d < channels; ++d)
+        result.covariance(c, d) +=
+            (colors(s, c) - result.mean[c]) * (colors(s, d) - result.mean[d]) / (count - 1);
+  return result;
+}
+
+std::vector<double> median_log_color(const Image& image, const PixelMask& skin) {
+  require_size(skin, image, "skin gains: the mask");
+  const std::size_t channels = image.channel_count();
+  std::vector<std::vector<float>> logs(channels);
+  for (std::size_t i = 0; i < skin.faults.size(); ++i) {
+    const auto pixel = std::span(image.pixels).subspan(i * channels, channels);
+    if (skin.faults[i] != 0 ||
+        !std::ranges::all_of(pixel, [](float v) { return v > 0.0f && std::isfinite(v); }))
+      continue;
+    for (std::size_t c = 0; c < channels; ++c) logs[c].push_back(std::log(pixel[c]));
+  }
+  if (channels == 0 || logs[0].size() < 16)
+    throw InvalidInput("skin gains: at least 16 pixels of skin are required, but there are " +
+                       std::to_string(channels == 0 ? 0 : logs[0].size()));
+  std::vector<double> medians;
+  for (std::vector<float>& each : logs) medians.push_back(static_cast<double>(median_of(each)));
+  return medians;
+}
+
+// With g the logarithms of the gains, m the mean over n people, and mu, C of the population:
+// the least of n (g + m - mu)^T C^-1 (g + m - mu) + g^T P^-1 g.
+SkinGains fit_skin_gains(std::span<const std::vector<double>> people, const SkinColors& population,
+                         const SkinGainPrior& prior) {
+  if (people.empty()) throw InvalidInput("skin gains: the skin of a person is required");
+  const auto& [level, color, widening] = prior;
+  if (!(level > 0.0 && color > 0.0 && widening >= 1.0))
+    throw InvalidInput(
+        "skin gains: deviations of the prior must be > 0 and its widening >= 1, "
+        "but they are " +
+        number_text(level) + ", " + number_text(color) + " and " + number_text(widening));
+  const std::size_t channels = population.mean.size();
+  const auto count = static_cast<double>(people.size());
+  std::vector<double> away(channels);
+  for (const std::vector<double>& person : people) {
+    require_channels(person.size(), population);
+    for (std::size_t c = 0; c < channels; ++c) {
+      if (!std::isfinite(person[c]))
+        throw InvalidInput("skin gains: colors must be finite, but one is " +
+                           number_text(person[c]));
+      away[c] += (population.mean[c] - person[c]) / count;
+    }
+  }
+  DenseMatrix before(channels, channels);
+  for (std::size_t i = 0; i < channels; ++i)
+    for (std::size_t j = 0; j < channels; ++j)
+      before(i, j) = level * level + (i == j ? color * color : 0.0);
+  DenseMatrix known = inverse_matrix(population.covariance);
+  for (double& value : known.values) value /= widening * widening;
+  const DenseMatrix prior_precision = inverse_matrix(before);
+  DenseMatrix precision = prior_precision;
+  std::vector<double> pull(channels);
+  for (std::size_t i = 0; i < channels; ++i)
+    for (std::size_t j = 0; j < channels; ++j) {
+      precision(i, j) += count * known(i, j);
+      pull[i] += count * known(i, j) * away[j];
+    }
+  SkinGains result{.covariance = inverse_matrix(precision)};
+  std::vector<double> logs(channels);
+  for (std::size_t i = 0; i < channels; ++i) {
+    for (std::size_t j = 0; j < channels; ++j) logs[i] += result.covariance(i, j) * pull[j];
+    result.gains.push_back(std::exp(logs[i]));
+    result.prior_share.push_back(std::sqrt(result.covariance(i, i) / before(i, i)));
+  }
+  double squares = quadratic_form(prior_precision, logs);
+  for (const std::vector<double>& person : people) {
+    std::vector<double> left(channels);
+    for (std::size_t c = 0; c < channels; ++c) left[c] = person[c] + logs[c] - population.mean[c];
+    squares += quadratic_form(known, left);
+  }
+  result.distance = std::sqrt(squares / (count * static_cast<double>(channels)));
+  return result;
+}
+
+double share_of_skin(const Image& image, const PixelMask& mask, std::span<const double> gains,
+                     const SkinColors& population) {
+  require_size(mask, image, "skin gains: the mask");
+  require_channels(image.channel_count(), population);
+  require_channels(gains.size(), population);
+  const std::size_t channels = gains.size();
+  const DenseMatrix known = inverse_matrix(population.covariance);
+  const double limit = chi_squared_99(static_cast<double>(channels));
+  std::vector<double> left(channels);
+  std::size_t within = 0, all = 0;
+  for (std::size_t i = 0; i < mask.faults.size(); ++i) {
+    if (mask.faults[i] != 0) continue;
+    ++all;
+    bool is_color = true;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double value = gains[c] * static_cast<double>(image.pixels[i * channels + c]);
+      is_color = is_color && value > 0.0;
+      left[c] = is_color ? std::log(value) - population.mean[c] : 0.0;
+    }
+    within += is_color && quadratic_form(known, left) <= limit ? 1 : 0;
+  }
+  return all > 0 ? static_cast<double>(within) / static_cast<double>(all) : 0.0;
+}
+
+}  // namespace lamina
