@@ -36,15 +36,7 @@ double seconds() {
 
 std::string text_of(const Capture& capture, const AcquiredSkin& skin,
                     const AcquisitionCheck& check) {
-  const auto all = static_cast<double>(skin.kinds.size());
-  std::string text = fmt::format("{} x {} pixels: {:.1f} % skin", skin.width, skin.height,
-                                 100.0 * static_cast<double>(skin.counts[0]) / all);
-  constexpr std::array<const char*, pixel_kinds> kinds = {"skin", "masked", "of no skin's color",
-                                                          "saturated"};
-  for (std::size_t k = 1; k < pixel_kinds; ++k)
-    if (skin.counts[k] > 0)
-      text +=
-          fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all, kinds[k]);
+  std::string text = pixels_text(capture, skin);
   text += fmt::format("\n{:<22} {:>9} {:>9} {:>9} {:>8}  {}\n", "", "median", "5 %", "95 %",
                       "error", "of the prior's error");
   for (const NumberSummary& each : summaries_of(skin))
@@ -57,6 +49,7 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
     text +=
         fmt::format(" {:.1f} % ({})", 100.0 * check.residual[b], capture.reflectance.channels[b]);
   if (check.mean_difference) text += fmt::format(", CIEDE2000 {:.2f}", *check.mean_difference);
+  for (const std::string& note : capture.notes) text += "\nnote: " + note;
   return text + "\n";
 }
 
@@ -67,10 +60,11 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
   json["height"] = skin.height;
   json["lateral"] = "none";
   json["bands"] = capture.reflectance.channels;
-  json["pixels"] = {{"skin", skin.counts[0]},
-                    {"masked", skin.counts[1]},
-                    {"not_skin", skin.counts[2]},
-                    {"saturated", skin.counts[3]}};
+  json["pixels"] = {{"skin", skin.counts[0]}, {"not_skin", skin.counts[2]}};
+  const MaskCounts counts = count_pixels(capture.mask);
+  for (std::size_t f = 0; f < counts.faults.size(); ++f)
+    json["pixels"][enum_names<PixelFault>[f].name] = counts.faults[f];
+  json["notes"] = capture.notes;
   const std::vector<NumberSummary> summaries = summaries_of(skin);
   for (std::size_t n = 0; n < summaries.size(); ++n) {
     const NumberSummary& each = summaries[n];
@@ -125,10 +119,6 @@ void run_acquire(const AcquireOptions& options) {
   JsonOutput json = json_of(capture, skin, check, files);
   json["report"] = page.string();
   json["solving_seconds"] = solved;
-  for (const std::string& warning : capture.warnings) {
-    say("warning: " + warning);
-    json["warnings"].push_back(warning);
-  }
   write_json(json, options.common);
   print(options.common,
         text_of(capture, skin, check) + fmt::format("solved in {:.1f} s; {}, {}\n", solved,

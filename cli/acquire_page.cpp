@@ -143,19 +143,6 @@ std::string calibration_html(const Capture& capture, const std::vector<NumberSum
          html_table(columns, rows);
 }
 
-std::string counts_text(const AcquiredSkin& skin) {
-  const auto all = static_cast<double>(skin.kinds.size());
-  std::string text = fmt::format("{} x {} pixels: {:.1f} % skin", skin.width, skin.height,
-                                 100.0 * static_cast<double>(skin.counts[0]) / all);
-  constexpr std::array<std::string_view, pixel_kinds> names = {"skin", "masked",
-                                                               "of no skin's color", "saturated"};
-  for (std::size_t k = 1; k < pixel_kinds; ++k)
-    if (skin.counts[k] > 0)
-      text +=
-          fmt::format(", {:.1f} % {}", 100.0 * static_cast<double>(skin.counts[k]) / all, names[k]);
-  return text;
-}
-
 std::string residual_text(const Capture& capture, const AcquisitionCheck& check) {
   std::string text = "What the maps reflect differs from the capture by";
   for (std::size_t b = 0; b < check.residual.size(); ++b)
@@ -188,7 +175,9 @@ std::string assumed_html(const Capture& capture) {
           {std::string(range.name), printf_text("%.4g", capture.skin.skin.*range.value)});
   }
   const std::vector<HtmlColumn> columns = {{"what"}, {"is taken as"}};
-  return html_table(columns, rows);
+  std::string notes;
+  for (const std::string& note : capture.notes) notes += "<li>" + html_escaped(note) + "</li>";
+  return (notes.empty() ? "" : "<ul>" + notes + "</ul>") + html_table(columns, rows);
 }
 
 }  // namespace
@@ -218,6 +207,24 @@ std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin) {
   return summaries;
 }
 
+std::string pixels_text(const Capture& capture, const AcquiredSkin& skin) {
+  const auto share = [&](std::size_t count) {
+    return 100.0 * static_cast<double>(count) / static_cast<double>(skin.kinds.size());
+  };
+  std::string text =
+      fmt::format("{} x {} pixels: {:.1f} % skin", skin.width, skin.height, share(skin.counts[0]));
+  if (skin.counts[2] > 0)
+    text += fmt::format(", {:.1f} % of no skin's color", share(skin.counts[2]));
+  const MaskCounts counts = count_pixels(capture.mask);
+  for (std::size_t f = 0; f < counts.faults.size(); ++f)
+    if (counts.faults[f] > 0) {
+      std::string name(enum_names<PixelFault>[f].name);
+      std::ranges::replace(name, '_', ' ');
+      text += fmt::format(", {:.1f} % {}", share(counts.faults[f]), name);
+    }
+  return text;
+}
+
 std::string deviation_text(double deviation, bool is_relative) {
   return is_relative ? printf_text("%.2g %%", 100.0 * deviation) : printf_text("%.2f", deviation);
 }
@@ -242,8 +249,8 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
   }
   return html_page(
       title,
-      "<h1>" + html_escaped(title) + "</h1><p class=\"summary\">" + counts_text(skin) + ". " +
-          residual_text(capture, check) + "</p><div class=\"pictures\">" +
+      "<h1>" + html_escaped(title) + "</h1><p class=\"summary\">" + pixels_text(capture, skin) +
+          ". " + residual_text(capture, check) + "</p><div class=\"pictures\">" +
           picture(for_eyes(check.measured), "captured") +
           picture(for_eyes(check.predicted), "what the maps reflect") + "<div>" +
           picture(map_picture(difference_of(check), 0.0, full_difference, shown),

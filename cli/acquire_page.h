@@ -19,6 +19,9 @@ struct NumberSummary {
 };
 [[nodiscard]] std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin);
 
+/// How many pixels are skin, and what the others are.
+[[nodiscard]] std::string pixels_text(const Capture& capture, const AcquiredSkin& skin);
+
 /// How much an error is, as people say it: "4 %" of a logarithm, ".3" of a logit.
 [[nodiscard]] std::string deviation_text(double deviation, bool is_relative);
 

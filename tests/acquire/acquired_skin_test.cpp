@@ -29,7 +29,6 @@ struct Made {
     capture.sensor = DenseMatrix(3, 3);
     for (std::size_t b = 0; b < 3; ++b) capture.sensor(b, b) = 1.0;
     capture.errors.assign(3, 0.01);
-    capture.saturation.assign(3, 0.99);
     capture.incidence.is_diffuse = true;
     capture.mm_per_pixel = 0.5;
     capture.population = forearm_population();
@@ -47,9 +46,9 @@ struct Made {
       for (std::size_t b = 0; b < 3; ++b)
         capture.reflectance.pixels[3 * i + b] = static_cast<float>(bands[b]);
     }
-    capture.is_masked.assign(24, false);
-    capture.is_masked[1] = true;
-    std::fill_n(capture.reflectance.at(2, 0), 3, 1.0f);                             // saturated
+    capture.mask = make_pixel_mask(6, 4);
+    capture.mask.mark(1, PixelFault::excluded);
+    capture.mask.mark(2, PixelFault::saturated);
     std::ranges::copy(std::array{0.1f, 0.5f, 0.1f}, capture.reflectance.at(3, 0));  // green
   }
 };
@@ -78,9 +77,9 @@ TEST(AcquiredSkin, FindsWhatSkinIsMadeOf) {
 }
 
 TEST(AcquiredSkin, CountsWhatIsNoSkin) {
-  EXPECT_EQ(acquired().counts, (std::array<std::size_t, pixel_kinds>{21, 1, 1, 1}));
-  EXPECT_EQ(acquired().kinds[1], PixelKind::masked);
-  EXPECT_EQ(acquired().kinds[2], PixelKind::saturated);
+  EXPECT_EQ(acquired().counts, (std::array<std::size_t, pixel_kinds>{21, 2, 1}));
+  EXPECT_EQ(acquired().kinds[1], PixelKind::unused);
+  EXPECT_EQ(acquired().kinds[2], PixelKind::unused);
   EXPECT_EQ(acquired().kinds[3], PixelKind::not_skin);
   for (const AcquiredNumber& number : acquired().numbers)
     for (const std::size_t i : {1, 2, 3}) {
@@ -98,8 +97,7 @@ TEST(AcquiredSkin, RefusesWhatHasNoSkin) {
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_STREQ(error.what(),
-                 "capture: no pixel has a color of skin: of 24, 1 are masked, 23 no "
-                 "skin, 0 saturated");
+                 "capture: no pixel has a color of skin: of 24, 2 are not used, 22 no skin");
   }
 }
 

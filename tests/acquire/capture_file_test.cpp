@@ -34,9 +34,9 @@ TEST(CaptureFile, ReadsATexture) {
   EXPECT_EQ(capture.reflectance.channels, (std::vector<std::string>{"R", "G", "B"}));
   EXPECT_EQ(capture.errors, (std::vector{0.01, 0.01, 0.02}));
   EXPECT_FLOAT_EQ(capture.reflectance.at(0, 0)[1], static_cast<float>(srgb_decode(160.0 / 255.0)));
-  EXPECT_EQ(capture.saturation, std::vector(3, 1.0));
-  EXPECT_TRUE(capture.is_masked[3]);
-  EXPECT_FALSE(capture.is_masked[4]);
+  EXPECT_FALSE(capture.mask.is_used(3, 0));  // by the mask
+  EXPECT_TRUE(capture.mask.is_used(4, 0));
+  EXPECT_EQ(count_pixels(capture.mask).faults[3], 9U);  // saturated
   EXPECT_EQ(capture.numbers.size(), 3U);
   EXPECT_EQ(capture.skin.skin.epidermis_thickness, 0.2);
   EXPECT_EQ(*capture.mm_per_pixel, 0.2);
@@ -72,6 +72,37 @@ TEST(CaptureFile, JoinsBands) {
   EXPECT_NEAR(sum, 1.0, 1e-12);
   EXPECT_NEAR(mean, 450.0, 1e-9);
   EXPECT_NEAR(std::sqrt(squares), 20.0 / 2.3548, 0.1);  // a Gaussian's full width at half height
+}
+
+// The files hold skin of .45, .29, .22 with a texture of 4 %, in uneven light, 8 above black, and
+// a highlight of .3 that the crossed image does not have.
+TEST(CaptureFile, DevelopsAPairOfPhotographs) {
+  const Capture capture = load_capture(captures / "good/photograph.json");
+  double sum = 0.0;
+  int count = 0, marked = 0;
+  for (int y = 9; y < 39; ++y)
+    for (int x = 11; x < 53; ++x)
+      if (capture.mask.is_used(x, y)) {
+        sum += static_cast<double>(capture.reflectance.at(x, y)[0]);
+        ++count;
+      } else {
+        ++marked;
+      }
+  EXPECT_NEAR(sum / count, 0.46, 0.01);  // .005 of stray light through the window
+  EXPECT_LT(marked, 300);
+  EXPECT_FALSE(capture.mask.is_used(9, 8));  // at the tape
+  EXPECT_FALSE(capture.light.pixels.empty());
+  EXPECT_EQ(capture.notes.size(), 1U);
+  for (const double error : capture.errors) EXPECT_GT(error, 0.004);
+}
+
+TEST(CaptureFile, TakesWhiteFromACard) {
+  const Capture capture = load_capture(captures / "good/card.json");
+  EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[0]), 0.45, 0.03);
+  EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[2]), 0.22, 0.02);
+  ASSERT_EQ(capture.notes.size(), 1U);
+  EXPECT_TRUE(capture.notes[0].starts_with("the window was found at 8.0, 6.0; 56.0, 6.0;"))
+      << capture.notes[0];
 }
 
 TEST(CaptureFile, WeighsACameraByItsCurvesAndTheLight) {

@@ -2,7 +2,6 @@
 #include "lamina/acquire/acquired_skin.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "lamina/core/error.h"
@@ -10,13 +9,6 @@
 
 namespace lamina {
 namespace {
-
-PixelKind kind_of(const Capture& capture, std::size_t pixel, const float* bands) {
-  if (!capture.is_masked.empty() && capture.is_masked[pixel]) return PixelKind::masked;
-  for (std::size_t b = 0; b < capture.saturation.size(); ++b)
-    if (static_cast<double>(bands[b]) >= capture.saturation[b]) return PixelKind::saturated;
-  return PixelKind::skin;
-}
 
 /// The middle of those of a map that are skin.
 double median_over_skin(const Image& map, const std::vector<PixelKind>& kinds) {
@@ -61,7 +53,7 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       const float* bands = capture.reflectance.pixels.data() + 3 * i;
       const ColorFit fit = table.at({bands[0], bands[1], bands[2]});
-      PixelKind kind = kind_of(capture, i, bands);
+      PixelKind kind = capture.mask.faults[i] == 0 ? PixelKind::skin : PixelKind::unused;
       if (kind == PixelKind::skin && !(fit.distance <= static_cast<float>(farthest_skin)))
         kind = PixelKind::not_skin;
       skin.kinds[i] = kind;
@@ -78,8 +70,7 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
   if (skin.counts[0] == 0)
     throw InvalidInput("capture: no pixel has a color of skin: of " +
                        std::to_string(skin.kinds.size()) + ", " + std::to_string(skin.counts[1]) +
-                       " are masked, " + std::to_string(skin.counts[2]) + " no skin, " +
-                       std::to_string(skin.counts[3]) + " saturated");
+                       " are not used, " + std::to_string(skin.counts[2]) + " no skin");
   for (AcquiredNumber& number : skin.numbers)
     number.prior_share = median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
   return skin;

@@ -16,11 +16,10 @@ namespace lamina {
 /// What a pixel of a capture is.
 enum class PixelKind : std::uint8_t {
   skin,
-  masked,     ///< by a mask, or transparent
-  not_skin,   ///< of a color that skin of the population does not have
-  saturated,  ///< a channel at the top of its file
+  unused,    ///< by the capture's mask, which says why
+  not_skin,  ///< of a color that skin of the population does not have
 };
-inline constexpr std::size_t pixel_kinds = 4;
+inline constexpr std::size_t pixel_kinds = 3;
 
 /// A number of skin at every pixel.
 struct AcquiredNumber {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/acquire/calibration/pixel_mask.h"
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/fit/skin/skin_population.h"
@@ -19,10 +20,11 @@ namespace lamina {
 /// Photographs of skin, registered and calibrated: what each place reflects in some bands.
 struct Capture {
   std::string name;
-  Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are the bands
-  std::vector<double> errors;       ///< [band] standard deviation, relative
-  std::vector<double> saturation;   ///< [band] values from here on are saturated; infinite: none
-  std::vector<bool> is_masked;      ///< [y][x]; empty: nothing is
+  Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are bands
+  Image deviation;    ///< standard deviation of each, by noise
+  PixelMask mask;     ///< pixels that are used
+  std::vector<double> errors;       ///< [band] relative standard deviation, noise and calibration
+  Image light;                      ///< [y][x] pattern of the light, "Y"; empty: even
   std::vector<double> wavelengths;  ///< [nm] of the spectra that bands see
   DenseMatrix sensor;               ///< [band][wavelength] weights of a spectrum, rows of sum 1
   Incidence incidence;              ///< of the light
@@ -32,7 +34,7 @@ struct Capture {
   std::vector<SkinFitNumber> numbers;  ///< what is
   SkinPopulation population;           ///< what is known before
   std::string population_name;         ///< as the file has it
-  std::vector<std::string> warnings;
+  std::vector<std::string> notes;      ///< what was done to the photographs, in sentences
 };
 
 /// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the

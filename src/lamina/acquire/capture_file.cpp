@@ -1,17 +1,18 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <string>
 #include <utility>
 
+#include "lamina/acquire/calibration/develop.h"
+#include "lamina/acquire/calibration/light_window.h"
+#include "lamina/acquire/calibration/registration.h"
 #include "lamina/acquire/capture.h"
-#include "lamina/acquire/internal/decoded_sensor.h"
+#include "lamina/acquire/internal/decoded_photograph.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
 #include "lamina/io/json_input.h"
 #include "lamina/skin_maps/skin_maps.h"
 
@@ -19,93 +20,19 @@ namespace lamina {
 namespace {
 
 using acquire_detail::BandWeightsOverWavelengths;
-using acquire_detail::DecodedSensor;
+using acquire_detail::DecodedPhotograph;
 
 constexpr std::size_t most_images = 64;
-constexpr double default_error = 0.005;
-/// Reflectances of skin lie far within; what is beyond has another unit.
-constexpr float lowest_reflectance = -0.02f, highest_reflectance = 2.0f;
-
-/// One entry of "images".
-struct DecodedImage {
-  Image image;  ///< the channels that are measured
-  Image alpha;  ///< empty: none
-  DecodedSensor sensor;
-  std::vector<double> errors, saturation;
-};
-
-std::vector<std::string> channels_to_read(const JsonObject& object, const Image& image) {
-  if (const auto given = object.optional("channels")) {
-    std::vector<std::string> names;
-    for (const JsonInput& each : given->array(1, most_images)) {
-      names.push_back(each.string());
-      if (!channel_index(image, names.back())) each.refuse("must be a channel of the image");
-    }
-    return names;
-  }
-  std::vector<std::string> names;
-  for (const std::string& name : image.channels)
-    if (name != "A") names.push_back(name);
-  return names;
-}
-
-/// An image without infinities and NaN.
-Image load_finite(const JsonInput& file, ColorEncoding encoding) {
-  try {
-    Image image = load_image(file.file_path(), encoding, file.memory());
-    require_finite(image, file.file_path());
-    return image;
-  } catch (const FileError& error) {
-    file.fail(error.what());
-  }
-}
-
-DecodedImage decode_captured(const JsonInput& value) {
-  const JsonObject object =
-      value.object({"image", "encoding", "channels", "sensor", "error", "white", "saturated"});
-  const JsonInput file = object.required("image");
-  const ColorEncoding encoding = object.required("encoding").choice<ColorEncoding>();
-  const Image whole = load_finite(file, encoding);
-  DecodedImage decoded;
-  const std::vector<std::string> names = channels_to_read(object, whole);
-  decoded.image = select_channels(whole, names);
-  if (channel_index(whole, "A")) decoded.alpha = select_channels(whole, {"A"});
-  decoded.sensor = acquire_detail::decode_sensor(object.required("sensor"), names);
-  const std::size_t bands = names.size();
-  decoded.errors.assign(bands, default_error);
-  if (const auto error = object.optional("error"))
-    decoded.errors = error->number_or_numbers(bands, closed_interval(1e-4, 0.5));
-  decoded.saturation.assign(
-      bands, encoding == ColorEncoding::srgb ? 1.0 : std::numeric_limits<double>::infinity());
-  if (const auto saturated = object.optional("saturated"))
-    decoded.saturation = saturated->number_or_numbers(bands, greater_than(0.0));
-  std::vector<double> white(bands, 1.0);
-  if (const auto given = object.optional("white"))
-    white = given->number_or_numbers(bands, greater_than(0.0));
-  for (std::size_t i = 0; i < decoded.image.pixels.size(); ++i) {
-    float& pixel = decoded.image.pixels[i];
-    pixel = static_cast<float>(static_cast<double>(pixel) / white[i % bands]);
-    if (lowest_reflectance <= pixel && pixel <= highest_reflectance) continue;
-    const auto width = static_cast<std::size_t>(decoded.image.width);
-    file.fail(
-        "must hold fractions of what white reflects, in [-0.02, 2] (\"white\" divides), but "
-        "pixel " +
-        std::to_string(i / bands % width) + ", " + std::to_string(i / bands / width) + " has " +
-        names[i % bands] + " = " + number_text(static_cast<double>(pixel)));
-  }
-  for (std::size_t b = 0; b < bands; ++b) decoded.saturation[b] /= white[b];
-  return decoded;
-}
+constexpr int usual_window_edge = 2;  ///< pixels along it that are left out
 
 /// All channels of all images in one, and spectra over all wavelengths that a band sees.
-void join(const JsonInput& value, std::vector<DecodedImage>& images, Capture& capture) {
+Developed join(const JsonInput& value, std::vector<DecodedPhotograph>& images, Capture& capture) {
   std::vector<std::string> names;
   std::map<double, std::size_t> places;  // of wavelengths
-  for (const DecodedImage& each : images) {
+  for (const DecodedPhotograph& each : images) {
     names.insert(names.end(), each.sensor.names.begin(), each.sensor.names.end());
     capture.errors.insert(capture.errors.end(), each.errors.begin(), each.errors.end());
-    capture.saturation.insert(capture.saturation.end(), each.saturation.begin(),
-                              each.saturation.end());
+    capture.notes.insert(capture.notes.end(), each.notes.begin(), each.notes.end());
     for (const BandWeightsOverWavelengths& band : each.sensor.bands)
       for (const auto& [nm, weight] : band) places[nm] = 0;
   }
@@ -117,40 +44,116 @@ void join(const JsonInput& value, std::vector<DecodedImage>& images, Capture& ca
     capture.wavelengths.push_back(nm);
   }
   capture.sensor = DenseMatrix(names.size(), places.size());
-  const int width = images[0].image.width, height = images[0].image.height;
-  if (images.size() == 1) {
-    capture.reflectance = std::move(images[0].image);
-    capture.reflectance.channels = names;
-  } else {
-    capture.reflectance = make_image(width, height, names);
-  }
   std::size_t first = 0;
-  for (const DecodedImage& each : images) {
-    if (images.size() > 1 && (each.image.width != width || each.image.height != height))
-      value.fail("must be of one size, but are " + std::to_string(width) + " x " +
-                 std::to_string(height) + " and " + std::to_string(each.image.width) + " x " +
-                 std::to_string(each.image.height));
-    const std::size_t bands = each.sensor.bands.size();
-    for (std::size_t b = 0; b < bands; ++b)
+  for (const DecodedPhotograph& each : images) {
+    for (std::size_t b = 0; b < each.sensor.bands.size(); ++b)
       for (const auto& [nm, weight] : each.sensor.bands[b])
         capture.sensor(first + b, places[nm]) += weight;
-    for (std::size_t i = 0; images.size() > 1 && i < each.image.pixels.size(); ++i)
-      capture.reflectance.pixels[i / bands * names.size() + first + i % bands] =
-          each.image.pixels[i];
+    first += each.sensor.bands.size();
+  }
+  if (images.size() == 1) return std::move(images[0].developed);
+  const int width = images[0].developed.mask.width, height = images[0].developed.mask.height;
+  Developed all{.reflectance = make_image(width, height, names),
+                .deviation = make_image(width, height, names),
+                .mask = make_pixel_mask(width, height)};
+  first = 0;
+  for (const DecodedPhotograph& each : images) {
+    const Developed& one = each.developed;
+    if (one.mask.width != width || one.mask.height != height)
+      value.fail("must be of one size, but are " + std::to_string(width) + " x " +
+                 std::to_string(height) + " and " + std::to_string(one.mask.width) + " x " +
+                 std::to_string(one.mask.height));
+    all.mask = combined(all.mask, one.mask);
+    const std::size_t bands = each.sensor.bands.size();
+    for (std::size_t i = 0; i < one.reflectance.pixels.size(); ++i) {
+      const std::size_t to = i / bands * names.size() + first + i % bands;
+      all.reflectance.pixels[to] = one.reflectance.pixels[i];
+      all.deviation.pixels[to] = one.deviation.pixels[i];
+    }
     first += bands;
+  }
+  return all;
+}
+
+void register_bands(const JsonInput& value, Developed& developed, Capture& capture) {
+  const std::vector<std::string>& names = developed.reflectance.channels;
+  try {
+    const std::vector<Registration> found =
+        register_channels(developed.reflectance, 0, developed.mask);
+    std::vector<ImageMotion> motions;
+    for (std::size_t b = 0; b < found.size(); ++b) {
+      if (b > 0) {
+        require_registered(found[b], "the band " + names[b]);
+        capture.notes.push_back(printf_text(
+            "%s was moved by %.2f, %.2f pixels against %s, with an error of %.2f pixels",
+            names[b].c_str(), found[b].motion.shift.x, found[b].motion.shift.y, names[0].c_str(),
+            found[b].error));
+      }
+      motions.push_back(found[b].motion);
+    }
+    developed = moved_back(developed, motions);
+  } catch (const InvalidInput& error) {
+    value.fail(error.what());
   }
 }
 
-void mask_with(const Image& image, const JsonInput& file, Capture& capture) {
-  const Image& pixels = capture.reflectance;
-  if (image.width != pixels.width || image.height != pixels.height)
-    file.fail("must be of the size of the images, " + std::to_string(pixels.width) + " x " +
-              std::to_string(pixels.height) + ", but is " + std::to_string(image.width) + " x " +
+/// The window in a tape: what lies beyond it is not lit.
+void cut_window(const JsonInput& value, const JsonObject& object, Developed& developed,
+                Capture& capture) {
+  std::vector<Vec2> corners;
+  if (value.is_string()) {
+    (void)value.choice<int>({{"find", 0}});
+    try {
+      const LightWindow window = find_light_window(developed.reflectance, "the image");
+      corners.assign(window.corners.begin(), window.corners.end());
+      capture.notes.push_back(
+          printf_text("the window was found at %.1f, %.1f; %.1f, %.1f; %.1f, %.1f; %.1f, %.1f",
+                      corners[0].x, corners[0].y, corners[1].x, corners[1].y, corners[2].x,
+                      corners[2].y, corners[3].x, corners[3].y));
+    } catch (const InvalidInput& error) {
+      value.fail(error.what());
+    }
+  } else {
+    corners = acquire_detail::decode_corners(value, 3, 1000);
+  }
+  const auto edge = object.optional("window_edge");
+  try {
+    capture.light = polygon_image(corners, developed.mask.width, developed.mask.height);
+  } catch (const InvalidInput& error) {
+    value.fail(error.what());
+  }
+  developed.mask = combined(
+      developed.mask, eroded(mask_from_image(capture.light),
+                             edge ? static_cast<int>(edge->integer(0, 1000)) : usual_window_edge));
+}
+
+void mask_by_file(const JsonInput& file, PixelMask& mask) {
+  const Image image = acquire_detail::load_finite(file, ColorEncoding::linear);
+  if (image.width != mask.width || image.height != mask.height)
+    file.fail("must be of the size of the images, " + std::to_string(mask.width) + " x " +
+              std::to_string(mask.height) + ", but is " + std::to_string(image.width) + " x " +
               std::to_string(image.height));
-  const std::size_t count = pixels.pixels.size() / pixels.channel_count();
-  capture.is_masked.resize(count, false);
-  for (std::size_t i = 0; i < count; ++i)
-    if (image.pixels[i * image.channel_count()] < 0.5f) capture.is_masked[i] = true;
+  mask = combined(mask, mask_from_image(image));
+}
+
+/// Of each band, by noise and by calibration: what pixels have in the middle.
+void set_errors(Capture& capture) {
+  const std::size_t bands = capture.reflectance.channel_count();
+  constexpr std::size_t most = 100000;  // pixels that are looked at
+  const std::size_t pixels = capture.mask.faults.size(), step = pixels / most + 1;
+  for (std::size_t b = 0; b < bands; ++b) {
+    std::vector<float> relative;
+    for (std::size_t i = 0; i < pixels; i += step) {
+      const float value = capture.reflectance.pixels[i * bands + b];
+      if (capture.mask.faults[i] == 0 && value > 0.0f)
+        relative.push_back(capture.deviation.pixels[i * bands + b] / value);
+    }
+    if (relative.empty()) continue;
+    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+    std::ranges::nth_element(relative, middle);
+    capture.errors[b] =
+        std::clamp(std::max(capture.errors[b], static_cast<double>(*middle)), 1e-4, 0.5);
+  }
 }
 
 Incidence decode_incidence(const JsonInput& value) {
@@ -183,10 +186,10 @@ void decode_numbers(const JsonObject& object, Capture& capture) {
 Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
                      std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
-  const JsonObject object =
-      document.root().file_object("capture", 1,
-                                  {"name", "source", "images", "mask", "incidence", "specular",
-                                   "mm_per_pixel", "skin", "population", "numbers"});
+  const JsonObject object = document.root().file_object(
+      "capture", 1,
+      {"name", "source", "images", "mask", "register", "mask_highlights", "window", "window_edge",
+       "incidence", "specular", "mm_per_pixel", "skin", "population", "numbers"});
   Capture capture;
   if (const auto name = object.optional("name")) capture.name = name->string();
   if (const auto source = object.optional("source")) (void)source->string();
@@ -216,14 +219,26 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
     capture.mm_per_pixel = given->number(closed_interval(1e-3, 100.0, "mm"));
 
   const JsonInput images = object.required("images");
-  std::vector<DecodedImage> decoded;
+  std::vector<DecodedPhotograph> decoded;
   for (const JsonInput& each : images.array(1, most_images))
-    decoded.push_back(decode_captured(each));
-  join(images, decoded, capture);
-  for (const DecodedImage& each : decoded)
-    if (!each.alpha.pixels.empty()) mask_with(each.alpha, images, capture);
-  if (const auto mask = object.optional("mask"))
-    mask_with(load_finite(*mask, ColorEncoding::linear), *mask, capture);
+    decoded.push_back(acquire_detail::decode_photograph(each));
+  Developed developed = join(images, decoded, capture);
+  if (const auto given = object.optional("register"); given && given->boolean())
+    register_bands(*given, developed, capture);
+  if (const auto given = object.optional("mask_highlights"); given && given->boolean())
+    mark_specular(developed);
+  if (const auto window = object.optional("window"))
+    cut_window(*window, object, developed, capture);
+  if (const auto mask = object.optional("mask")) mask_by_file(*mask, developed.mask);
+  try {
+    require_used_pixels(developed.mask, "images");
+  } catch (const InvalidInput& error) {
+    document.root().fail(error.what());
+  }
+  capture.reflectance = std::move(developed.reflectance);
+  capture.deviation = std::move(developed.deviation);
+  capture.mask = std::move(developed.mask);
+  set_errors(capture);
   return capture;
 }
 

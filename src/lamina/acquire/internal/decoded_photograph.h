@@ -1,0 +1,31 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lamina/acquire/calibration/develop.h"
+#include "lamina/acquire/internal/decoded_sensor.h"
+#include "lamina/core/vec.h"
+#include "lamina/image/image_file.h"
+#include "lamina/io/json_input.h"
+
+namespace lamina::acquire_detail {
+
+/// One entry of "images": what it reflects in its bands, and how its channels see.
+struct DecodedPhotograph {
+  Developed developed;  ///< of the channels that are measured
+  DecodedSensor sensor;
+  std::vector<double> errors;      ///< [band] of the calibration, relative
+  std::vector<std::string> notes;  ///< what was done, in sentences
+};
+[[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value);
+
+/// An image without infinities and NaN.
+[[nodiscard]] Image load_finite(const JsonInput& file, ColorEncoding encoding);
+
+/// Corners in pixels from the upper left corner. @param fewest,most  of them
+[[nodiscard]] std::vector<Vec2> decode_corners(const JsonInput& value, std::size_t fewest,
+                                               std::size_t most);
+
+}  // namespace lamina::acquire_detail
