@@ -43,7 +43,7 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
     text +=
         fmt::format("{:<22} {:>9.4g} {:>9.4g} {:>9.4g} {:>8}  {:.2f}, {}\n", each.name, each.median,
                     each.low, each.high, deviation_text(each.deviation, each.is_relative),
-                    each.prior_share, told_text(each.prior_share));
+                    each.prior_share, told_text(each));
   text += "what the maps reflect differs from the capture by";
   for (std::size_t b = 0; b < check.residual.size(); ++b)
     text +=
@@ -79,7 +79,8 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
                                {"percentile_95", each.high},
                                {"standard_deviation", each.deviation},
                                {"prior_share", each.prior_share},
-                               {"is_from_prior", each.prior_share > share_of_prior},
+                               {"within_share", each.within_share},
+                               {"told", told_text(each)},
                                {"change_by_2_percent", by_band}});
   }
   json["residual"] = check.residual;
@@ -100,10 +101,11 @@ void run_acquire(const AcquireOptions& options) {
   const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
                                    skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
   const SkinColorTable colors = color_table_of(capture, table, part_of(progress, 0.1, 0.7));
-  const AcquiredSkin skin = acquire_pixels(capture, colors, part_of(progress, 0.7, 0.9));
+  AcquiredSkin skin = acquire_pixels(capture, colors, part_of(progress, 0.7, 0.9));
   const double solved = seconds() - start;
   const AcquisitionCheck check =
       check_acquisition(capture, skin, table, 320, part_of(progress, 0.9, 1.0));
+  add_gain_errors(capture, check, skin);
   const fs::path folder =
       options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);

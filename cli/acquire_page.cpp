@@ -88,15 +88,18 @@ std::string map_html(const AcquiredNumber& number, const NumberSummary& summary,
   const Image values = map_picture(thinned(number.values, check), low, high, shown);
   const Image errors = map_picture(thinned(number.deviations, check), 0.0,
                                    std::max(number.prior_deviation, 1e-12), shown);
-  const bool is_told = summary.prior_share <= share_of_prior;
+  const bool is_told = summary.within_share <= share_of_prior;
   std::string html = "<h3>" + html_escaped(summary.name) + "</h3><p class=\"soft\">" +
                      html_escaped(unit_of_number(summary.name)) + "</p>";
+  if (is_told && summary.prior_share > share_of_prior)
+    html +=
+        "<p>Differences within the image are told, the level is not: it is what people have.</p>";
   if (!is_told)
     html +=
         "<p class=\"bad\">From the prior: the capture does not tell it. The map is what people "
         "of these colors have on average, not a measurement.</p>";
   html += std::string("<div class=\"pair") + (is_told ? "" : " untold") + "\"><div>" +
-          picture(values, is_told ? "measured" : "expected by the prior") +
+          picture(values, is_told ? told_text(summary) : "expected by the prior") +
           scale_html(printf_text("%.3g", low < 0.0 ? 0.0 : low), printf_text("%.3g", high)) +
           "</div><div>" + picture(errors, "standard deviation") +
           scale_html("0", deviation_text(number.prior_deviation, summary.is_relative) +
@@ -111,12 +114,12 @@ std::string numbers_html(const std::vector<NumberSummary>& summaries) {
       {"error", true}, {"of the prior's", true}, {"which means"}};
   std::vector<std::vector<std::string>> rows;
   for (const NumberSummary& each : summaries) {
-    const bool is_told = each.prior_share <= share_of_prior;
-    rows.push_back(
-        {html_escaped(each.name), printf_text("%.4g", each.median), printf_text("%.4g", each.low),
-         printf_text("%.4g", each.high), deviation_text(each.deviation, each.is_relative),
-         printf_text("%.2f", each.prior_share),
-         (is_told ? "<span>" : "<span class=\"bad\">") + told_text(each.prior_share) + "</span>"});
+    const bool is_told = each.within_share <= share_of_prior;
+    rows.push_back({html_escaped(each.name), printf_text("%.4g", each.median),
+                    printf_text("%.4g", each.low), printf_text("%.4g", each.high),
+                    deviation_text(each.deviation, each.is_relative),
+                    printf_text("%.2f", each.prior_share),
+                    (is_told ? "<span>" : "<span class=\"bad\">") + told_text(each) + "</span>"});
   }
   return html_table(columns, rows) +
          "<p class=\"soft\">Percentiles over the pixels that are skin. Errors are standard "
@@ -202,7 +205,8 @@ std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin) {
                          .high = percentile(values, 95),
                          .deviation = percentile(deviations, 50),
                          .is_relative = number.number.parameter.scale == FitScale::logarithmic,
-                         .prior_share = number.prior_share});
+                         .prior_share = number.prior_share,
+                         .within_share = number.within_share});
   }
   return summaries;
 }
@@ -229,9 +233,10 @@ std::string deviation_text(double deviation, bool is_relative) {
   return is_relative ? printf_text("%.2g %%", 100.0 * deviation) : printf_text("%.2f", deviation);
 }
 
-std::string told_text(double prior_share) {
-  if (prior_share > share_of_prior) return "from the prior";
-  return prior_share > 0.5 ? "told in part" : "told";
+std::string told_text(const NumberSummary& number) {
+  if (number.prior_share > share_of_prior)
+    return number.within_share > share_of_prior ? "from the prior" : "differences only";
+  return number.prior_share > 0.5 ? "told in part" : "told";
 }
 
 std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,

@@ -15,7 +15,7 @@ struct NumberSummary {
   double low = 0.0, median = 0.0, high = 0.0;  ///< 5th, 50th and 95th percentile
   double deviation = 0.0;                      ///< median, of the coordinate
   bool is_relative = false;                    ///< the coordinate is a logarithm
-  double prior_share = 1.0;
+  double prior_share = 1.0, within_share = 1.0;
 };
 [[nodiscard]] std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin);
 
@@ -25,8 +25,8 @@ struct NumberSummary {
 /// How much an error is, as people say it: "4 %" of a logarithm, ".3" of a logit.
 [[nodiscard]] std::string deviation_text(double deviation, bool is_relative);
 
-/// What a prior's share means: "told", "in part", "from the prior".
-[[nodiscard]] std::string told_text(double prior_share);
+/// What shares of the prior mean: "told", "told in part", "differences only", "from the prior".
+[[nodiscard]] std::string told_text(const NumberSummary& number);
 
 /// An acquisition as one HTML page that needs nothing else: pictures of the capture, of what the
 /// maps reflect, of maps and errors; what is told and what is not; what it hangs on.

@@ -121,6 +121,26 @@ TEST(AcquisitionCheck, SaysHowFarMapsHangOnTheCalibration) {
   }
 }
 
+TEST(AcquisitionCheck, CarriesTheErrorsOfGainsOn) {
+  const AcquisitionCheck check = check_acquisition(made().capture, acquired(), made().table);
+  Capture unsure = made().capture;
+  unsure.gain_covariance = DenseMatrix(3, 3);
+  unsure.gain_covariance(1, 1) = 0.04 * 0.04;
+  AcquiredSkin skin = acquired();
+  add_gain_errors(unsure, check, skin);
+  for (std::size_t n = 0; n < 3; ++n) {  // 4 % of green is twice the change of 2 %
+    const double expected =
+        std::min(skin.numbers[n].prior_deviation,
+                 std::hypot(static_cast<double>(acquired().numbers[n].deviations.pixels[20]),
+                            2.0 * check.by_calibration(1, n)));
+    EXPECT_NEAR(static_cast<double>(skin.numbers[n].deviations.pixels[20]), expected, 1e-5);
+    EXPECT_GE(skin.numbers[n].prior_share, acquired().numbers[n].prior_share);
+  }
+  AcquiredSkin same = acquired();
+  add_gain_errors(made().capture, check, same);
+  EXPECT_EQ(same.numbers[0].deviations.pixels, acquired().numbers[0].deviations.pixels);
+}
+
 TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "lamina_acquired";
   const AcquiredFiles files = save_acquired(acquired(), made().capture, folder, "1.0");

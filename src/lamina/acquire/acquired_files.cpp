@@ -35,14 +35,15 @@ std::string coordinate_of(const FitParameter& parameter) {
 std::vector<ImageNote> notes_of(const AcquiredNumber& number, const Capture& capture,
                                 const std::string& version) {
   const std::string& name = number.number.parameter.name;
-  return {
-      {"lamina.version", version},
-      {"lamina.number", name},
-      {"lamina.unit", unit_of_number(name)},
-      {"lamina.capture", capture.name},
-      {"lamina.population", capture.population_name},
-      {"lamina.prior_share", number_text(number.prior_share)},
-      {"lamina.told", number.prior_share <= share_of_prior ? "by the capture" : "from the prior"}};
+  return {{"lamina.version", version},
+          {"lamina.number", name},
+          {"lamina.unit", unit_of_number(name)},
+          {"lamina.capture", capture.name},
+          {"lamina.population", capture.population_name},
+          {"lamina.prior_share", number_text(number.prior_share)},
+          {"lamina.told", number.prior_share <= share_of_prior    ? "by the capture"
+                          : number.within_share <= share_of_prior ? "differences only"
+                                                                  : "from the prior"}};
 }
 
 /// The maps by the names that recipes of skin have, without their pixels.

@@ -72,7 +72,8 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
                        std::to_string(skin.kinds.size()) + ", " + std::to_string(skin.counts[1]) +
                        " are not used, " + std::to_string(skin.counts[2]) + " no skin");
   for (AcquiredNumber& number : skin.numbers)
-    number.prior_share = median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
+    number.prior_share = number.within_share =
+        median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
   return skin;
 }
 

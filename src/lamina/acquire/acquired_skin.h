@@ -25,9 +25,11 @@ inline constexpr std::size_t pixel_kinds = 3;
 struct AcquiredNumber {
   SkinFitNumber number;
   double prior_deviation = 0.0;  ///< of its coordinate among people
-  Image values;              ///< one channel "Y"; where there is no skin that of the nearest color
-  Image deviations;          ///< of the coordinate, "Y"; where there is no skin the prior's
-  double prior_share = 1.0;  ///< median over skin of the deviation over the prior's
+  Image values;               ///< one channel "Y"; where there is no skin that of the nearest color
+  Image deviations;           ///< of the coordinate, "Y"; where there is no skin the prior's
+  double prior_share = 1.0;   ///< median over skin of the deviation over the prior's
+  double within_share = 1.0;  ///< the same for differences within the image: without errors that
+                              ///< all pixels have alike
 };
 
 /// Maps of what skin is made of, from photographs.

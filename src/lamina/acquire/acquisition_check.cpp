@@ -140,4 +140,23 @@ AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& s
   return check;
 }
 
+void add_gain_errors(const Capture& capture, const AcquisitionCheck& check, AcquiredSkin& skin) {
+  const DenseMatrix& covariance = capture.gain_covariance;
+  if (covariance.rows == 0) return;
+  for (std::size_t n = 0; n < skin.numbers.size(); ++n) {
+    AcquiredNumber& number = skin.numbers[n];
+    double variance = 0.0;
+    for (std::size_t a = 0; a < covariance.rows; ++a)
+      for (std::size_t b = 0; b < covariance.columns; ++b)
+        variance += check.by_calibration(a, n) * covariance(a, b) * check.by_calibration(b, n) /
+                    (calibration_change * calibration_change);
+    const auto common = static_cast<float>(std::sqrt(std::max(variance, 0.0)));
+    const auto most = static_cast<float>(number.prior_deviation);
+    for (float& deviation : number.deviations.pixels)
+      deviation = std::min(most, std::hypot(deviation, common));
+    number.prior_share = std::min(
+        1.0, std::hypot(number.prior_share, static_cast<double>(common) / number.prior_deviation));
+  }
+}
+
 }  // namespace lamina

@@ -32,4 +32,8 @@ struct AcquisitionCheck {
                                                  const SkinReflectanceTable& table, int size = 320,
                                                  const Progress& progress = {});
 
+/// Adds errors of gains that are not known to the deviations of maps: by how far numbers move with
+/// bands at the median color, and at most the prior's.
+void add_gain_errors(const Capture& capture, const AcquisitionCheck& check, AcquiredSkin& skin);
+
 }  // namespace lamina

@@ -23,7 +23,10 @@ struct Capture {
   Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are bands
   Image deviation;    ///< standard deviation of each, by noise
   PixelMask mask;     ///< pixels that are used
-  std::vector<double> errors;       ///< [band] relative standard deviation, noise and calibration
+  std::vector<double> errors;  ///< [band] relative standard deviation, noise and calibration
+  /// Of the logarithms of gains that are not known, [band][band]: the same error at all pixels.
+  /// Empty: none
+  DenseMatrix gain_covariance;
   Image light;                      ///< [y][x] pattern of the light, "Y"; empty: even
   std::vector<double> wavelengths;  ///< [nm] of the spectra that bands see
   DenseMatrix sensor;               ///< [band][wavelength] weights of a spectrum, rows of sum 1

@@ -9,11 +9,13 @@
 #include "lamina/acquire/calibration/develop.h"
 #include "lamina/acquire/calibration/light_window.h"
 #include "lamina/acquire/calibration/registration.h"
+#include "lamina/acquire/calibration/skin_gains.h"
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/internal/decoded_photograph.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/json_input.h"
+#include "lamina/reflectance/skin_reflectance_table.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {
@@ -136,6 +138,32 @@ void mask_by_file(const JsonInput& file, PixelMask& mask) {
   mask = combined(mask, mask_from_image(image));
 }
 
+/// Gains that make the middle of the image skin of the population.
+void fit_gains(const JsonInput& value, Developed& developed, Capture& capture) {
+  (void)value.choice<int>({{"from_skin", 0}});
+  constexpr int people = 1000;
+  try {
+    const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
+                                     skin_fit_range(capture.skin.skin));
+    const std::vector<double> seen = median_log_color(developed.reflectance, developed.mask);
+    const SkinGains found =
+        fit_skin_gains({&seen, 1}, make_skin_colors(table, capture.sensor, capture.population,
+                                                    capture.has_specular, people, 1));
+    const std::size_t bands = found.gains.size();
+    std::string text = "bands were multiplied by";
+    for (std::size_t b = 0; b < bands; ++b)
+      text += printf_text("%s %.3f ± %.0f %%", b == 0 ? "" : ",", found.gains[b],
+                          100.0 * std::sqrt(found.covariance(b, b)));
+    capture.notes.push_back(text + ", which makes the middle of the image skin of the population");
+    for (Image* image : {&developed.reflectance, &developed.deviation})
+      for (std::size_t i = 0; i < image->pixels.size(); ++i)
+        image->pixels[i] *= static_cast<float>(found.gains[i % bands]);
+    capture.gain_covariance = found.covariance;
+  } catch (const InvalidInput& error) {
+    value.fail(error.what());
+  }
+}
+
 /// Of each band, by noise and by calibration: what pixels have in the middle.
 void set_errors(Capture& capture) {
   const std::size_t bands = capture.reflectance.channel_count();
@@ -189,7 +217,7 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
   const JsonObject object = document.root().file_object(
       "capture", 1,
       {"name", "source", "images", "mask", "register", "mask_highlights", "window", "window_edge",
-       "incidence", "specular", "mm_per_pixel", "skin", "population", "numbers"});
+       "gains", "incidence", "specular", "mm_per_pixel", "skin", "population", "numbers"});
   Capture capture;
   if (const auto name = object.optional("name")) capture.name = name->string();
   if (const auto source = object.optional("source")) (void)source->string();
@@ -231,10 +259,11 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
     cut_window(*window, object, developed, capture);
   if (const auto mask = object.optional("mask")) mask_by_file(*mask, developed.mask);
   try {
-    require_used_pixels(developed.mask, "images");
+    require_used_pixels(developed.mask, "the mask");
   } catch (const InvalidInput& error) {
-    document.root().fail(error.what());
+    images.fail(error.what());
   }
+  if (const auto gains = object.optional("gains")) fit_gains(*gains, developed, capture);
   capture.reflectance = std::move(developed.reflectance);
   capture.deviation = std::move(developed.deviation);
   capture.mask = std::move(developed.mask);
