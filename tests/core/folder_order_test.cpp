@@ -166,6 +166,7 @@ TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
       {"Imath/", {"image"}},
       {"png.h", {"image"}},
       {"tiff", {"image"}},
+      {"libraw/", {"image"}},
       {"tbb/", {"core"}},
       {"nlohmann/", {"io"}},
   };

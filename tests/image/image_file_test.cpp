@@ -252,7 +252,7 @@ TEST_F(ImageFile, ThatIsNoImageIsAFileErrorInOneLine) {
   std::ofstream(path("empty.exr")).flush();
   for (const auto& [file, says] :
        {std::pair{path("missing.exr"), "there is no such file"}, std::pair{folder_, "is a folder"},
-        std::pair{path("text.png"), "EXR, PNG, TIFF or ENVI"},
+        std::pair{path("text.png"), "EXR, PNG, TIFF, ENVI or camera raw"},
         std::pair{path("photo.png"), "a JPEG"}, std::pair{path("empty.exr"), "is empty"},
         std::pair{path("text.png/x"), "x:"},
         std::pair{std::filesystem::path("/dev/zero"), "is a device"}}) {

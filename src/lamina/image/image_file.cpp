@@ -40,6 +40,14 @@ std::string_view known_but_unread(std::span<const std::byte> bytes) {
   return {};
 }
 
+/// Files of cameras that are no TIFF, by their first bytes: RAF, ORF, RW2, X3F and CR3.
+bool is_camera_raw(std::span<const std::byte> bytes) {
+  for (const std::string_view magic :
+       {"FUJIFILM"sv, "IIRO"sv, "IIRS"sv, "MMOR"sv, "IIU\0"sv, "FOVb"sv})
+    if (starts_with(bytes, magic)) return true;
+  return bytes.size() > 12 && starts_with(bytes.subspan(4), "ftypcrx");
+}
+
 }  // namespace
 
 void fail_to_decode(const EncodedImage& file, const char* format, const std::string& why) {
@@ -96,13 +104,16 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
   if (starts_with(bytes, "\x76\x2f\x31\x01"sv)) return decode_exr(file);
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n"sv)) return decode_png(file);
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
-    if (starts_with(bytes, magic)) return decode_tiff(file);
+    if (starts_with(bytes, magic))
+      return is_raw_tiff(file) ? decode_camera_raw(file, Demosaic::bilinear).image
+                               : decode_tiff(file);
+  if (is_camera_raw(bytes)) return decode_camera_raw(file, Demosaic::bilinear).image;
   if (starts_with(bytes, "ENVI"))
     throw FileError(name +
                     ": must be an image, but is the header of an ENVI image, whose numbers " +
                     "are in a file beside it");
   const std::string_view other = known_but_unread(bytes);
-  throw FileError(name + ": must be an EXR, PNG, TIFF or ENVI image, but " +
+  throw FileError(name + ": must be an EXR, PNG, TIFF, ENVI or camera raw image, but " +
                   (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
 }
 

@@ -24,7 +24,7 @@ template <>
 inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
     {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
-/// Reads an EXR, PNG, TIFF or ENVI file; what it is, its first bytes say, not its name.
+/// Reads an EXR, PNG, TIFF, ENVI or camera raw file; what it is, its first bytes say, not its name.
 ///
 /// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
 ///   file with several parts the first. The image is the display window; pixels of the data window
@@ -33,6 +33,7 @@ inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEn
 /// - TIFF: grey or RGB, with or without alpha, 8, 16 or 32 bits, or 16, 32 or 64 bit
 ///   floating point.
 /// - ENVI: the path of its header; see load_envi for parts of large files.
+/// - Camera raw, where lamina is built with libraw: linear colors of the sensor (load_camera_raw).
 ///
 /// @return  integers scaled to [0, 1]; floating point numbers as they are,
 ///          infinities and NaN included (see require_finite).

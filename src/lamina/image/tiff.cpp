@@ -14,6 +14,8 @@
 namespace lamina {
 namespace {
 
+constexpr std::size_t most_at_once = std::size_t{1} << 30;  ///< [bytes] that libtiff takes
+
 /// The file in memory and the first error that libtiff reports.
 struct Source {
   std::span<const std::byte> bytes;
@@ -245,8 +247,21 @@ void read_tiles(const EncodedImage& file, TIFF* tiff, Source& source, const Plac
 
 }  // namespace
 
+bool is_raw_tiff(const EncodedImage& file) {
+  Source source{.bytes = file.bytes, .most_at_once = std::min(most_at_once, file.memory.left)};
+  const Handle tiff = open(source);
+  if (!tiff) return false;
+  const std::uint8_t* version = nullptr;
+  if (TIFFGetField(tiff.get(), TIFFTAG_DNGVERSION, &version) == 1) return true;
+  std::uint32_t kind = 0;
+  std::uint16_t count = 0;
+  const std::uint64_t* others = nullptr;
+  TIFFGetField(tiff.get(), TIFFTAG_SUBFILETYPE, &kind);
+  return (kind & FILETYPE_REDUCEDIMAGE) != 0 &&
+         TIFFGetField(tiff.get(), TIFFTAG_SUBIFD, &count, &others) == 1;
+}
+
 Image decode_tiff(const EncodedImage& file) {
-  constexpr std::size_t most_at_once = std::size_t{1} << 30;
   Source source{.bytes = file.bytes, .most_at_once = std::min(most_at_once, file.memory.left)};
   const Handle tiff = open(source);
   if (!tiff) fail_to_decode(file, "TIFF", source.error);

@@ -103,7 +103,7 @@ struct Line {
 };
 
 /// Total least squares with Cauchy's weights, so that dirt on an edge does not turn it.
-Line fitted_line(const std::vector<Vec2>& points, Vec2 direction) {
+Line fitted_side(const std::vector<Vec2>& points, Vec2 direction) {
   constexpr double limit = 0.5;  // [pixel]
   Line line{points[0], direction};
   for (int i = 0; i < 12; ++i) {
@@ -160,7 +160,7 @@ std::optional<LightWindow> refined(const GrayImage& image, const std::array<Vec2
       if (const auto point = edge_point(image, from + (d / length) * along, outward, reach))
         points.push_back(*point);
     if (static_cast<double>(points.size()) < 0.5 * (length - 2.0 * rim)) return std::nullopt;
-    sides[s] = fitted_line(points, along);
+    sides[s] = fitted_side(points, along);
     squares += sides[s].squares;
     points_of_all += static_cast<double>(points.size());
   }

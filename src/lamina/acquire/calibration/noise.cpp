@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lamina/acquire/calibration/internal/channel_values.h"
+#include "lamina/acquire/calibration/internal/chi_squared.h"
 #include "lamina/core/error.h"
 
 namespace lamina {
@@ -20,13 +21,6 @@ constexpr int most_classes = 24, least_blocks = 16;
 struct Brightness {
   double mean = 0.0, variance = 0.0;
 };
-
-/// The value below which a share of chi-squared numbers lies, over their mean: Wilson and
-/// Hilferty's cube, within 1 % of it from 10 degrees on. @param normal  the same of normal numbers.
-double chi_squared_quantile(double degrees, double normal) {
-  const double spread = 2.0 / (9.0 * degrees);
-  return std::pow(1.0 - spread + normal * std::sqrt(spread), 3);
-}
 
 /// Mean and variance of a used block; absent if a pixel of it is not used, or no number.
 /// @param contrast  of a cell of 2 x 2 pixels at (x, y), of the variance of one pixel

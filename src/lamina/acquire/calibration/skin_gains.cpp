@@ -8,6 +8,7 @@
 
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/acquire/calibration/internal/channel_values.h"
+#include "lamina/acquire/calibration/internal/chi_squared.h"
 #include "lamina/acquire/calibration/internal/local_median.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
@@ -35,13 +36,6 @@ void require_channels(std::size_t given, const SkinColors& population) {
     throw InvalidInput("skin gains: colors must have the " +
                        std::to_string(population.mean.size()) +
                        " channels of the population, but have " + std::to_string(given));
-}
-
-/// The curve that 99 % of numbers of a chi-squared law lie below: Wilson and Hilferty's cube.
-double chi_squared_99(double degrees) {
-  constexpr double normal = 2.32635;
-  const double spread = 2.0 / (9.0 * degrees);
-  return degrees * std::pow(1.0 - spread + normal * std::sqrt(spread), 3);
 }
 
 }  // namespace
@@ -178,7 +172,9 @@ double share_of_skin(const Image& image, const PixelMask& mask, std::span<const 
   require_channels(gains.size(), population);
   const std::size_t channels = gains.size();
   const DenseMatrix known = inverse_matrix(population.covariance);
-  const double limit = chi_squared_99(static_cast<double>(channels));
+  constexpr double normal_of_99 = 2.32635;
+  const auto degrees = static_cast<double>(channels);
+  const double limit = degrees * chi_squared_quantile(degrees, normal_of_99);
   std::vector<double> left(channels);
   std::size_t within = 0, all = 0;
   for (std::size_t i = 0; i < mask.faults.size(); ++i) {

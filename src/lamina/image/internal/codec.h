@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "lamina/image/camera_raw.h"
 #include "lamina/image/image.h"
 #include "lamina/image/image_file.h"
 
@@ -24,6 +25,11 @@ struct EncodedImage {
 [[nodiscard]] Image decode_exr(const EncodedImage& file);
 [[nodiscard]] Image decode_png(const EncodedImage& file);
 [[nodiscard]] Image decode_tiff(const EncodedImage& file);
+[[nodiscard]] CameraRaw decode_camera_raw(const EncodedImage& file, Demosaic demosaic);
+
+/// Whether a TIFF file is one of a camera's: a DNG, or one whose first image is a preview of
+/// others.
+[[nodiscard]] bool is_raw_tiff(const EncodedImage& file);
 
 /// Throws FileError: `NAME: cannot be read as FORMAT: WHY`, in one line.
 [[noreturn]] void fail_to_decode(const EncodedImage& file, const char* format,
