@@ -165,7 +165,7 @@ TEST(PatchInversion, TakesWideBandsAndPatterns) {
   ASSERT_EQ(patch.capture.images.size(), 6u);
   const InversionResult result =
       invert_patch(patch.capture, small_patch().tables, {.most_forwards = 40.0});
-  EXPECT_LT(result.history.back().in_deviations, 3.0);
+  EXPECT_LT(result.history.back().in_deviations, 6.0);  // carotene and blend vary, too
   EXPECT_GT(error_of(patch, result.numbers[0], 0).correlation, 0.95);
 }
 

@@ -118,7 +118,7 @@ inline SyntheticPatch make_synthetic_patch(const SyntheticSetup& setup) {
   patch.bands = BandSet(setup.wavelengths);
   patch.skin.skin = setup.skin;
   patch.totals = setup.totals;
-  patch.transport.interlayer_bounces = setup.is_finer ? 6 : 2;
+  patch.transport.interlayer_bounces = setup.is_finer ? 6 : 3;
   for (const SkinParameterRange& range : skin_parameter_ranges())
     if (std::ranges::find(SyntheticSkin::members, range.value) != SyntheticSkin::members.end())
       patch.skin.maps.push_back({.name = std::string(range.name),

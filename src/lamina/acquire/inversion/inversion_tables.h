@@ -25,7 +25,7 @@ struct InversionModel {
   /// False: for InversionMethod::per_pixel alone, and light that does not travel sideways.
   bool has_transport = true;
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
-  TransportOptions transport = {};
+  TransportOptions transport = {.interlayer_bounces = 3};
   ProfileAt profile = ProfileAt::both;
 };
 

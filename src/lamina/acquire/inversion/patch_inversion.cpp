@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/coarser_capture.h"
 #include "lamina/acquire/inversion/internal/gauss_newton.h"
+#include "lamina/acquire/inversion/internal/gradient_methods.h"
 #include "lamina/acquire/inversion/internal/local_fit.h"
+#include "lamina/acquire/inversion/internal/posterior.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 
@@ -112,33 +115,122 @@ void put_results(const PatchObjective& objective, const InversionCourse& course,
   result.stop = course.stop;
 }
 
+/// A capture on one grid.
+struct PatchGrid {
+  PatchGrid(const PatchCapture& capture, const InversionTables& tables,
+            const InversionOptions& options, double cost, double spent)
+      : light(capture, tables, cost, spent),
+        objective(capture, tables, options, light),
+        level(detail::light_levels(objective)) {}
+  PatchLight light;
+  PatchObjective objective;
+  TexelMaps level;
+};
+
+/// Weights of smoothness with which the maps at hand are most likely, given the images: as many
+/// texels as these tell, over the squared differences of neighbors. Source: [MacKay1992].
+void choose_smoothness(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
+                       std::uint64_t index) {
+  const auto must_end = [&] { return course.must_end(3.0); };
+  if (must_end()) return;
+  PatchObjective& objective = grid.objective;
+  PatchState& best = course.best;
+  best.images = grid.light.images(best.coordinates);
+  objective.linearize(best);
+  const detail::BandBlocks blocks(objective, best.coordinates, grid.level);
+  const detail::PosteriorSample draw =
+      detail::draw_posterior(objective, blocks, options.seed, index, must_end);
+  const std::vector<double> squares = objective.squared_differences(best.coordinates);
+  std::vector<double> weights = objective.smoothness();
+  const std::vector<double> usual = usual_smoothness(objective.tables());
+  for (std::size_t n = 0; n < weights.size(); ++n)
+    weights[n] = std::clamp(std::max(draw.told[n], 1.0) / std::max(squares[n], 1e-12),
+                            usual[n] / 2.0, usual[n] * 30.0);
+  objective.set_smoothness(std::move(weights));
+  objective.weigh_again(best);
+}
+
+/// What a coarser grid hands to a finer one.
+struct CoarseSolution {
+  TexelMaps coordinates;
+  std::vector<double> smoothness;
+  double spent = 0.0;  ///< forward equivalents
+};
+
+CoarseSolution finer_start(const PatchCapture& capture, const InversionTables& tables,
+                           const InversionOptions& options, const Progress& progress, double cost);
+
 /// Coordinates to start from: those of a capture half as fine, where errors that vary slowly cost
 /// little to remove, down to a few texels a side; there those of each texel by itself.
-TexelMaps coarse_solution(const PatchCapture& capture, const InversionTables& tables,
-                          const InversionOptions& options, const std::vector<double>& smoothness,
-                          const Progress& progress, double cost, double& spent) {
+CoarseSolution coarse_solution(const PatchCapture& capture, const InversionTables& tables,
+                               const InversionOptions& options, const Progress& progress,
+                               double cost) {
   constexpr int least_side = 20;
-  constexpr double most_own_forwards = 30.0;
-  std::optional<TexelMaps> start;
-  if (std::min(capture.width, capture.height) >= 2 * least_side) {
-    const PatchCapture coarse = detail::coarser_capture(capture);
-    start = detail::on_finer(
-        coarse_solution(coarse, tables, options, smoothness, progress, 0.25 * cost, spent),
-        capture);
+  constexpr double most_own_forwards = 16.0;
+  CoarseSolution start;
+  const bool is_coarsest = std::min(capture.width, capture.height) < 2 * least_side;
+  if (!is_coarsest) start = finer_start(capture, tables, options, progress, cost);
+  PatchGrid grid(capture, tables, options, cost, start.spent);
+  if (is_coarsest) {
+    start.coordinates = detail::fit_texels(grid.objective, grid.level, options.robust_limit);
+    start.smoothness = options.smoothness.empty() ? usual_smoothness(tables) : options.smoothness;
   }
-  PatchLight light(capture, tables, cost, spent);
-  PatchObjective objective(capture, tables, options, light);
-  objective.set_smoothness(smoothness);
-  const TexelMaps level = detail::light_levels(objective);
-  if (!start) start = detail::fit_texels(objective, level, options.robust_limit);
+  grid.objective.set_smoothness(start.smoothness);
   InversionOptions own = options;
-  own.most_forwards = std::min(options.most_forwards, light.forwards() + most_own_forwards * cost);
+  own.most_forwards =
+      std::min(options.most_forwards, grid.light.forwards() + most_own_forwards * cost);
   own.stops_at_noise = false;
   own.tolerance = 0.03;
-  InversionCourse course(own, light, progress, objective.state(std::move(*start)));
-  detail::run_gauss_newton(objective, level, course);
-  spent = light.forwards();
-  return std::move(course.best.coordinates);
+  InversionCourse course(own, grid.light, progress, grid.objective.state(start.coordinates));
+  detail::run_gauss_newton(grid.objective, grid.level, course);
+  if (is_coarsest && options.smoothness.empty() && course.stop != InversionStop::interrupted) {
+    own.most_forwards += 2.0 * most_own_forwards * cost;
+    choose_smoothness(grid, course, options, 0);
+  }
+  return {std::move(course.best.coordinates), grid.objective.smoothness(), grid.light.forwards()};
+}
+
+/// The coarser grid's solution on a finer one.
+CoarseSolution finer_start(const PatchCapture& capture, const InversionTables& tables,
+                           const InversionOptions& options, const Progress& progress, double cost) {
+  CoarseSolution start =
+      coarse_solution(detail::coarser_capture(capture), tables, options, progress, 0.25 * cost);
+  start.coordinates = detail::on_finer(start.coordinates, capture);
+  // Smooth maps differ half as much between texels half as wide; rough ones as much as before.
+  if (options.smoothness.empty())
+    for (double& weight : start.smoothness) weight *= 2.0;
+  return start;
+}
+
+/// Standard deviations, their shares of the prior's and correlations.
+void add_deviations(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
+                    InversionResult& result) {
+  const double before = grid.light.forwards();
+  PatchObjective& objective = grid.objective;
+  course.best.images = grid.light.images(course.best.coordinates);
+  objective.linearize(course.best);
+  const detail::BandBlocks blocks(objective, course.best.coordinates, grid.level);
+  std::vector<TexelMaps> draws;
+  const auto must_end = [&] { return course.is_interrupted(); };
+  for (int d = 0; d < options.deviation_samples && !must_end(); ++d)
+    draws.push_back(detail::draw_posterior(objective, blocks, options.seed,
+                                           100 + static_cast<std::uint64_t>(d), must_end)
+                        .off);
+  result.deviation_forwards = grid.light.forwards() - before;
+  if (draws.empty() || course.stop == InversionStop::interrupted) return;
+  detail::PosteriorErrors errors = detail::posterior_errors(objective, blocks, draws);
+  result.correlation = std::move(errors.correlation);
+  const DenseMatrix& precision = objective.tables().prior_precision;
+  DenseMatrix one(precision.rows, precision.rows);
+  for (std::size_t n = 0; n < precision.rows; ++n) one(n, n) = 1.0;
+  const DenseMatrix covariance = solve_linear(precision, one);
+  for (std::size_t n = 0; n < errors.deviations.size(); ++n) {
+    NumberMap& map = result.numbers[n];
+    map.deviation = {map.value.width, map.value.height, std::move(errors.deviations[n])};
+    map.prior_share = map.deviation;
+    const auto prior = static_cast<float>(std::sqrt(covariance(n, n)));
+    for (float& value : map.prior_share.values) value /= prior;
+  }
 }
 
 }  // namespace
@@ -147,32 +239,50 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
                              const InversionOptions& options, const Progress& progress) {
   check_capture(capture);
   check(capture, tables, options);
-  const bool is_local = options.method == InversionMethod::per_pixel;
-  std::vector<double> smoothness(tables.numbers.size(), 0.0);
-  if (!is_local)
-    smoothness = options.smoothness.empty() ? usual_smoothness(tables) : options.smoothness;
-  double spent = 0.0;
-  TexelMaps start;
-  if (!options.start.empty()) {
-    start = coordinates_of(options.start, tables);
-  } else if (options.method == InversionMethod::gauss_newton) {
-    start = detail::on_finer(coarse_solution(detail::coarser_capture(capture), tables, options,
-                                             smoothness, progress, 0.25, spent),
-                             capture);
+  const InversionMethod method = options.method;
+  const bool is_local = method == InversionMethod::per_pixel;
+  const bool is_descent = method == InversionMethod::gradient_descent;
+  const std::size_t numbers = tables.numbers.size();
+  CoarseSolution start{.smoothness = std::vector<double>(numbers, 0.0)};
+  if (!is_local && !is_descent) {
+    if (options.start.empty())
+      start = finer_start(capture, tables, options, progress, 1.0);
+    else
+      start.smoothness = options.smoothness.empty() ? usual_smoothness(tables) : options.smoothness;
   }
-  PatchLight light(capture, tables, 1.0, spent);
-  PatchObjective objective(capture, tables, options, light);
-  objective.set_smoothness(smoothness);
-  const TexelMaps level = detail::light_levels(objective);
-  if (start.empty()) start = detail::fit_texels(objective, level, options.robust_limit);
-  PatchState state = is_local
-                         ? objective.state(start, detail::local_images(objective, level, start))
-                         : objective.state(std::move(start));
-  InversionCourse course(options, light, progress, std::move(state));
-  if (options.method == InversionMethod::gauss_newton)
-    detail::run_gauss_newton(objective, level, course);
+  if (!options.start.empty()) start.coordinates = coordinates_of(options.start, tables);
+  PatchGrid grid(capture, tables, options, 1.0, start.spent);
+  grid.objective.set_smoothness(start.smoothness);
+  if (start.coordinates.empty() && is_descent)
+    for (const double coordinate : tables.reference)
+      start.coordinates.emplace_back(capture.images[0].reflected.values.size(),
+                                     static_cast<float>(coordinate));
+  if (start.coordinates.empty())
+    start.coordinates = detail::fit_texels(grid.objective, grid.level, options.robust_limit);
+  PatchState state = tables.stacks.empty()
+                         ? grid.objective.state(
+                               start.coordinates,
+                               detail::local_images(grid.objective, grid.level, start.coordinates))
+                         : grid.objective.state(start.coordinates);
+  InversionCourse course(options, grid.light, progress, std::move(state));
+  if (is_descent) detail::run_gradient_descent(grid.objective, course);
+  if (!is_local && !is_descent) {
+    const auto run = [&](int most_steps) {
+      if (method == InversionMethod::lbfgs)
+        detail::run_lbfgs(grid.objective, grid.level, course, most_steps);
+      else
+        detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
+    };
+    if (options.smoothness.empty()) {
+      run(method == InversionMethod::lbfgs ? 20 : 2);
+      if (course.goes_on()) choose_smoothness(grid, course, options, 1);
+    }
+    if (course.goes_on()) run(std::numeric_limits<int>::max());
+  }
   InversionResult result;
-  put_results(objective, course, result);
+  put_results(grid.objective, course, result);
+  if (options.deviation_samples > 0 && !is_local) add_deviations(grid, course, options, result);
+  result.stop = course.stop;
   return result;
 }
 

@@ -224,4 +224,30 @@ TexelMaps BandBlocks::solve(const TexelMaps& b) const {
   return sum;
 }
 
+TexelMaps BandBlocks::inverse_diagonal() const {
+  const std::size_t entries = numbers_ * (numbers_ + 1) / 2;
+  TexelMaps sum;
+  for (std::size_t o = octaves_.size(); o-- > 0;) {
+    const GridSize size = octaves_[o].size;
+    // Of the waves of a grid one in four is left for the next one.
+    const double part =
+        std::pow(0.25, static_cast<double>(o)) * (o + 1 == octaves_.size() ? 1.0 : 0.75);
+    if (sum.empty())
+      sum.assign(numbers_, std::vector<float>(size.texels(), 0.0f));
+    else
+      for (std::vector<float>& map : sum) map = on_fine(size, map);
+    for_chunks(size.texels(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        const StoredTriangle lower{&octaves_[o].lower[t * entries]};
+        for (std::size_t n = 0; n < numbers_; ++n) {
+          TexelNumbers unit = {};
+          unit[n] = part;
+          sum[n][t] += static_cast<float>(solve_cholesky(lower, numbers_, unit)[n]);
+        }
+      }
+    });
+  }
+  return sum;
+}
+
 }  // namespace lamina::detail

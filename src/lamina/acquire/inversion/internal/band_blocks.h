@@ -27,6 +27,8 @@ class BandBlocks {
 
   /// About the inverse of the matrix times a vector.
   [[nodiscard]] TexelMaps solve(const TexelMaps& b) const;
+  /// About the diagonal of the inverse, [number].
+  [[nodiscard]] TexelMaps inverse_diagonal() const;
 
  private:
   /// How images follow numbers, per deviation: [image * numbers + number][texel].

@@ -3,11 +3,12 @@
 
 namespace lamina::detail {
 
-void run_gauss_newton(PatchObjective& objective, const TexelMaps& level, InversionCourse& course) {
-  constexpr int most_steps = 12;  // of conjugate gradients
+void run_gauss_newton(PatchObjective& objective, const TexelMaps& level, InversionCourse& course,
+                      int most_steps) {
+  constexpr int most_inner_steps = 12;  // of conjugate gradients
   constexpr double tolerance = 0.03;
   constexpr float longest = 1.5f;  // of a step, in coordinates
-  while (!course.must_end(4.0)) {
+  for (int taken = 0; taken < most_steps && !course.must_end(4.0); ++taken) {
     const PatchState& at = course.best;
     objective.linearize(at);
     TexelMaps downhill = objective.gradient(at);
@@ -15,8 +16,8 @@ void run_gauss_newton(PatchObjective& objective, const TexelMaps& level, Inversi
       for (float& value : map) value = -value;
     const BandBlocks blocks(objective, at.coordinates, level);
     TexelMaps step =
-        solve_by_conjugate_gradients(objective, blocks, std::move(downhill), most_steps, tolerance,
-                                     [&] { return course.must_end(3.0); });
+        solve_by_conjugate_gradients(objective, blocks, std::move(downhill), most_inner_steps,
+                                     tolerance, [&] { return course.must_end(3.0); });
     if (course.stop == InversionStop::interrupted) return;
     for (std::vector<float>& map : step)
       for (float& value : map) value = std::clamp(value, -longest, longest);

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include "lamina/acquire/inversion/internal/band_blocks.h"
 #include "lamina/acquire/inversion/internal/inversion_course.h"
 
@@ -34,6 +36,7 @@ template <class MustEnd>
 }
 
 /// Gauss-Newton steps from the best state of a course on.
-void run_gauss_newton(PatchObjective& objective, const TexelMaps& level, InversionCourse& course);
+void run_gauss_newton(PatchObjective& objective, const TexelMaps& level, InversionCourse& course,
+                      int most_steps = std::numeric_limits<int>::max());
 
 }  // namespace lamina::detail

@@ -23,17 +23,27 @@ class InversionCourse {
     best = std::move(better);
     record();
     if (decrease < options_.tolerance) return ends(InversionStop::converged);
-    constexpr double hardly = 0.01;  // steps that gain less fit the noise
+    constexpr double hardly = 0.05;  // steps that gain less fit the noise
     if (options_.stops_at_noise && best.in_deviations <= 1.0 && decrease < hardly)
       return ends(InversionStop::at_noise);
     return must_end();
   }
 
+  /// Whether more can be spent.
+  [[nodiscard]] bool goes_on() const {
+    return stop == InversionStop::converged || stop == InversionStop::at_noise;
+  }
+
+  /// Whether somebody asks to stop.
+  bool is_interrupted() {
+    const double share = std::min(1.0, light_.forwards() / options_.most_forwards);
+    return !report_progress(progress_, share) && ends(InversionStop::interrupted);
+  }
+
   /// Whether somebody asks to stop, or nothing is left to spend on `next` forward equivalents.
   bool must_end(double next = 1.0) {
     next *= light_.cost();
-    const double share = std::min(1.0, light_.forwards() / options_.most_forwards);
-    if (!report_progress(progress_, share)) return ends(InversionStop::interrupted);
+    if (is_interrupted()) return true;
     if (light_.forwards() + next > options_.most_forwards)
       return ends(InversionStop::most_forwards);
     return false;

@@ -4,25 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lamina/acquire/inversion/internal/half_grid.h"
 #include "lamina/core/parallel.h"
 
 namespace lamina::detail {
-namespace {
-
-/// Calls take(texel, its neighbor) for each two texels side by side.
-template <class Take>
-void for_neighbors(int width, int height, const Take& take) {
-  const auto row = static_cast<std::size_t>(width);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    for (std::size_t x = 0; x < row; ++x) {
-      const std::size_t t = y * row + x;
-      if (x + 1 < row) take(t, t + 1);
-      if (y + 1 < static_cast<std::size_t>(height)) take(t, t + row);
-    }
-}
-
-}  // namespace
-
 PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTables& tables,
                                const InversionOptions& options, PatchLight& light)
     : capture_(capture),

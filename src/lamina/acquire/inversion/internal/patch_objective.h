@@ -40,6 +40,8 @@ class PatchObjective {
   /// The matrix of second derivatives, of first ones of the light alone, times a change.
   [[nodiscard]] TexelMaps times_matrix(const TexelMaps& change) const;
 
+  /// What was measured, [image]; 0 where not known.
+  [[nodiscard]] const TexelMaps& measured() const { return measured_; }
   /// 1 / deviation of texels that are known, else 0, [image].
   [[nodiscard]] const TexelMaps& weights() const { return weights_; }
   /// Part of its square that a residual counts by (Huber), [image]; of the last linearize.

@@ -1,0 +1,44 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lamina/acquire/inversion/internal/band_blocks.h"
+#include "lamina/core/dense_matrix.h"
+
+namespace lamina::detail {
+
+/// One draw from the Gaussian about a solution whose inverse covariance is the matrix of the
+/// Gauss-Newton steps.
+struct PosteriorSample {
+  TexelMaps off;             ///< from the solution, [number]
+  std::vector<double> told;  ///< [number] about how many texels the images tell, not smoothness
+};
+
+/// Draws by noise of data, smoothness and prior: matrix off = J^T noise + ..., whose covariance is
+/// that of the matrix; so each draw is one solution by conjugate gradients.
+///
+/// @param objective  linearized
+/// @param index      of the draw
+///
+/// Source: [PapandreouYuille2010].
+[[nodiscard]] PosteriorSample draw_posterior(const PatchObjective& objective,
+                                             const BandBlocks& blocks, std::uint64_t seed,
+                                             std::uint64_t index,
+                                             const std::function<bool()>& must_end);
+
+/// Standard deviations of coordinates, [number][texel], and their mean correlation.
+struct PosteriorErrors {
+  TexelMaps deviations;
+  DenseMatrix correlation;
+};
+
+/// From draws: the shape of the variance is that of the blocks' inverse, its size in each
+/// neighborhood that of the draws.
+[[nodiscard]] PosteriorErrors posterior_errors(const PatchObjective& objective,
+                                               const BandBlocks& blocks,
+                                               const std::vector<TexelMaps>& draws);
+
+}  // namespace lamina::detail
