@@ -40,7 +40,7 @@ LeafParameters any_leaf(Random& random) {
 
 // Independent: the stack itself, on its own grid, refined until it is right to 1e-7.
 TEST(LeafTotalsTable, GivesWhatAddingDoublingGives) {
-  const std::vector<double> nm = {420.0, 480.0, 550.0, 680.0, 720.0, 780.0};
+  const std::vector<double> nm = {420.0, 480.0, 550.0, 680.0, 720.0, 970.0};
   LeafRange range = leaf_fit_range({});
   range.low.palisade_share = 0.0;
   range.high.palisade_share = 1.0;

@@ -106,6 +106,85 @@ TEST(Leaf, ModelMeetsTenMeasuredLeavesFromBothSides) {
   }
 }
 
+struct InfraredLeaf {
+  FittedLeaf leaf;
+  double water;               ///< [cm]
+  double rms_of_r, rms_of_t;  ///< of the upper side, found by the fit
+};
+
+// By tools/fit/leaf_spectra: eight numbers from the upper side, 400-1000 nm every 10.
+const InfraredLeaf infrared_leaves[] = {
+    {{"Quercus_leaf_sun_2010_0802_1", 40.58, 7.156, 4.662, 0.07265, 0.00485, 1.612, 0.6441, 0.0},
+     0.006802,
+     0.0068,
+     0.0090},
+    {{"Quercus_leaf_sun_2012_0823_1", 37.57, 5.565, 4.538, 0.03979, 0.002962, 1.606, 0.5337, 0.0},
+     0.005617,
+     0.0079,
+     0.0084},
+    {{"Quercus_leaf_shade_2010_0802_1", 45.75, 6.712, 5.35, 0, 0.002393, 1.425, 0.6288, 0.0},
+     0.003605,
+     0.0063,
+     0.0093},
+    {{"Quercus_leaf_yellow_2010_1007_1", 1.43, 4.301, 0.1962, 0.07744, 0.004239, 1.39, 0.2263, 0.0},
+     0,
+     0.0157,
+     0.0156},
+    {{"Betula_leaf_first_2010_0802_1", 41.78, 6.857, 5.489, 0, 0.00244, 1.983, 0.7331, 0.0},
+     0.005821,
+     0.0066,
+     0.0076},
+    {{"Betula_leaf_second_2010_0802_1", 38.12, 6.631, 4.848, 0, 0.002425, 1.722, 0.7291, 0.0},
+     0.006942,
+     0.0061,
+     0.0088},
+    {{"Betula_leaf_yellow_2010_1006_1", 1.172, 6.501, 0.6591, 0.1752, 0.003995, 1.881, 0.347, 0.0},
+     0.003523,
+     0.0131,
+     0.0125},
+    {{"Solidago_leaf_upper_2010_0728_1", 17.49, 3.424, 2.086, 0.006988, 0.00104, 1.744, 0.6745,
+      0.0},
+     0.01282,
+     0.0086,
+     0.0105},
+    {{"Solidago_leaf_upper_2010_0913_1", 29.56, 4.108, 3.616, 0.06002, 0.00208, 2.226, 0.5022, 0.0},
+     0.01051,
+     0.0086,
+     0.0095},
+    {{"Solidago_leaf_lower_2010_1103_1", 17, 3.896, 1.845, 0.09101, 0.007901, 2.1, 0.4917, 0.0},
+     0.006687,
+     0.0079,
+     0.0056}};
+
+TEST(Leaf, ModelMeetsMeasuredLeavesIntoTheNearInfrared) {
+  const Table measured =
+      load_table(std::filesystem::path(LAMINA_SHARED_DATA) / "leaves/jalter_leaf_rt.csv");
+  if (measured.rows.empty()) GTEST_SKIP() << "reference data are absent: measured leaves";
+  for (const auto& [fit, water, rms_of_r, rms_of_t] : infrared_leaves) {
+    const LeafParameters leaf{.chlorophyll = fit.chlorophyll,
+                              .carotenoids = fit.carotenoids,
+                              .anthocyanins = fit.anthocyanins,
+                              .brown_pigments = fit.brown_pigments,
+                              .water = water,
+                              .dry_matter = fit.dry_matter,
+                              .structure = fit.structure,
+                              .palisade_share = fit.palisade_share};
+    double of_r = 0.0, of_t = 0.0;
+    int count = 0;
+    for (double nm = 400.0; nm <= 1000.0; nm += 20.0, ++count) {
+      const SlabTotals upper =
+          adding_doubling(leaf_layer_stack(leaf, nm), {}, {.accuracy = 3e-4}).totals;
+      const std::string name(fit.name);
+      of_r += std::pow(upper.specular_reflectance + upper.diffuse_reflectance -
+                           value_at(measured, name + ":R_ad", nm),
+                       2);
+      of_t += std::pow(upper.transmittance - value_at(measured, name + ":T_ad", nm), 2);
+    }
+    EXPECT_NEAR(std::sqrt(of_r / count), rms_of_r, 0.0015) << fit.name;  // every 10 nm in the fit
+    EXPECT_NEAR(std::sqrt(of_t / count), rms_of_t, 0.0015) << fit.name;
+  }
+}
+
 TEST(Leaf, TablesEqualTheirSourceWhereItIsAtHand) {
   const Table source =
       load_table(std::filesystem::path(LAMINA_SHARED_DATA) / "leaves/prospect_pro_sac.csv");
@@ -116,7 +195,7 @@ TEST(Leaf, TablesEqualTheirSourceWhereItIsAtHand) {
       {"ant", &LeafParameters::anthocyanins}, {"brown", &LeafParameters::brown_pigments},
       {"ewt", &LeafParameters::water},        {"lma", &LeafParameters::dry_matter}};
   for (const auto& [name, constituent] : columns)
-    for (double nm = 400.0; nm <= 800.0; nm += 5.0) {
+    for (double nm = 400.0; nm <= 1000.0; nm += 5.0) {
       LeafParameters leaf = none;
       leaf.*constituent = 1.0;
       const double expected = value_at(source, name, nm);
@@ -141,6 +220,18 @@ TEST(Leaf, ChlorophyllMakesItGreen) {
   EXPECT_NEAR(red_up, red_through, 0.01);
   EXPECT_NEAR(far_up, far_through, 0.01);
   EXPECT_GT(far_below, 0.4);
+}
+
+// [HaleQuerry1973]: .45 per cm at 975 nm, ten times what it is at 900 nm.
+TEST(Leaf, WaterIsSeenBeyond900Nanometres) {
+  const LeafParameters dry{.water = 0.0}, wet{.water = 0.02};
+  const auto lost = [](const LeafParameters& leaf, double nm) {
+    const auto [reflected, transmitted, ignored, up] = both_sides(leaf, nm);
+    return 1.0 - reflected - transmitted;
+  };
+  EXPECT_NEAR(leaf_spectrum(975.0).water, 0.45, 0.05);
+  EXPECT_LT(lost(wet, 820.0) - lost(dry, 820.0), 0.005);
+  EXPECT_GT(lost(wet, 970.0) - lost(dry, 970.0), 0.03);
 }
 
 TEST(Leaf, ThicknessLeavesTheTotals) {

@@ -2,8 +2,9 @@
 // Fits the recipe of leaves, and PROSPECT-D beside it, to reflectance and transmittance of measured
 // leaves; the table of docs/fit.md.
 //
-//   leaf_spectra LEAVES.csv PROSPECT.csv
+//   leaf_spectra LEAVES.csv PROSPECT.csv [LONGEST]
 //
+// from 400 to LONGEST nm, 800 if not given; beyond 900 water is fitted, too. The tables are those
 // of [Noda2013]: nm, then R and T of the upper side and R and T of the lower side of each leaf; and
 // of [Feret2017]: nm, index, absorption by chlorophyll, carotenoids, anthocyanins, brown pigments,
 // water and dry matter.
@@ -28,13 +29,15 @@ namespace {
 using namespace lamina;
 
 constexpr double reading_error = 0.01;  // of R and T; it weighs both alike
+constexpr double water_from = 900.0;    // [nm]: light that shorter waves hardly see
+constexpr double usual_water = 0.012;   // [cm]
 
 struct Table {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
 };
 
-Table load(const char* file) {
+Table load(const char* file, double longest) {
   std::ifstream in(file);
   Table table;
   for (std::string line; std::getline(in, line);) {
@@ -48,9 +51,9 @@ Table load(const char* file) {
       else
         table.rows.back().push_back(std::atof(cell.c_str()));
   }
-  // 400 to 800 nm, every 10
-  std::erase_if(table.rows, [](const std::vector<double>& row) {
-    return row[0] < 400.0 || row[0] > 800.0 || std::fmod(row[0], 10.0) != 0.0;
+  // Every 10 nm
+  std::erase_if(table.rows, [&](const std::vector<double>& row) {
+    return row[0] < 400.0 || row[0] > longest || std::fmod(row[0], 10.0) != 0.0;
   });
   return table;
 }
@@ -121,6 +124,7 @@ FittedLeaf fit_recipe(const Leaf& leaf, const std::vector<double>& wavelengths) 
                free("dry_matter", 0.003, 0.05), free("structure", 1.6, 50),
                free("palisade_share", 0.6, 1)}};
   measurement.free[5].parameter.low = 0.1;
+  if (wavelengths.back() > water_from) measurement.free.push_back(free("water", usual_water, 0.1));
   MeasuredSeries series;
   for (std::size_t w = 0; w < wavelengths.size(); ++w) {
     const auto add = [&](MeasuredQuantity quantity, double value) {
@@ -187,7 +191,7 @@ Spectrum fit_prospect(const Leaf& leaf, const Table& source) {
   const auto predict = [&](std::span<const double> values) {
     std::vector<double> spectrum;
     for (const std::vector<double>& row : source.rows) {
-      constexpr double water = 0.012;
+      const double water = values.size() > 6 ? values[6] : usual_water;
       const double absorption = values[1] * row[2] + values[2] * row[3] + values[3] * row[4] +
                                 values[4] * row[5] + water * row[6] + values[5] * row[7];
       const auto [reflectance, transmittance] = prospect(values[0], absorption, row[1]);
@@ -200,14 +204,16 @@ Spectrum fit_prospect(const Leaf& leaf, const Table& source) {
     data.measured.insert(data.measured.end(),
                          {leaf.upper.reflectance[w], leaf.upper.transmittance[w]});
   data.standard_deviation.assign(data.measured.size(), reading_error);
-  const FitResult fit =
-      fit_parameters({{.name = "plates", .start = 1.5, .low = 1.0, .high = 4.0},
-                      {.name = "chlorophyll", .start = 30, .low = 0, .high = 200},
-                      {.name = "carotenoids", .start = 6, .low = 0, .high = 60},
-                      {.name = "anthocyanins", .start = 3, .low = 0, .high = 60},
-                      {.name = "brown", .start = 0.05, .low = 0, .high = 5},
-                      {.name = "dry matter", .start = 0.003, .low = 0, .high = 0.05}},
-                     data, {.predict = predict});
+  std::vector<FitParameter> numbers = {
+      {.name = "plates", .start = 1.5, .low = 1.0, .high = 4.0},
+      {.name = "chlorophyll", .start = 30, .low = 0, .high = 200},
+      {.name = "carotenoids", .start = 6, .low = 0, .high = 60},
+      {.name = "anthocyanins", .start = 3, .low = 0, .high = 60},
+      {.name = "brown", .start = 0.05, .low = 0, .high = 5},
+      {.name = "dry matter", .start = 0.003, .low = 0, .high = 0.05}};
+  if (source.rows.back()[0] > water_from)
+    numbers.push_back({.name = "water", .start = usual_water, .low = 0, .high = 0.1});
+  const FitResult fit = fit_parameters(numbers, data, {.predict = predict});
   Spectrum spectrum;
   for (std::size_t w = 0; w < source.rows.size(); ++w) {
     spectrum.reflectance.push_back(fit.prediction[2 * w]);
@@ -234,10 +240,11 @@ void print_row(const char* name, const std::vector<Misfit>& misfits) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: leaf_spectra LEAVES.csv PROSPECT.csv\n");
+    std::fprintf(stderr, "usage: leaf_spectra LEAVES.csv PROSPECT.csv [LONGEST]\n");
     return 2;
   }
-  const Table table = load(argv[1]), source = load(argv[2]);
+  const double longest = argc > 3 ? std::atof(argv[3]) : 800.0;
+  const Table table = load(argv[1], longest), source = load(argv[2], longest);
   std::vector<double> wavelengths;
   for (const std::vector<double>& row : table.rows) wavelengths.push_back(row[0]);
   std::vector<Misfit> upper, lower, plates;
@@ -264,7 +271,9 @@ int main(int argc, char** argv) {
   std::printf(
       "| RMS, %% of incident light, median / 95th / worst | reflectance | transmittance |\n| --- | "
       "--- | --- |\n");
-  print_row("recipe, 7 numbers, upper side", upper);
+  const bool has_water = longest > water_from;
+  print_row(has_water ? "recipe, 8 numbers, upper side" : "recipe, 7 numbers, upper side", upper);
   print_row("recipe, lower side foreseen from it", lower);
-  print_row("PROSPECT-D, 6 numbers, upper side", plates);
+  print_row(has_water ? "PROSPECT-D, 7 numbers, upper side" : "PROSPECT-D, 6 numbers, upper side",
+            plates);
 }

@@ -17,7 +17,7 @@ constexpr Chromophore all_chromophores[] = {
     {"deoxyhemoglobin", deoxyhemoglobin_absorption, 350.0, 1000.0},
     {"carotene", carotene_absorption, 350.0, 1000.0},
     {"baseline", baseline_absorption, 350.0, 1000.0},
-    {"water", water_absorption, 400.0, 800.0},
+    {"water", water_absorption, shortest_leaf_wavelength, longest_leaf_wavelength},
 };
 
 }  // namespace

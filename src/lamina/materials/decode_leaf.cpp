@@ -8,7 +8,7 @@ void decode_leaf(const JsonInput& recipe, const Context& context, Material& mate
   const JsonObject object =
       recipe.object({"chlorophyll", "carotenoids", "anthocyanins", "brown_pigments", "water",
                      "dry_matter", "structure", "palisade_share", "thickness"});
-  require_wavelengths(recipe, context, 400.0, 800.0);
+  require_wavelengths(recipe, context, shortest_leaf_wavelength, longest_leaf_wavelength);
   LeafParameters leaf;
   for (const LeafParameterRange& range : leaf_parameter_ranges())
     if (const auto value = object.optional(range.name)) {

@@ -18,7 +18,6 @@ using Point = ChebyshevTable::Point;
 
 constexpr ChebyshevTable::Counts counts_of_any = {30, 12, 10};
 constexpr int leaf_grid_nodes = 12;  // of the first segment: totals to 2e-4 of themselves
-constexpr double least_leaf_wavelength = 400.0, largest_leaf_wavelength = 800.0;  // [nm]
 
 // Coordinates in which logarithms of totals are nearly polynomials. Light that is hardly
 // transmitted counts by its difference from none.
@@ -63,8 +62,9 @@ LeafTotalsTable::LeafTotalsTable(const std::vector<double>& wavelengths, Inciden
                                  const LeafRange& range, const Progress& progress) {
   check(range);
   for (const double nm : wavelengths) {
-    if (!(least_leaf_wavelength <= nm && nm <= largest_leaf_wavelength))
-      throw InvalidInput("wavelength: must lie in [400, 800] nm, but is " + number_text(nm));
+    if (!(shortest_leaf_wavelength <= nm && nm <= longest_leaf_wavelength))
+      throw InvalidInput("wavelength: must lie in [" + number_text(shortest_leaf_wavelength) + ", " +
+                         number_text(longest_leaf_wavelength) + "] nm, but is " + number_text(nm));
     spectra_.push_back(leaf_spectrum(nm));
   }
   if (spectra_.empty()) throw InvalidInput("wavelengths: must be given");

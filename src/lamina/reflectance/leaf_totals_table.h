@@ -28,7 +28,7 @@ struct LeafRange {
 /// it takes .1 CPU-s, with shares that are not fixed .8.
 class LeafTotalsTable {
  public:
-  /// @param wavelengths  [nm], in [400, 800]
+  /// @param wavelengths  [nm], those of the recipe
   /// @throws InvalidInput for a wavelength or parameter out of its range, or `low` above `high`;
   ///         Interrupted if progress asks to stop.
   LeafTotalsTable(const std::vector<double>& wavelengths, Incidence incidence,
