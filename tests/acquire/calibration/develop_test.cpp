@@ -130,6 +130,8 @@ TEST(Saturation, IsFoundWhereNumbersPileUp) {
   };
   EXPECT_NEAR(find_saturation(clipped_at(0.5)), 0.98 * 0.5, 1e-6);  // 15 of 16 bits, say
   EXPECT_TRUE(std::isinf(find_saturation(clipped_at(0.9))));
+  const Image even = image_of(40, 40, {"Y"}, [](double, double, std::size_t) { return 0.9; });
+  EXPECT_TRUE(std::isinf(find_saturation(even)));
 }
 
 TEST(Specular, IsWhatExceedsAllBandsAlike) {

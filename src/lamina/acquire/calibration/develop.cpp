@@ -98,17 +98,23 @@ Reflectance reflectance_of(const Place& p) {
 }  // namespace
 
 double find_saturation(const Image& image) {
-  float largest = -std::numeric_limits<float>::infinity();
-  for (const float v : image.pixels)
-    if (std::isfinite(v)) largest = std::max(largest, v);
-  if (!(largest > 0.0f)) return std::numeric_limits<double>::infinity();
+  const std::size_t channels = image.channel_count();
+  std::vector<bool> varies(channels);
+  for (std::size_t i = channels; i < image.pixels.size(); ++i)
+    if (image.pixels[i] != image.pixels[i % channels]) varies[i % channels] = true;
+  const auto for_numbers = [&](const auto& body) {
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+      if (varies[i % channels] && std::isfinite(image.pixels[i])) body(image.pixels[i]);
+  };
+  float largest = 0.0f;
+  for_numbers([&](float v) { largest = std::max(largest, v); });
   const float near = 0.98f * largest;
   std::ptrdiff_t at_top = 0, below = 0;
-  for (const float v : image.pixels) {
+  for_numbers([&](float v) {
     at_top += v == largest ? 1 : 0;
     below += v >= near && v < largest ? 1 : 0;
-  }
-  const bool is_end = largest == 1.0f || (at_top >= 8 && at_top > below);
+  });
+  const bool is_end = largest == 1.0f || (largest > 0.0f && at_top >= 8 && at_top > below);
   return is_end ? static_cast<double>(near) : std::numeric_limits<double>::infinity();
 }
 

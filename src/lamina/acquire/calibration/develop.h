@@ -61,7 +61,7 @@ struct Developed {
 
 /// Where a sensor ends: 98 % of the largest number, if numbers pile up there (8 of them, and more
 /// than in the 2 % below), or if one is 1, the largest that integers can be. Infinite if nothing is
-/// at an end.
+/// at an end. Channels of one number everywhere do not count: they are no photographs.
 [[nodiscard]] double find_saturation(const Image& image);
 
 struct SpecularOptions {

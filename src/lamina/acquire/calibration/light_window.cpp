@@ -128,11 +128,21 @@ Line fitted_side(const std::vector<Vec2>& points, Vec2 direction) {
     line.direction = {std::cos(angle), std::sin(angle)};
   }
   line.points = points.size();
-  for (const Vec2 p : points) {
-    const Vec2 d = p - line.point;
-    line.squares += std::pow(d.x * line.direction.y - d.y * line.direction.x, 2);
+  // Neighbouring points err alike, by what is seen beside them: blocks of them are independent.
+  constexpr std::size_t block_length = 16;
+  double block = 0.0, blocks = 0.0, block_squares = 0.0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec2 d = points[k] - line.point;
+    const double across = d.x * line.direction.y - d.y * line.direction.x;
+    line.squares += across * across;
+    block += across;
+    if ((k + 1) % block_length != 0 && k + 1 != points.size()) continue;
+    block_squares += block * block;
+    blocks += 1.0;
+    block = 0.0;
   }
-  line.error = std::sqrt(line.squares) / static_cast<double>(points.size());
+  const double lost = blocks > 2.0 ? blocks / (blocks - 2.0) : 3.0;  // to the fit
+  line.error = std::sqrt(lost * block_squares) / static_cast<double>(points.size());
   return line;
 }
 
@@ -208,7 +218,7 @@ LightWindow find_light_window(const Image& image, const std::string& name,
       static_cast<double>(largest->pixels) < 0.75 * polygon_area(hull))
     refuse("the bright region has not four corners");
   std::optional<LightWindow> window;
-  for (const double reach : {8.0, 5.0, 5.0}) {
+  for (const double reach : {8.0, 4.0, 3.0}) {
     window = refined(gray, *corners, reach);
     if (!window) refuse("the bright region has no sharp sides");
     *corners = window->corners;

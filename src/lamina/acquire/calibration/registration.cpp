@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/random.h"
 
 namespace lamina {
 namespace {
@@ -37,26 +39,35 @@ struct Pair {
 
 double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 
+/// A place in a pixel, drawn from its number. Noise that is interpolated is least in the middle
+/// between pixels; were one image looked at in the centres of its pixels alone, that would draw the
+/// other to halves of pixels.
+Vec2 place_in_pixel(int x, int y) {
+  std::uint64_t state = (static_cast<std::uint64_t>(y) << 32) ^ static_cast<std::uint64_t>(x);
+  const std::uint64_t bits = Random::splitmix(state);
+  return {x + static_cast<double>(bits >> 32) * 0x1p-32,
+          y + static_cast<double>(bits & 0xffffffffu) * 0x1p-32};
+}
+
 /// Absent if the place lies outside of the moving image.
 std::optional<Pair> pair_at(const GradientField& fixed, const GradientField& moving,
                             const ImageMotion& motion, int x, int y) {
   constexpr double rim = 6.0;  // of gradients
-  const Vec2 place{x + 0.5, y + 0.5};
+  const Vec2 place = place_in_pixel(x, y);
   const Vec2 to = moved(motion, place, fixed.width, fixed.height);
   if (!(to.x >= rim && to.y >= rim && to.x <= moving.width - rim && to.y <= moving.height - rim))
     return std::nullopt;
-  const std::size_t i = fixed.index(x, y);
-  if (!(fixed.weights[i] > 0.0f)) return std::nullopt;
+  const float weight = fixed.weights[fixed.index(x, y)];
+  if (!(weight > 0.0f)) return std::nullopt;
   const GradientSample sample = sample_gradient(moving, to);
   const double corner = corner_distance(fixed.width, fixed.height);
   const Vec2 middle{0.5 * fixed.width, 0.5 * fixed.height};
   const Vec2 arm = (1.0 / corner) * (to - middle - motion.shift);
-  const Vec2f g = fixed.gradients[i];
-  return Pair{{static_cast<double>(g.x), static_cast<double>(g.y)},
+  return Pair{sample_gradient(fixed, place).value,
               sample.value,
               {sample.by_x, sample.by_y, arm.x * sample.by_x + arm.y * sample.by_y,
                arm.x * sample.by_y - arm.y * sample.by_x},
-              static_cast<double>(fixed.weights[i])};
+              static_cast<double>(weight)};
 }
 
 /// Calls body(pair, x, y) for pixels of a grid, not more than some hundred thousand of them.
@@ -66,8 +77,8 @@ void for_pairs(const GradientField& fixed, const GradientField& moving, const Im
   constexpr double most_pixels = 3e5;
   const double pixels = static_cast<double>(fixed.width) * fixed.height;
   const int step = std::max(1, static_cast<int>(std::sqrt(pixels / most_pixels)));
-  for (int y = 4; y < fixed.height - 4; y += step)
-    for (int x = 4; x < fixed.width - 4; x += step)
+  for (int y = 6; y < fixed.height - 6; y += step)
+    for (int x = 6; x < fixed.width - 6; x += step)
       if (const auto pair = pair_at(fixed, moving, motion, x, y)) body(*pair, x, y);
 }
 

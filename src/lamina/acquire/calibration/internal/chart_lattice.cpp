@@ -88,8 +88,9 @@ Lattice best_lattice(const std::vector<FlatPatch>& patches) {
         const Vec2 across = patches[i].centre - patches[seed].centre;
         const Vec2 down = patches[j].centre - patches[seed].centre;
         const double sine = turn({}, across, down) / (norm(across) * norm(down));
-        if (sine < 0.6 || norm(across) > 1.7 * norm(down) || norm(down) > 1.7 * norm(across))
-          continue;  // a mirrored chart goes the other way
+        // A mirrored chart goes the other way, and a step with a diagonal is no pair.
+        if (sine < 0.8 || norm(across) > 1.7 * norm(down) || norm(down) > 1.7 * norm(across))
+          continue;
         Lattice lattice = grown_lattice(patches, seed, across, down);
         if (lattice.size() > best.size()) best = std::move(lattice);
         if (best.size() >= chart_patches) return best;
