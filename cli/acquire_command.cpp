@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -13,9 +14,11 @@
 #include "console.h"
 #include "lamina/acquire/acquired_files.h"
 #include "lamina/acquire/acquisition_check.h"
+#include "lamina/acquire/patch_acquisition.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/disk_cache.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/plot/html_page.h"
 
@@ -24,11 +27,64 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// How light of one pixel counts for others.
+enum class Lateral { automatic, none, transport };
+
+}  // namespace
+}  // namespace lamina::cli
+
+template <>
+inline constexpr auto lamina::enum_names<lamina::cli::Lateral> =
+    std::to_array<lamina::EnumName<lamina::cli::Lateral>>(
+        {{"auto", lamina::cli::Lateral::automatic},
+         {"none", lamina::cli::Lateral::none},
+         {"transport", lamina::cli::Lateral::transport}});
+
+namespace lamina::cli {
+namespace {
+
 struct AcquireOptions {
   CommonOptions common;
   std::string capture, output;
   std::vector<std::string> settings;
+  Lateral lateral = Lateral::automatic;
+  InversionMethod method = InversionMethod::gauss_newton;
+  double most_forwards = InversionOptions{}.most_forwards, model_error = 0.0, robust_limit = 0.0;
+  bool resumes = false;
 };
+
+/// The method that the options and the capture ask for.
+Lateral lateral_of(const AcquireOptions& options, const Capture& capture) {
+  if (options.lateral != Lateral::automatic) return options.lateral;
+  const bool is_texture = capture.reflectance.channels == std::vector<std::string>{"R", "G", "B"} &&
+                          capture.light.pixels.empty();
+  return capture.mm_per_pixel && !is_texture ? Lateral::transport : Lateral::none;
+}
+
+/// What light that travels sideways can tell, unless the file says: concentrations.
+void keep_concentrations(Capture& capture) {
+  if (capture.has_stated_numbers) return;
+  std::erase_if(capture.numbers, [](const SkinFitNumber& number) {
+    return number.parameter.name.ends_with("_scale") || number.parameter.name == "saturation";
+  });
+}
+
+/// Maps that an earlier call left in the folder.
+std::vector<Image> maps_to_go_on_from(const Capture& capture, const fs::path& folder) {
+  std::vector<Image> maps;
+  for (const SkinFitNumber& number : capture.numbers) {
+    const fs::path file = folder / (number.parameter.name + ".exr");
+    Image map = load_image(file, ColorEncoding::linear);
+    if (map.width != capture.reflectance.width || map.height != capture.reflectance.height)
+      throw InvalidInput("--resume: " + file.string() + " must be of the size of the capture, " +
+                         std::to_string(capture.reflectance.width) + " x " +
+                         std::to_string(capture.reflectance.height) + ", but is " +
+                         std::to_string(map.width) + " x " + std::to_string(map.height));
+    require_finite(map, file);
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -49,6 +105,13 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
     text +=
         fmt::format(" {:.1f} % ({})", 100.0 * check.residual[b], capture.reflectance.channels[b]);
   if (check.mean_difference) text += fmt::format(", CIEDE2000 {:.2f}", *check.mean_difference);
+  if (skin.inversion && !skin.inversion->history.empty()) {
+    const InversionStep& last = skin.inversion->history.back();
+    text += fmt::format(
+        "\n{}; residual {:.2f} % of the mean, {:.2f} of its noise, after {:.0f} "
+        "forward models",
+        name_of(skin.inversion->stop), 100.0 * last.residual, last.in_deviations, last.forwards);
+  }
   for (const std::string& note : capture.notes) text += "\nnote: " + note;
   return text + "\n";
 }
@@ -58,7 +121,15 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
   JsonOutput json = make_result("acquire");
   json["width"] = skin.width;
   json["height"] = skin.height;
-  json["lateral"] = "none";
+  json["lateral"] = skin.inversion && skin.inversion->has_transport ? "transport" : "none";
+  if (skin.inversion) {
+    json["stop"] = name_of(skin.inversion->stop);
+    json["smoothness"] = skin.inversion->smoothness;
+    for (const InversionStep& step : skin.inversion->history)
+      json["history"].push_back({{"forwards", step.forwards},
+                                 {"residual", step.residual},
+                                 {"in_deviations", step.in_deviations}});
+  }
   json["bands"] = capture.reflectance.channels;
   json["pixels"] = {{"skin", skin.counts[0]}, {"not_skin", skin.counts[2]}};
   const MaskCounts counts = count_pixels(capture.mask);
@@ -95,19 +166,38 @@ void run_acquire(const AcquireOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
-  const Capture capture = load_capture(options.capture, options.common.memory, options.settings);
-  const Progress progress = make_progress("acquiring", Keeps::nothing);
+  Capture capture = load_capture(options.capture, options.common.memory, options.settings);
+  const fs::path folder =
+      options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
+  const Lateral lateral = lateral_of(options, capture);
+  const bool has_table =
+      lateral == Lateral::none && capture.population && capture.reflectance.channel_count() == 3;
+  if (lateral == Lateral::transport) keep_concentrations(capture);
+  const Progress progress =
+      make_progress("acquiring", has_table ? Keeps::nothing : Keeps::what_there_is);
   const double start = seconds();
   const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
                                    skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
-  const SkinColorTable colors = color_table_of(capture, table, part_of(progress, 0.1, 0.7));
-  AcquiredSkin skin = acquire_pixels(capture, colors, part_of(progress, 0.7, 0.9));
+  AcquiredSkin skin;
+  if (has_table) {
+    if (options.resumes)
+      throw InvalidInput("--resume: pixels by a table take seconds; leave it out");
+    skin = acquire_pixels(capture, color_table_of(capture, table, part_of(progress, 0.1, 0.7)),
+                          part_of(progress, 0.7, 0.9));
+  } else {
+    PatchAcquisitionOptions patch{.has_transport = lateral == Lateral::transport};
+    patch.inversion.method = options.method;
+    patch.inversion.most_forwards = options.most_forwards;
+    patch.inversion.model_error = options.model_error;
+    patch.inversion.robust_limit = options.robust_limit;
+    patch.inversion.seed = options.common.seed;
+    if (options.resumes) patch.start = maps_to_go_on_from(capture, folder);
+    skin = acquire_patch(capture, patch, user_cache(), part_of(progress, 0.1, 0.9));
+  }
   const double solved = seconds() - start;
   const AcquisitionCheck check =
       check_acquisition(capture, skin, table, 320, part_of(progress, 0.9, 1.0));
   add_gain_errors(capture, check, skin);
-  const fs::path folder =
-      options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);
   const fs::path page = folder / "report.html";
   std::vector<std::string> arguments = {"acquire", options.capture, "-o", folder.string()};
@@ -141,6 +231,31 @@ void add_acquire_command(CLI::App& app) {
                   "folder for an EXR per number, one of its standard deviation, material.json that "
                   "uses them, and report.html")
       .type_name("FOLDER");
+  command.add_choice("--lateral", options->lateral,
+                     "transport: light travels sideways in the skin; none: each pixel by itself; "
+                     "auto: transport where mm_per_pixel is known and the capture is no texture");
+  command.add_choice("--method", options->method, "of maps with transport")
+      .group("Maps with transport");
+  command
+      .add_option("--most-forwards", options->most_forwards,
+                  "ends after so many forward models, their changes and gradients")
+      .range(1, 1e6)
+      .show_default()
+      .group("Maps with transport");
+  command
+      .add_option("--model-error", options->model_error,
+                  "error of the forward model, relative, that joins the noise")
+      .range(0, 0.5)
+      .show_default()
+      .group("Maps with transport");
+  command
+      .add_option("--robust", options->robust_limit,
+                  "residuals beyond so many standard deviations count less; 0: all alike")
+      .range(0, 1e6)
+      .show_default()
+      .group("Maps with transport");
+  command.add_flag("--resume", options->resumes, "go on from the maps in the folder")
+      .group("Maps with transport");
   add_common_options(command, options->common);
   command.footer(
       "docs/acquire.md has the file format; a capture file may be as short as\n"

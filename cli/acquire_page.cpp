@@ -13,6 +13,7 @@
 #include "lamina/plot/correlation_picture.h"
 #include "lamina/plot/html_page.h"
 #include "lamina/plot/map_picture.h"
+#include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 namespace {
@@ -86,8 +87,9 @@ std::string map_html(const AcquiredNumber& number, const NumberSummary& summary,
   const double width = std::max(summary.high - summary.low, 1e-12);
   const double low = summary.low - 0.05 * width, high = summary.high + 0.05 * width;
   const Image values = map_picture(thinned(number.values, check), low, high, shown);
-  const Image errors = map_picture(thinned(number.deviations, check), 0.0,
-                                   std::max(number.prior_deviation, 1e-12), shown);
+  const double most = std::min(number.prior_deviation, 1.5 * summary.high_deviation);
+  const Image errors =
+      map_picture(thinned(number.deviations, check), 0.0, std::max(most, 1e-12), shown);
   const bool is_told = summary.within_share <= share_of_prior;
   std::string html = "<h3>" + html_escaped(summary.name) + "</h3><p class=\"soft\">" +
                      html_escaped(unit_of_number(summary.name)) + "</p>";
@@ -102,8 +104,8 @@ std::string map_html(const AcquiredNumber& number, const NumberSummary& summary,
           picture(values, is_told ? told_text(summary) : "expected by the prior") +
           scale_html(printf_text("%.3g", low < 0.0 ? 0.0 : low), printf_text("%.3g", high)) +
           "</div><div>" + picture(errors, "standard deviation") +
-          scale_html("0", deviation_text(number.prior_deviation, summary.is_relative) +
-                              ", that of people") +
+          scale_html("0", deviation_text(most, summary.is_relative) +
+                              (most < number.prior_deviation ? "" : ", all that is unknown")) +
           "</div></div>";
   return html;
 }
@@ -125,6 +127,31 @@ std::string numbers_html(const std::vector<NumberSummary>& summaries) {
          "<p class=\"soft\">Percentiles over the pixels that are skin. Errors are standard "
          "deviations, relative (%) of fractions and scales, of the logit of shares. Beyond .8 of "
          "the prior's the number comes from the prior.</p>";
+}
+
+/// How the residual fell, and where the maps were left.
+std::string course_html(const AcquiredSkin& skin, const std::vector<NumberSummary>& summaries) {
+  const InversionCourse& course = *skin.inversion;
+  Plot plot;
+  PlotPanel& panel = plot.panels.emplace_back();
+  panel.x = {.label = "forward models", .scale = AxisScale::linear};
+  panel.y = {.label = "residual over its noise", .scale = AxisScale::logarithmic};
+  PlotCurve curve{.style = CurveStyle::line_and_points};
+  for (const InversionStep& step : course.history) {
+    curve.x.push_back(step.forwards);
+    curve.y.push_back(step.in_deviations);
+  }
+  panel.curves.push_back(curve);
+  const InversionStep& last = course.history.back();
+  std::string html = "<p>" + std::string(name_of(course.stop)) +
+                     printf_text(
+                         ": residual %.2f %% of the mean, %.2f of its noise, after %.0f "
+                         "forward models.",
+                         100.0 * last.residual, last.in_deviations, last.forwards);
+  if (!course.smoothness.empty()) html += " Smoothness:";
+  for (std::size_t n = 0; n < course.smoothness.size() && n < summaries.size(); ++n)
+    html += (n == 0 ? " " : ", ") + summaries[n].name + printf_text(" %.3g", course.smoothness[n]);
+  return html + ".</p>" + html_plot(format_svg(plot), "residual over forward models");
 }
 
 std::string calibration_html(const Capture& capture, const std::vector<NumberSummary>& summaries,
@@ -158,7 +185,7 @@ std::string residual_text(const Capture& capture, const AcquisitionCheck& check)
   return text + ".";
 }
 
-std::string assumed_html(const Capture& capture) {
+std::string assumed_html(const Capture& capture, const AcquiredSkin& skin) {
   std::vector<std::vector<std::string>> rows = {
       {"population", html_escaped(capture.population_name)},
       {"mirror reflection", capture.has_specular ? "part of the capture" : "not in the capture"},
@@ -166,7 +193,9 @@ std::string assumed_html(const Capture& capture) {
        capture.incidence.is_diffuse
            ? "from all sides"
            : printf_text("from %.3g degrees", capture.incidence.theta * 180.0 / 3.14159265358979)},
-      {"lateral transport", "none: each pixel on its own"}};
+      {"lateral transport", skin.inversion && skin.inversion->has_transport
+                                ? "light travels sideways in the skin"
+                                : "none: each pixel on its own"}};
   if (capture.mm_per_pixel)
     rows.push_back({"mm per pixel", printf_text("%.4g", *capture.mm_per_pixel)});
   for (const SkinParameterRange& range : skin_parameter_ranges()) {
@@ -204,6 +233,7 @@ std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin) {
                          .median = percentile(values, 50),
                          .high = percentile(values, 95),
                          .deviation = percentile(deviations, 50),
+                         .high_deviation = percentile(deviations, 95),
                          .is_relative = number.number.parameter.scale == FitScale::logarithmic,
                          .prior_share = number.prior_share,
                          .within_share = number.within_share});
@@ -263,13 +293,16 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
           scale_html("0", "10 %") + "</div></div>" +
           section("What was found, and what was not", numbers_html(summaries)) +
           section("Maps", maps) +
+          (skin.inversion && !skin.inversion->history.empty()
+               ? section("How it was solved", course_html(skin, summaries))
+               : "") +
           section("What it hangs on", calibration_html(capture, summaries, check)) +
           section("How errors go together",
                   "<p class=\"soft\">Correlations at the median color. Near 1 or −1 a combination "
                   "of two numbers is told well, and each of them badly.</p>" +
                       html_plot(format_correlations(names, check.correlation),
                                 "correlations of the numbers")) +
-          section("What was assumed", assumed_html(capture)) +
+          section("What was assumed", assumed_html(capture, skin)) +
           section("How it was made",
                   "<p>lamina " LAMINA_VERSION "</p><pre>" + html_escaped(command) + "</pre>" +
                       (file.empty() ? ""

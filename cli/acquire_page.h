@@ -12,9 +12,9 @@ namespace lamina::cli {
 /// A number of skin over the pixels that are skin.
 struct NumberSummary {
   std::string name;
-  double low = 0.0, median = 0.0, high = 0.0;  ///< 5th, 50th and 95th percentile
-  double deviation = 0.0;                      ///< median, of the coordinate
-  bool is_relative = false;                    ///< the coordinate is a logarithm
+  double low = 0.0, median = 0.0, high = 0.0;    ///< 5th, 50th and 95th percentile
+  double deviation = 0.0, high_deviation = 0.0;  ///< of the coordinate: median, 95th percentile
+  bool is_relative = false;                      ///< the coordinate is a logarithm
   double prior_share = 1.0, within_share = 1.0;
 };
 [[nodiscard]] std::vector<NumberSummary> summaries_of(const AcquiredSkin& skin);

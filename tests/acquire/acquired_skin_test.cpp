@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "lamina/acquire/acquired_files.h"
 #include "lamina/acquire/acquisition_check.h"
+#include "lamina/acquire/patch_acquisition.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/json_input.h"
@@ -32,7 +34,7 @@ struct Made {
     capture.incidence.is_diffuse = true;
     capture.mm_per_pixel = 0.5;
     capture.population = forearm_population();
-    capture.population.missed.assign(capture.population.missed.size(), 0.0);
+    std::ranges::fill(capture.population->missed, 0.0);
     capture.population_name = "forearms";
     const std::vector<SkinFitNumber> all = skin_fit_numbers({});
     capture.numbers = {all[0], all[3], all[5]};  // melanin, blood of the dermis, saturation
@@ -139,6 +141,54 @@ TEST(AcquisitionCheck, CarriesTheErrorsOfGainsOn) {
   AcquiredSkin same = acquired();
   add_gain_errors(made().capture, check, same);
   EXPECT_EQ(same.numbers[0].deviations.pixels, acquired().numbers[0].deviations.pixels);
+}
+
+// Without a population and without noise: the numbers themselves.
+TEST(PatchAcquisition, FindsNumbersOfPixelsOnTheirOwn) {
+  Capture exact = made().capture;
+  exact.population.reset();
+  exact.incidence = {.theta = 57.0 * std::numbers::pi / 180.0};
+  const SkinReflectanceTable table(exact.wavelengths, exact.incidence, skin_fit_range({}));
+  for (std::size_t i = 0; i < 24; ++i) {
+    const std::vector<double> bands = table.reflectance(made().skins[i]);
+    for (std::size_t b = 0; b < 3; ++b)
+      exact.reflectance.pixels[3 * i + b] = static_cast<float>(bands[b]);
+  }
+  exact.deviation = exact.reflectance;
+  for (float& deviation : exact.deviation.pixels) deviation *= 0.01f;
+  const AcquiredSkin skin =
+      acquire_patch(exact, {.has_transport = false, .inversion = {.deviation_samples = 0}});
+  ASSERT_EQ(skin.numbers.size(), 3U);
+  for (std::size_t i = 6; i < 24; ++i)
+    for (const AcquiredNumber& number : skin.numbers)
+      EXPECT_NEAR(
+          static_cast<double>(number.values.pixels[i]) / (made().skins[i].*number.number.values[0]),
+          1.0, 0.05)
+          << number.number.parameter.name << " at " << i;
+  EXPECT_EQ(skin.counts[static_cast<std::size_t>(PixelKind::unused)], 2U);
+  for (std::size_t i = 3 * 6; i < skin.predicted.pixels.size(); ++i)
+    EXPECT_NEAR(skin.predicted.pixels[i], exact.reflectance.pixels[i], 2e-3f);
+  EXPECT_FALSE(skin.inversion->has_transport);
+}
+
+TEST(PatchAcquisition, RefusesWhatCannotTell) {
+  const auto message = [](const Capture& capture, bool has_transport) -> std::string {
+    try {
+      (void)acquire_patch(capture, {.has_transport = has_transport});
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Capture unsized = made().capture;
+  unsized.mm_per_pixel.reset();
+  EXPECT_EQ(message(unsized, true),
+            "capture: light that travels sideways needs \"mm_per_pixel\", which is missing");
+  Capture alone = made().capture;
+  alone.population.reset();
+  alone.numbers = skin_fit_numbers({});
+  EXPECT_EQ(message(alone, false),
+            "capture: 3 bands cannot tell 8 numbers; give a \"population\", or fewer \"numbers\"");
 }
 
 TEST(AcquiredFiles, AreReadByWhatUsesThem) {

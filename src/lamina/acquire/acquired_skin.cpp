@@ -24,12 +24,14 @@ double median_over_skin(const Image& map, const std::vector<PixelKind>& kinds) {
 
 SkinColorTable color_table_of(const Capture& capture, const SkinReflectanceTable& table,
                               const Progress& progress) {
+  if (!capture.population)
+    throw InvalidInput("capture: a table of colors needs a \"population\", but there is none");
   return {
       table,
       {.sensor = capture.sensor, .errors = capture.errors, .has_specular = capture.has_specular},
       capture.skin.skin,
       capture.numbers,
-      capture.population,
+      *capture.population,
       SkinColorTable::usual_fits,
       progress};
 }

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lamina/acquire/capture.h"
+#include "lamina/acquire/inversion/patch_inversion.h"
 #include "lamina/acquire/skin_color_table.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
@@ -32,10 +34,20 @@ struct AcquiredNumber {
                               ///< all pixels have alike
 };
 
+/// How pixels were solved together.
+struct InversionCourse {
+  bool has_transport = false;
+  std::vector<double> smoothness;  ///< [number] that was used
+  std::vector<InversionStep> history;
+  InversionStop stop = InversionStop::converged;
+};
+
 /// Maps of what skin is made of, from photographs.
 struct AcquiredSkin {
   int width = 0, height = 0;
   std::vector<AcquiredNumber> numbers;
+  Image predicted;  ///< what the maps reflect, as the capture's reflectance; empty: not worked out
+  std::optional<InversionCourse> inversion;          ///< absent: each pixel by a table
   std::vector<PixelKind> kinds;                      ///< [y][x]
   std::array<std::size_t, pixel_kinds> counts = {};  ///< of each kind
 };

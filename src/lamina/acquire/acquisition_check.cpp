@@ -89,7 +89,9 @@ void vary_calibration(const Capture& capture, const SkinReflectanceTable& table,
         .measured = measured, .sensor = capture.sensor, .has_specular = capture.has_specular};
     for (std::size_t b = 0; b < measured.size(); ++b)
       seen.standard_deviation.push_back(capture.errors[b] * measured[b]);
-    return fit_skin(table, seen, capture.skin.skin, capture.numbers, &capture.population).fit;
+    return fit_skin(table, seen, capture.skin.skin, capture.numbers,
+                    capture.population ? &*capture.population : nullptr)
+        .fit;
   };
   const auto coordinates = [&](const FitResult& result) {
     std::vector<double> found;
@@ -125,7 +127,13 @@ AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& s
           y * static_cast<std::size_t>(step) * static_cast<std::size_t>(skin.width) +
           static_cast<std::size_t>(x) * static_cast<std::size_t>(step);
       const std::size_t i = y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      const std::vector<double> predicted = bands_of(capture, skin, pixel, table);
+      std::vector<double> predicted;
+      if (skin.predicted.pixels.empty())
+        predicted = bands_of(capture, skin, pixel, table);
+      else
+        predicted.assign(
+            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>(pixel * bands),
+            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>((pixel + 1) * bands));
       for (std::size_t b = 0; b < bands; ++b) {
         check.measured.pixels[i * bands + b] = capture.reflectance.pixels[pixel * bands + b];
         check.predicted.pixels[i * bands + b] = static_cast<float>(predicted[b]);

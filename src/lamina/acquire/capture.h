@@ -33,11 +33,12 @@ struct Capture {
   Incidence incidence;              ///< of the light
   bool has_specular = false;        ///< whether what the surface mirrors is part of it
   std::optional<double> mm_per_pixel;
-  SkinRecipe skin;                     ///< what is not acquired
-  std::vector<SkinFitNumber> numbers;  ///< what is
-  SkinPopulation population;           ///< what is known before
-  std::string population_name;         ///< as the file has it
-  std::vector<std::string> notes;      ///< what was done to the photographs, in sentences
+  SkinRecipe skin;                           ///< what is not acquired
+  std::vector<SkinFitNumber> numbers;        ///< what is
+  bool has_stated_numbers = false;           ///< whether the file says which
+  std::optional<SkinPopulation> population;  ///< what is known before; absent: nothing
+  std::string population_name;               ///< as the file has it
+  std::vector<std::string> notes;            ///< what was done to the photographs, in sentences
 };
 
 /// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the

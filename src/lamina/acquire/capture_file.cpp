@@ -141,13 +141,14 @@ void mask_by_file(const JsonInput& file, PixelMask& mask) {
 /// Gains that make the middle of the image skin of the population.
 void fit_gains(const JsonInput& value, Developed& developed, Capture& capture) {
   (void)value.choice<int>({{"from_skin", 0}});
+  if (!capture.population) value.fail("needs a population, but there is none");
   constexpr int people = 1000;
   try {
     const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
                                      skin_fit_range(capture.skin.skin));
     const std::vector<double> seen = median_log_color(developed.reflectance, developed.mask);
     const SkinGains found =
-        fit_skin_gains({&seen, 1}, make_skin_colors(table, capture.sensor, capture.population,
+        fit_skin_gains({&seen, 1}, make_skin_colors(table, capture.sensor, *capture.population,
                                                     capture.has_specular, people, 1));
     const std::size_t bands = found.gains.size();
     std::string text = "bands were multiplied by";
@@ -195,9 +196,11 @@ void decode_numbers(const JsonObject& object, Capture& capture) {
   std::vector<std::string_view> known;
   const std::vector<SkinFitNumber> all = skin_fit_numbers(capture.skin.skin);
   for (const SkinFitNumber& number : all)
-    if (std::ranges::count(capture.population.names, number.parameter.name) > 0)
+    if (!capture.population ||
+        std::ranges::count(capture.population->names, number.parameter.name) > 0)
       known.push_back(number.parameter.name);
   std::vector<std::string_view> chosen = known;
+  capture.has_stated_numbers = given.has_value();
   if (given) {
     chosen.clear();
     for (const JsonInput& each : given->array(1, known.size())) {
@@ -229,7 +232,11 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
   }
   capture.population_name = "forearms";
   capture.population = forearm_population();
-  if (const auto given = object.optional("population")) {
+  if (const auto given = object.optional("population");
+      given && given->is_string() && given->string() == "none") {
+    capture.population.reset();
+    capture.population_name = "none";
+  } else if (given) {
     capture.population_name = given->string();
     capture.population =
         find_skin_population(capture.population_name == "forearms" ? capture.population_name

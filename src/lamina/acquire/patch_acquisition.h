@@ -1,0 +1,34 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lamina/acquire/acquired_skin.h"
+#include "lamina/acquire/capture.h"
+#include "lamina/acquire/inversion/patch_inversion.h"
+
+namespace lamina {
+
+struct PatchAcquisitionOptions {
+  bool has_transport = true;  ///< light travels sideways; needs the size of pixels
+  OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
+  InversionOptions inversion = {.deviation_samples = usual_deviation_samples};
+  std::vector<Image> start;  ///< [number] values to go on from; empty: none
+
+  static constexpr int usual_deviation_samples = 24;
+};
+
+/// All pixels of a capture of any bands together, by invert_patch; without transport each on its
+/// own. Light from all sides counts as light from 57 degrees, of which as much enters.
+///
+/// @param cache     keeps the tables of the transport; absent: none
+/// @param progress  asked to stop, the best so far is handed over
+/// @throws InvalidInput as invert_patch, for transport without the size of pixels, and for fewer
+///         bands than numbers without a population.
+[[nodiscard]] AcquiredSkin acquire_patch(const Capture& capture,
+                                         const PatchAcquisitionOptions& options,
+                                         const std::optional<DiskCache>& cache = {},
+                                         const Progress& progress = {});
+
+}  // namespace lamina
