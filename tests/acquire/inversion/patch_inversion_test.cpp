@@ -10,6 +10,7 @@
 #include <string>
 
 #include "acquire/inversion/synthetic_patch.h"
+#include "lamina/acquire/inversion/patch_tiles.h"
 #include "lamina/core/error.h"
 #include "lamina/fit/skin/skin_fit.h"
 
@@ -60,7 +61,7 @@ MapError error_of(const SyntheticPatch& patch, const NumberMap& map, std::size_t
 
 TEST(PatchInversion, FindsTheMapsThatAPhotographWasMadeOf) {
   const auto& [patch, tables] = small_patch();
-  const InversionResult result = invert_patch(patch.capture, tables, {.most_forwards = 60.0});
+  const InversionResult result = invert_patch(patch.capture, tables, {.most_forwards = 40.0});
   EXPECT_LT(result.history.back().in_deviations, 2.0);
   ASSERT_EQ(result.numbers.size(), 3u);
   const MapError melanin = error_of(patch, result.numbers[0], 0);
@@ -130,7 +131,7 @@ TEST(PatchInversion, LeavesOutWhatIsNotKnown) {
         image.reflected.values[t] = std::numeric_limits<float>::quiet_NaN();
       }
   const InversionResult result =
-      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 40.0});
+      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 30.0});
   EXPECT_LT(result.history.back().in_deviations, 2.5);
   const std::vector<float>& melanin = result.numbers[0].value.values;
   EXPECT_TRUE(std::ranges::all_of(melanin, [](float value) { return std::isfinite(value); }));
@@ -156,6 +157,76 @@ TEST(PatchInversion, HandsOverTheBestSoFarWhenInterrupted) {
   EXPECT_LT(resumed.history.back().objective, result.history.back().objective);
 }
 
+// What draws say of errors is as large as errors are.
+TEST(PatchInversion, KnowsItsErrors) {
+  const auto& [patch, tables] = small_patch();
+  const InversionResult result = invert_patch(
+      patch.capture, tables,
+      {.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 25.0, .deviation_samples = 4});
+  ASSERT_EQ(result.correlation.rows, 3u);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_NEAR(result.correlation(n, n), 1.0, 1e-12);
+    EXPECT_LT(std::abs(result.correlation(n, (n + 1) % 3)), 1.0);
+    for (std::size_t t = 0; t < 32 * 32; ++t) {
+      const NumberMap& map = result.numbers[n];
+      ASSERT_GT(map.deviation.values[t], 0.0f);
+      ASSERT_NEAR(map.prior_share.values[t] * wide_deviation, map.deviation.values[t], 1e-5f);
+    }
+  }
+  // Blood of the dermis lies deeper, and shows less.
+  EXPECT_LT(result.numbers[0].deviation.values[528], result.numbers[2].deviation.values[528]);
+  const FitParameter& melanin = tables.numbers[0].parameter;
+  double squares = 0.0, expected = 0.0;
+  for (std::size_t t = 0; t < 32 * 32; ++t) {
+    const auto at = [&](const Plane& plane) {
+      return fit_coordinate(melanin, static_cast<double>(plane.values[t]));
+    };
+    squares += std::pow(at(result.numbers[0].value) - at(patch.truth[0]), 2);
+    expected += std::pow(static_cast<double>(result.numbers[0].deviation.values[t]), 2);
+  }
+  EXPECT_LT(squares / expected, 9.0);  // carotene and blend vary, of which nothing is known
+  EXPECT_GT(squares / expected, 0.3);
+}
+
+TEST(PatchInversion, OfTilesIsThatOfTheWhole) {
+  const auto& [patch, tables] = small_patch();
+  const InversionOptions options{.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 25.0};
+  const InversionResult whole = invert_patch(patch.capture, tables, options);
+  const InversionResult tiled =
+      invert_tiles(patch.capture, tables, {.side = 16, .halo = 2.5}, options);
+  EXPECT_EQ(patch_tiles(patch.capture, {.side = 16, .halo = 2.5}).size(), 4u);
+  ASSERT_EQ(tiled.numbers[0].value.width, 32);
+  for (std::size_t n = 0; n < 3; n += 2) {
+    const MapError error = map_error(
+        patch.capture,
+        [&](std::size_t t) { return static_cast<double>(tiled.numbers[n].value.values[t]); },
+        [&](std::size_t t) { return static_cast<double>(whole.numbers[n].value.values[t]); });
+    EXPECT_LT(error.relative, n == 0 ? 0.05 : 0.1) << tiled.numbers[n].name;
+  }
+  // A tile of which nothing is known.
+  PatchCapture dark = patch.capture;
+  for (Plane& light : dark.lights) std::ranges::fill(light.values, 0.0f);
+  const PatchTile tile{{0, 0, 8, 4}, {0, 0, 16, 16}};
+  const InversionResult nothing = invert_tile(dark, tables, tile, options);
+  EXPECT_EQ(nothing.numbers[1].value.height, 4);
+  EXPECT_THROW((void)patch_tiles(patch.capture, {.side = 0}), InvalidInput);
+}
+
+TEST(PatchInversion, ComesToTheSameByGradientsAlone) {
+  const auto& [patch, tables] = small_patch();
+  const InversionOptions newton{.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 30.0};
+  InversionOptions gradients = newton;
+  gradients.method = InversionMethod::lbfgs;
+  const double least = invert_patch(patch.capture, tables, newton).history.back().objective;
+  const InversionResult result = invert_patch(patch.capture, tables, gradients);
+  EXPECT_LT(result.history.back().objective, 1.5 * least);
+  EXPECT_LT(result.history.back().objective, 0.5 * result.history.front().objective);
+  // The paper's steps go down, slowly.
+  const InversionResult descent = invert_patch(
+      patch.capture, tables, {.method = InversionMethod::gradient_descent, .most_forwards = 20.0});
+  EXPECT_LT(descent.history.back().residual, 0.9 * descent.history.front().residual);
+}
+
 // Red, green and blue are sums over wavelengths; strips of light are one more pattern.
 TEST(PatchInversion, TakesWideBandsAndPatterns) {
   SyntheticSetup setup = small_setup();
@@ -164,9 +235,9 @@ TEST(PatchInversion, TakesWideBandsAndPatterns) {
   const SyntheticPatch patch = make_synthetic_patch(setup);
   ASSERT_EQ(patch.capture.images.size(), 6u);
   const InversionResult result =
-      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 40.0});
+      invert_patch(patch.capture, small_patch().tables, {.most_forwards = 25.0});
   EXPECT_LT(result.history.back().in_deviations, 6.0);  // carotene and blend vary, too
-  EXPECT_GT(error_of(patch, result.numbers[0], 0).correlation, 0.95);
+  EXPECT_GT(error_of(patch, result.numbers[0], 0).correlation, 0.93);
 }
 
 TEST(PatchInversion, SaysWhatIsWrongWithACapture) {

@@ -143,11 +143,15 @@ void choose_smoothness(PatchGrid& grid, InversionCourse& course, const Inversion
   const std::vector<double> squares = objective.squared_differences(best.coordinates);
   std::vector<double> weights = objective.smoothness();
   const std::vector<double> usual = usual_smoothness(objective.tables());
+  constexpr double least_of_usual = 0.5, most_of_usual = 100.0;
+  const auto texels = static_cast<double>(best.coordinates[0].size());
   for (std::size_t n = 0; n < weights.size(); ++n)
-    weights[n] = std::clamp(std::max(draw.told[n], 1.0) / std::max(squares[n], 1e-12),
-                            usual[n] / 2.0, usual[n] * 30.0);
+    weights[n] =
+        std::clamp(std::sqrt(std::max(draw.told[n], 1.0) * texels) / std::max(squares[n], 1e-12),
+                   usual[n] * least_of_usual, usual[n] * most_of_usual);
   objective.set_smoothness(std::move(weights));
   objective.weigh_again(best);
+  course.begin_again();
 }
 
 /// What a coarser grid hands to a finer one.
@@ -274,7 +278,10 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
         detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
     };
     if (options.smoothness.empty()) {
-      run(method == InversionMethod::lbfgs ? 20 : 2);
+      const int steps = method == InversionMethod::lbfgs ? 10 : 1;
+      constexpr double near_noise = 1.05;  // in standard deviations
+      run(steps);
+      if (course.goes_on() && course.best.in_deviations > near_noise) run(steps);
       if (course.goes_on()) choose_smoothness(grid, course, options, 1);
     }
     if (course.goes_on()) run(std::numeric_limits<int>::max());

@@ -19,14 +19,29 @@ class InversionCourse {
 
   /// Takes a better state. Returns whether all is done.
   bool take(PatchState better) {
-    const double decrease = (best.objective - better.objective) / best.objective;
     best = std::move(better);
     record();
+    // What the last steps have gained, as many as one of Gauss and Newton costs.
+    constexpr double spent = 10.0;  // forward equivalents
+    std::size_t before = history.size() - 1;
+    while (before > first_ &&
+           history.back().forwards - history[before].forwards < spent * light_.cost())
+      --before;
+    if (history.back().forwards - history[before].forwards < spent * light_.cost())
+      return must_end();
+    const double decrease = 1.0 - best.objective / history[before].objective;
     if (decrease < options_.tolerance) return ends(InversionStop::converged);
-    constexpr double hardly = 0.05;  // steps that gain less fit the noise
+    constexpr double hardly = 0.05;  // gains of as little fit the noise
     if (options_.stops_at_noise && best.in_deviations <= 1.0 && decrease < hardly)
       return ends(InversionStop::at_noise);
     return must_end();
+  }
+
+  /// Says that the objective has become another function: gains count from here.
+  void begin_again() {
+    record();
+    first_ = history.size() - 1;
+    stop = InversionStop::converged;
   }
 
   /// Whether more can be spent.
@@ -62,6 +77,7 @@ class InversionCourse {
   const InversionOptions& options_;
   const PatchLight& light_;
   const Progress& progress_;
+  std::size_t first_ = 0;  ///< step of the history that has this objective
 
  public:
   PatchState best;
