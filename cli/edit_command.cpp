@@ -133,13 +133,20 @@ std::vector<ImageNote> notes_of(const std::string& file, const EditOptions& opti
   return notes;
 }
 
-/// The file that loads the maps comes last, so that it is there only if they are.
+/// The files that load the maps come last, so that they are there only if these are.
 void save_skin(const EditableSkin& skin, const fs::path& folder, const EditOptions& options) {
   make_folder(folder);
   for (const NamedImage& image : images_of(skin))
     save_exr(*image.image, folder / image.file, ExrPrecision::single_float,
              notes_of(image.file, options));
-  write_file((folder / skin.file_name).string(), editable_skin_json(skin).text(1) + "\n");
+  // Those of an edit before, of maps that have none now, would be taken for theirs.
+  std::error_code ignored;
+  for (const SkinMap& map : skin.skin.maps)
+    if (std::ranges::find(skin.deviations, map.name, &SkinMapDeviation::name) ==
+        skin.deviations.end())
+      fs::remove(folder / (map.name + ".sd.exr"), ignored);
+  for (const MapsFile& file : skin.files)
+    write_file((folder / file.name).string(), maps_file_json(skin, file).text(1) + "\n");
 }
 
 void require_other_folder(const EditOptions& options) {
@@ -158,6 +165,12 @@ void require_other_folder(const EditOptions& options) {
 
 EditableSkin load_maps(const EditOptions& options) {
   EditableSkin skin = load_editable_skin(options.maps, options.common.memory);
+  std::error_code ignored;
+  for (const char* name : {"patch.json", "material.json"})
+    if (std::ranges::find(skin.files, name, &MapsFile::name) == skin.files.end() &&
+        fs::exists(fs::path(options.output) / name, ignored))
+      throw InvalidInput(fmt::format("--output: {} has a {} of other maps; give another folder",
+                                     options.output, name));
   if (!(options.mm_per_pixel > 0.0)) return skin;
   if (skin.width_mm > 0.0)
     throw InvalidInput("--mm-per-pixel: is for maps over a mesh, but a patch says it itself");
@@ -256,9 +269,11 @@ void run_edit(const EditOptions& options) {
       save_png(side_by_side(before, after), folder / "before_after.png");
     }
     save_skin(skin, folder, options);
-    const std::string file = (folder / skin.file_name).string();
-    json["file"] = file;
-    text += file + "\n";
+    for (const MapsFile& each : skin.files) {
+      const std::string file = (folder / each.name).string();
+      json["files"].push_back(file);
+      text += file + "\n";
+    }
   }
   write_json(json, options.common);
   print(options.common, text);

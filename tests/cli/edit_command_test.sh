@@ -69,6 +69,8 @@ refuse '--homogenize: empty: the folder must have' skin -o bad --homogenize empt
 refuse 'empty: the folder must have a patch.json or a material.json' empty -o bad --tan 1
 refuse '--output: must be another folder' skin -o ./skin/../skin --tan 1
 refuse '--output: must be a folder' skin -o numbers.json --tan 1
+mkdir other && printf '{}' >other/material.json
+refuse 'has a material.json of other maps' skin -o other --tan 1
 refuse 'there must be an edit' skin -o bad
 refuse '--mm-per-pixel: is for maps over a mesh' skin -o bad --tan 1 --mm-per-pixel 1
 printf '{ "lamina": "material", "version": 1, "length_unit": "mm", "skin": { "melanin": { "map": "skin/melanin.exr" } } }' >face.json

@@ -53,12 +53,12 @@ TEST_F(EditableSkinFiles, ArePatchesAndComeBackAsTheyWere) {
   EXPECT_DOUBLE_EQ(skin.width_mm, 2.0);
   ASSERT_EQ(skin.deviations.size(), 1u);
   EXPECT_EQ(skin.deviations[0].name, "melanin");
-  const std::string text = editable_skin_json(skin).text();
+  const std::string text = maps_file_json(skin, skin.files[0]).text();
   for (const NamedImage& image : images_of(skin))
     save_exr(*image.image, folder_ / image.file, ExrPrecision::single_float);
   write("patch.json", text);
   const EditableSkin again = load_editable_skin(folder_ / "patch.json");
-  EXPECT_EQ(editable_skin_json(again).text(), text);
+  EXPECT_EQ(maps_file_json(again, again.files[0]).text(), text);
   ASSERT_EQ(images_of(again).size(), images_of(skin).size());
   for (std::size_t i = 0; i < images_of(skin).size(); ++i) {
     EXPECT_EQ(images_of(again)[i].file, images_of(skin)[i].file);
@@ -75,7 +75,13 @@ TEST_F(EditableSkinFiles, AreCapturesWithAMask) {
   save("mask.exr", 2, 2, 0.25f);
   write("patch.json", R"({ "lamina": "patch", "version": 1, "mm_per_pixel": 1, "skin": {
       "saturation_dermis": { "map": "saturation.exr" }, "saturation_epidermis": { "map": "saturation.exr" } } })");
+  write(
+      "material.json",
+      R"({ "lamina": "material", "version": 1, "length_unit": "mm", "name": "arm", "skin": {} })");
   const EditableSkin skin = load_editable_skin(folder_);
+  ASSERT_EQ(skin.files.size(), 2u);  // a patch and a material of the same maps
+  EXPECT_NE(maps_file_json(skin, skin.files[1]).text().find("saturation_dermis.exr"),
+            std::string::npos);
   ASSERT_EQ(skin.deviations.size(), 2u);
   EXPECT_EQ(skin.deviations[0].values.pixels, skin.deviations[1].values.pixels);
   EXPECT_EQ(skin.mask.pixels[3], 1.0f);
@@ -93,9 +99,11 @@ TEST_F(EditableSkinFiles, AreMaterialsWhoseWidthIsNotKnown) {
                 "epidermis_thickness": 0.01 } })");
   const EditableSkin skin = load_editable_skin(folder_);
   EXPECT_EQ(skin.width_mm, 0.0);
-  EXPECT_EQ(skin.file_name, "material.json");
+  ASSERT_EQ(skin.files.size(), 1u);
+  EXPECT_EQ(skin.files[0].name, "material.json");
   EXPECT_NEAR(skin.skin.skin.epidermis_thickness, 0.1, 1e-12);  // in mm from now on
-  EXPECT_NE(editable_skin_json(skin).text().find(R"("length_unit":"mm")"), std::string::npos);
+  EXPECT_NE(maps_file_json(skin, skin.files[0]).text().find(R"("length_unit":"mm")"),
+            std::string::npos);
   ASSERT_EQ(images_of(skin).size(), 2u);
   EXPECT_EQ(images_of(skin)[0].file, "hemoglobin_dermis.exr");
   EXPECT_EQ(images_of(skin)[1].file, "oiliness.exr");
@@ -127,7 +135,7 @@ TEST_F(EditableSkinFiles, LeaveOutWhatNamesOtherImages) {
         R"({ "lamina": "patch", "version": 1, "mm_per_pixel": 1, "light": { "map": "m.exr" },
       "skin": { "melanin": { "map": "m.exr" } } })");
   const EditableSkin skin = load_editable_skin(folder_);
-  EXPECT_EQ(editable_skin_json(skin).text().find("light"), std::string::npos);
+  EXPECT_EQ(maps_file_json(skin, skin.files[0]).text().find("light"), std::string::npos);
   ASSERT_EQ(skin.skin.warnings.size(), 1u);
   EXPECT_NE(skin.skin.warnings[0].find("light"), std::string::npos);
 }

@@ -124,10 +124,10 @@ EditableSkin load_editable_skin(const fs::path& file_or_folder, MemoryBudget mem
   const JsonDocument document = load_json(file, memory);
   const JsonInput root = document.root();
   const auto kind = root.is_object() ? root.peek("lamina") : std::nullopt;
-  if (kind && kind->is_string() && kind->string() == "material") {
+  const bool is_material = kind && kind->is_string() && kind->string() == "material";
+  if (is_material) {
     if (!root.peek("skin")) root.fail("must have \"skin\": maps of other recipes are not edited");
     result.skin = skin_of(decode_mapped_material(root));
-    result.file_name = "material.json";
   } else {
     if (root.is_object() && !root.peek("skin") && root.peek("material"))
       root.fail("must have \"skin\": maps of \"material\" are not edited");
@@ -135,15 +135,23 @@ EditableSkin load_editable_skin(const fs::path& file_or_folder, MemoryBudget mem
     result.skin = std::move(patch.skin);
     result.width_mm = patch.width * patch.mm_per_texel;
   }
-  result.file = rest_of(root, result.skin.warnings);
-  if (result.file_name == "material.json") result.file["length_unit"] = "mm";
+  result.files.push_back(
+      {is_material ? "material.json" : "patch.json", rest_of(root, result.skin.warnings)});
+  const fs::path other = file.parent_path() / "material.json";
+  if (std::error_code ignored;
+      file != file_or_folder && !is_material && fs::exists(other, ignored)) {
+    const JsonDocument material = load_json(other, memory);
+    result.files.push_back({"material.json", rest_of(material.root(), result.skin.warnings)});
+  }
+  for (MapsFile& each : result.files)
+    if (each.name == "material.json") each.rest["length_unit"] = "mm";
   load_deviations(file.parent_path(), memory, result);
   load_mask(file.parent_path(), memory, result);
   return result;
 }
 
-JsonOutput editable_skin_json(const EditableSkin& skin) {
-  JsonOutput json = skin.file;
+JsonOutput maps_file_json(const EditableSkin& skin, const MapsFile& file) {
+  JsonOutput json = file.rest;
   json["skin"] = mapped_skin_json(skin.skin, skin.skin.maps);
   return json;
 }

@@ -18,27 +18,32 @@ struct SkinMapDeviation {
   Image values;      ///< of its size and channels, >= 0
 };
 
+/// A file that loads the maps: "patch.json" or "material.json", and what it says but for "skin".
+struct MapsFile {
+  std::string name;
+  JsonOutput rest;
+};
+
 /// Skin that is made of maps, as `lamina maps` leaves it in a folder, ready to be edited.
 struct EditableSkin {
   SkinMaps skin;
   double width_mm = 0.0;  ///< of what the maps cover; 0: not known, as over a mesh
   std::vector<SkinMapDeviation> deviations;
   Image mask;  ///< mask.exr: 1 where there is skin, 0 where there is none; empty: everywhere
-  std::string file_name = "patch.json";  ///< of the file that loads the maps
-  JsonOutput file;                       ///< what it says but for "skin"
+  std::vector<MapsFile> files;  ///< one, or both kinds
 };
 
-/// Reads a folder with a patch.json or else a material.json, or such a file; of the maps NAME.exr
-/// also their standard deviations, NAME.sd.exr, where these lie beside them (saturation.sd.exr is
-/// that of both saturations), and where there is skin, mask.exr. What such a file says
-/// that names further images is left out, with a warning.
+/// Reads a folder with a patch.json or a material.json (with both the maps are those of the patch),
+/// or such a file; of the maps NAME.exr also their standard deviations, NAME.sd.exr, where these
+/// lie beside them (saturation.sd.exr is that of both saturations), and where there is skin,
+/// mask.exr. What such a file says that names further images is left out, with a warning.
 /// @throws FileError if there is none or an image is unreadable or not finite; InvalidInput naming
 ///         file, line and field.
 [[nodiscard]] EditableSkin load_editable_skin(const std::filesystem::path& file_or_folder,
                                               MemoryBudget memory = {});
 
-/// The file that loads the maps, in one folder with them.
-[[nodiscard]] JsonOutput editable_skin_json(const EditableSkin& skin);
+/// A file that loads the maps, in one folder with them.
+[[nodiscard]] JsonOutput maps_file_json(const EditableSkin& skin, const MapsFile& file);
 
 /// What is put in a folder beside that file: all maps and standard deviations.
 struct NamedImage {
