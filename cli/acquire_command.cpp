@@ -158,7 +158,10 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
   if (check.mean_difference) json["mean_ciede2000"] = *check.mean_difference;
   json["mask"] = files.mask.string();
   json["material"] = files.material.string();
-  if (!files.patch.empty()) json["patch"] = files.patch.string();
+  if (!files.patch.empty()) {
+    json["patch"] = files.patch.string();
+    json["scene"] = files.scene.string();
+  }
   return json;
 }
 

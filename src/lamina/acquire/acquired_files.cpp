@@ -69,6 +69,42 @@ JsonOutput skin_json(const AcquiredSkin& skin, const Capture& capture) {
 
 }  // namespace
 
+namespace {
+
+/// The piece of skin as a rectangle on a table, in mm, with a lamp to its left.
+JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
+  const double width = skin.width * mm_per_pixel, height = skin.height * mm_per_pixel;
+  const double size = std::max(width, height);
+  const auto place = [&](double x, double y, double z) {
+    return JsonOutput::array({x * size, y * size, z * size});
+  };
+  JsonOutput camera = {{"position", place(0.15, -1.15, 1.35)},
+                       {"up", JsonOutput::array({0, 0, 1})},
+                       {"look_at", place(0.0, 0.0, 0.0)},
+                       {"horizontal_fov", 40}};
+  return {
+      {"lamina", "scene"},
+      {"version", 1},
+      {"mm_per_unit", 1},
+      {"camera", camera},
+      {"film", {{"width", 512}, {"height", 512}}},
+      {"materials",
+       {{"skin",
+         {{"subsurface", "material.json"}, {"coat", {{"ior", 1.44}, {"roughness", 0.32}}}}}}},
+      {"meshes",
+       JsonOutput::array(
+           {{{"shape", "rectangle"}, {"width", width}, {"height", height}, {"material", "skin"}}})},
+      {"lights", JsonOutput::array({{{"type", "rectangle"},
+                                     {"position", place(-1.5, -0.2, 1.1)},
+                                     {"look_at", place(0.0, 0.0, 0.0)},
+                                     {"size", JsonOutput::array({0.6 * size, 0.6 * size})},
+                                     {"radiance", 18}},
+                                    {{"type", "environment"}, {"radiance", 0.25}}})},
+      {"render", {{"method", "texture_space"}, {"samples_per_pixel", 16}}}};
+}
+
+}  // namespace
+
 std::string unit_of_number(const std::string& name) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> units = {{
       {"melanin",
@@ -126,6 +162,8 @@ AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                         {"width", skin.width},
                         {"height", skin.height},
                         {"skin", recipe}});
+    files.scene = folder / "scene.json";
+    write(files.scene, scene_json(skin, *capture.mm_per_pixel));
   }
   return files;
 }
