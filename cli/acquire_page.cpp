@@ -28,7 +28,7 @@ constexpr std::string_view acquire_style = R"css(
 @media print { figure, tr { break-inside: avoid; } }
 )css";
 
-std::string section(std::string_view title, const std::string& html) {
+std::string page_section(std::string_view title, const std::string& html) {
   return "<h2>" + std::string(title) + "</h2>" + html;
 }
 
@@ -291,19 +291,19 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
           picture(map_picture(difference_of(check), 0.0, full_difference, shown),
                   "difference, mean over bands") +
           scale_html("0", "10 %") + "</div></div>" +
-          section("What was found, and what was not", numbers_html(summaries)) +
-          section("Maps", maps) +
+          page_section("What was found, and what was not", numbers_html(summaries)) +
+          page_section("Maps", maps) +
           (skin.inversion && !skin.inversion->history.empty()
-               ? section("How it was solved", course_html(skin, summaries))
+               ? page_section("How it was solved", course_html(skin, summaries))
                : "") +
-          section("What it hangs on", calibration_html(capture, summaries, check)) +
-          section("How errors go together",
+          page_section("What it hangs on", calibration_html(capture, summaries, check)) +
+          page_section("How errors go together",
                   "<p class=\"soft\">Correlations at the median color. Near 1 or −1 a combination "
                   "of two numbers is told well, and each of them badly.</p>" +
                       html_plot(format_correlations(names, check.correlation),
                                 "correlations of the numbers")) +
-          section("What was assumed", assumed_html(capture, skin)) +
-          section("How it was made",
+          page_section("What was assumed", assumed_html(capture, skin)) +
+          page_section("How it was made",
                   "<p>lamina " LAMINA_VERSION "</p><pre>" + html_escaped(command) + "</pre>" +
                       (file.empty() ? ""
                                     : "<details><summary>the capture "

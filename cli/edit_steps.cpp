@@ -20,43 +20,44 @@ struct StepHelp {
   const char* text;
 };
 
-constexpr const char* looks = "Edits of how skin looks, in the order written";
-constexpr const char* numbers = "Edits of one number, in the same order";
+constexpr const char* look_group = "Edits of how skin looks, in the order written";
+constexpr const char* number_group = "Edits of one number, in the same order";
 
 constexpr StepHelp step_helps[] = {
-    {SkinEditKind::tan, "A", looks,
+    {SkinEditKind::tan, "A", look_group,
      "a tan: 1 + A times the melanin; .3 is 30 % more, and -.3 less. 74 % of what is added is "
      "eumelanin, as of skin"},
-    {SkinEditKind::flush, "A", looks,
+    {SkinEditKind::flush, "A", look_group,
      "a flush: 1 + A times the blood; what is added is arterial, .97 of it oxygenated"},
-    {SkinEditKind::pale, "A", looks, "1 - A times the blood"},
-    {SkinEditKind::saturation, "S", looks,
+    {SkinEditKind::pale, "A", look_group, "1 - A times the blood"},
+    {SkinEditKind::saturation, "S", look_group,
      "oxygenated share of the blood: S in the middle, detail stays"},
-    {SkinEditKind::cyanosis, "A", looks, "1 - A times the oxygenated share of the blood"},
-    {SkinEditKind::freckles, "A", looks,
+    {SkinEditKind::cyanosis, "A", look_group, "1 - A times the oxygenated share of the blood"},
+    {SkinEditKind::freckles, "A", look_group,
      "1 + A times the contrast of freckles and moles: what of ln(melanin) lies above its "
      "surroundings within --size, 2.5 mm; -1 takes them away"},
-    {SkinEditKind::even, "A", looks,
+    {SkinEditKind::even, "A", look_group,
      "1 - A times the contrast of all pigments to their surroundings within --size, 3 mm"},
-    {SkinEditKind::foundation, "A", looks,
+    {SkinEditKind::foundation, "A", look_group,
      "the look of a foundation: the same within 10 mm, and 1 - A times the oil. It is no layer of "
      "powder"},
-    {SkinEditKind::blush, "A", looks,
+    {SkinEditKind::blush, "A", look_group,
      "the look of rouge where --mask says: oxygenated blood in the epidermis as its dye"},
-    {SkinEditKind::lipstick, "A", looks,
+    {SkinEditKind::lipstick, "A", look_group,
      "the look of lipstick where --mask says: the same, stronger, less melanin, and a red ink in "
      "the "
      "sheet below the epidermis"},
-    {SkinEditKind::homogenize, "MAPS", looks,
+    {SkinEditKind::homogenize, "MAPS", look_group,
      "mean and covariance of the pigments become those of other maps, or a part of the way by "
      "--strength"},
-    {SkinEditKind::scale, "NAME=F", numbers, "F times a number, as melanin=1.2"},
-    {SkinEditKind::add, "NAME=D", numbers, "D more, in the number's unit"},
-    {SkinEditKind::set, "NAME=V", numbers, "V everywhere"},
-    {SkinEditKind::gamma, "NAME=G", numbers,
+    {SkinEditKind::scale, "NAME=F", number_group, "F times a number, as melanin=1.2"},
+    {SkinEditKind::add, "NAME=D", number_group, "D more, in the number's unit"},
+    {SkinEditKind::set, "NAME=V", number_group, "V everywhere"},
+    {SkinEditKind::gamma, "NAME=G", number_group,
      "G times its contrast about the mean of its logarithm, or of the logit of a share"},
-    {SkinEditKind::blur, "NAME=MM", numbers, "blurred by a Gaussian of this standard deviation"},
-    {SkinEditKind::transfer, "NAME=IMAGE", numbers,
+    {SkinEditKind::blur, "NAME=MM", number_group,
+     "blurred by a Gaussian of this standard deviation"},
+    {SkinEditKind::transfer, "NAME=IMAGE", number_group,
      "the first channel of an image, in the number's unit"},
 };
 
