@@ -113,7 +113,7 @@ TEST_F(CameraRawFile, ThatIsDamagedIsRefused) {
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
   MemoryBudget memory;
-  for (const std::size_t size : {std::size_t{3}, std::size_t{9}, std::size_t{300}}) {
+  for (const std::size_t size : {3, 9, 300, 3000}) {
     std::ofstream(path("cut.dng"), std::ios::binary) << bytes.substr(0, size);
     EXPECT_THROW((void)load_camera_raw(path("cut.dng"), Demosaic::half_size, memory), FileError);
   }

@@ -55,6 +55,9 @@ bool reads_camera_raw() { return true; }
 
 CameraRaw decode_camera_raw(const EncodedImage& file, Demosaic demosaic) {
   const auto raw = std::make_unique<LibRaw>();  // too large for a stack
+  bool is_cut = false;
+  raw->set_dataerror_handler(  // or else it prints
+      [](void* flag, const char*, auto) { *static_cast<bool*>(flag) = true; }, &is_cut);
   set_linear(raw->imgdata.params, demosaic);
   constexpr std::size_t mebibyte = std::size_t{1} << 20, most_mebibytes = 2048;
   raw->imgdata.params.max_raw_memory_mb =
@@ -71,6 +74,7 @@ CameraRaw decode_camera_raw(const EncodedImage& file, Demosaic demosaic) {
   take_image_memory(file, (sizes.width + shrunk - 1) / shrunk, (sizes.height + shrunk - 1) / shrunk,
                     3, libraw_bytes(file, sizes));
   require_success(file, raw->unpack());
+  if (is_cut) fail_to_decode(file, "camera raw", "its numbers are cut short or damaged");
   require_success(file, raw->dcraw_process());
   if (!raw->imgdata.image) fail_to_decode(file, "camera raw", "it has no pixels");
 

@@ -101,6 +101,10 @@ TEST(Registration, RefusesImagesOfOtherThings) {
   Image noise = make_image(width, height, {"Y"});
   add_noise(noise, 1e-4, 0.0, 4);
   const PixelMask all = make_pixel_mask(width, height);
+  const Image stripes = image_of(width, height, {"Y"}, [](double x, double, std::size_t) {
+    return 0.4 + 0.1 * std::sin(0.5 * x);
+  });
+  EXPECT_FALSE(register_images(stripes, 0, stripes, 0, all).is_good);  // of no known height
   for (const Image& image : {other, noise, make_image(width, height, {"Y"})}) {
     const Registration found = register_images(skin, 0, image, 0, all);
     EXPECT_FALSE(found.is_good) << found.error << " " << found.agreement;

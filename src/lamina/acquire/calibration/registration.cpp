@@ -15,6 +15,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/random.h"
+#include "lamina/core/symmetric_eigen.h"
 
 namespace lamina {
 namespace {
@@ -154,6 +155,9 @@ void improve(const GradientField& fixed, const GradientField& moving, std::size_
 double expected_error(const GradientField& fixed, const GradientField& moving,
                       const ImageMotion& motion, std::size_t free) {
   const NormalEquations sums = normal_equations(fixed, moving, motion, free);
+  constexpr double least_told = 1e-3;  // of the motion that is told least: stripes tell one shift
+  const std::vector<double> told = symmetric_eigen(sums.squares).values;
+  if (!(told.front() > least_told * told.back())) return std::numeric_limits<double>::infinity();
   const DenseMatrix inverse = inverse_of(sums.squares);
   DenseMatrix scatter(free, free);
   for (const auto& [place, g] : sums.blocks)
