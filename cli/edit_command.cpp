@@ -288,7 +288,8 @@ void add_edit_command(CLI::App& app) {
                         "someone else's skin.");
   command
       .add_option("maps", options->maps,
-                  "a folder that lamina maps has made, or its patch.json or material.json")
+                  "a folder that lamina maps or lamina acquire has made, or its patch.json or "
+                  "material.json")
       .type_name("MAPS")
       .required();
   command
