@@ -34,7 +34,8 @@ ImageMotion motion_of(const Coordinates& p, int width, int height) {
 /// Two gradients at one place, and how the second changes with the motion.
 struct Pair {
   Vec2 fixed{}, moving{};
-  std::array<Vec2, 4> derivatives{};  ///< [coordinate]
+  std::array<Vec2, 4> derivatives{};        ///< of the moving one, [coordinate]
+  std::array<Vec2, 4> fixed_derivatives{};  ///< of the fixed one, were it moved
   double weight = 0.0;
 };
 
@@ -50,6 +51,13 @@ Vec2 place_in_pixel(int x, int y) {
           y + static_cast<double>(bits & 0xffffffffu) * 0x1p-32};
 }
 
+/// How a gradient changes with the coordinates of the motion.
+/// @param arm  from the middle of the image, over the distance of a corner
+std::array<Vec2, 4> derivatives_of(const GradientSample& sample, Vec2 arm) {
+  return {sample.by_x, sample.by_y, arm.x * sample.by_x + arm.y * sample.by_y,
+          arm.x * sample.by_y - arm.y * sample.by_x};
+}
+
 /// Absent if the place lies outside of the moving image.
 std::optional<Pair> pair_at(const GradientField& fixed, const GradientField& moving,
                             const ImageMotion& motion, int x, int y) {
@@ -60,15 +68,13 @@ std::optional<Pair> pair_at(const GradientField& fixed, const GradientField& mov
     return std::nullopt;
   const float weight = fixed.weights[fixed.index(x, y)];
   if (!(weight > 0.0f)) return std::nullopt;
-  const GradientSample sample = sample_gradient(moving, to);
+  const GradientSample at_fixed = sample_gradient(fixed, place);
+  const GradientSample at_moving = sample_gradient(moving, to);
   const double corner = corner_distance(fixed.width, fixed.height);
   const Vec2 middle{0.5 * fixed.width, 0.5 * fixed.height};
   const Vec2 arm = (1.0 / corner) * (to - middle - motion.shift);
-  return Pair{sample_gradient(fixed, place).value,
-              sample.value,
-              {sample.by_x, sample.by_y, arm.x * sample.by_x + arm.y * sample.by_y,
-               arm.x * sample.by_y - arm.y * sample.by_x},
-              static_cast<double>(weight)};
+  return Pair{at_fixed.value, at_moving.value, derivatives_of(at_moving, arm),
+              derivatives_of(at_fixed, arm), static_cast<double>(weight)};
 }
 
 /// Calls body(pair, x, y) for pixels of a grid, not more than some hundred thousand of them.
@@ -97,8 +103,9 @@ double agreement(const GradientField& fixed, const GradientField& moving,
 
 /// Sums of a Gauss-Newton step over pixels.
 struct NormalEquations {
-  DenseMatrix squares;                               ///< of derivatives
-  Coordinates slope{};                               ///< derivatives times residuals
+  DenseMatrix squares;   ///< of derivatives
+  DenseMatrix products;  ///< of those of both images: of what both show, not of their noise
+  Coordinates slope{};   ///< derivatives times residuals
   std::map<std::array<int, 2>, Coordinates> blocks;  ///< the same of blocks of pixels
 };
 
@@ -107,7 +114,7 @@ NormalEquations normal_equations(const GradientField& fixed, const GradientField
                                  const ImageMotion& motion, std::size_t free) {
   constexpr int block_side = 16;
   constexpr double limit = 0.5;  // of residuals that count in full
-  NormalEquations sums{.squares = DenseMatrix(free, free)};
+  NormalEquations sums{.squares = DenseMatrix(free, free), .products = DenseMatrix(free, free)};
   for_pairs(fixed, moving, motion, [&](const Pair& pair, int x, int y) {
     const double sign = dot(pair.fixed, pair.moving) < 0.0 ? -1.0 : 1.0;
     const Vec2 residual = pair.fixed - sign * pair.moving;
@@ -117,8 +124,12 @@ NormalEquations normal_equations(const GradientField& fixed, const GradientField
       const double slope = weight * sign * dot(pair.derivatives[a], residual);
       sums.slope[a] += slope;
       block[a] += slope;
-      for (std::size_t b = 0; b < free; ++b)
+      for (std::size_t b = 0; b < free; ++b) {
         sums.squares(a, b) += weight * dot(pair.derivatives[a], pair.derivatives[b]);
+        sums.products(a, b) += 0.5 * weight * sign *
+                               (dot(pair.derivatives[a], pair.fixed_derivatives[b]) +
+                                dot(pair.fixed_derivatives[a], pair.derivatives[b]));
+      }
     }
   });
   return sums;
@@ -151,14 +162,15 @@ void improve(const GradientField& fixed, const GradientField& moving, std::size_
 }
 
 /// The root of the largest variance of the place of a corner: H^-1 (sum of g g^T) H^-1 with g of
-/// blocks, whose errors are independent.
+/// blocks, whose errors are independent, and H of products of both images: squares of one would
+/// count its noise as contrast.
 double expected_error(const GradientField& fixed, const GradientField& moving,
                       const ImageMotion& motion, std::size_t free) {
   const NormalEquations sums = normal_equations(fixed, moving, motion, free);
   constexpr double least_told = 1e-3;  // of the motion that is told least: stripes tell one shift
-  const std::vector<double> told = symmetric_eigen(sums.squares).values;
+  const std::vector<double> told = symmetric_eigen(sums.products).values;
   if (!(told.front() > least_told * told.back())) return std::numeric_limits<double>::infinity();
-  const DenseMatrix inverse = inverse_of(sums.squares);
+  const DenseMatrix inverse = inverse_of(sums.products);
   DenseMatrix scatter(free, free);
   for (const auto& [place, g] : sums.blocks)
     for (std::size_t a = 0; a < free; ++a)
