@@ -279,6 +279,8 @@ TEST(PatchInversion, SaysWhatIsWrongWithACapture) {
     model.numbers = {name, "hemoglobin_dermis"};
     EXPECT_THROW((void)make_inversion_tables(patch.capture, model), InvalidInput) << name;
   }
+  model.numbers = InversionModel{}.numbers;  // five from three images
+  EXPECT_THROW((void)make_inversion_tables(patch.capture, model), InvalidInput);
   EXPECT_THROW((void)invert_patch(patch.capture, tables, {.smoothness = {1.0}}), InvalidInput);
   EXPECT_THROW((void)invert_patch(patch.capture, tables, {.tolerance = -1.0}), InvalidInput);
 }

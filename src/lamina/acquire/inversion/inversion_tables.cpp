@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "lamina/acquire/inversion/internal/local_model.h"
 #include "lamina/core/error.h"
@@ -155,8 +156,13 @@ void make_stacks(const PatchCapture& capture, const std::vector<std::vector<doub
 InversionTables make_inversion_tables(const PatchCapture& capture, const InversionModel& model,
                                       const std::optional<DiskCache>& cache) {
   check_capture(capture);
+  std::vector<SkinFitNumber> numbers = numbers_of(model);
+  if (!model.population && capture.images.size() < numbers.size())
+    throw InvalidInput(std::to_string(numbers.size()) + " numbers of skin cannot be told from " +
+                       std::to_string(capture.images.size()) +
+                       " images where nothing is known of a population");
   InversionTables tables{.model = model,
-                         .numbers = numbers_of(model),
+                         .numbers = std::move(numbers),
                          .wavelengths = capture.wavelengths,
                          .spectra = {},
                          .reflectance = std::make_shared<const LocalReflectance>(

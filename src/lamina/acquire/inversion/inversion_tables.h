@@ -53,7 +53,8 @@ struct InversionTables {
 
 /// @param cache  keeps the tables of the transport; absent: none.
 /// @throws InvalidInput as check_capture; for a number that is none or cannot vary, one of which
-///         the population knows nothing, a dermis that is finite.
+///         the population knows nothing, a dermis that is finite; for fewer images than numbers
+///         without a population.
 [[nodiscard]] InversionTables make_inversion_tables(const PatchCapture& capture,
                                                     const InversionModel& model,
                                                     const std::optional<DiskCache>& cache = {});

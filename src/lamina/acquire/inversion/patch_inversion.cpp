@@ -127,8 +127,11 @@ struct PatchGrid {
   TexelMaps level;
 };
 
-/// Weights of smoothness with which the maps at hand are most likely, given the images: as many
-/// texels as these tell, over the squared differences of neighbors. Source: [MacKay1992].
+/// Weights of smoothness that the data ask for. If numbers were as rough at all scales as the prior
+/// of neighbors has it, maps would be most likely with as many texels as the images tell over the
+/// squared differences of neighbors [MacKay1992]; if the differences found are all that there are,
+/// with all texels over them. Skin lies between: the geometric mean. What the images hardly tell
+/// keeps what is usual.
 void choose_smoothness(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
                        std::uint64_t index) {
   const auto must_end = [&] { return course.must_end(3.0); };
@@ -143,12 +146,15 @@ void choose_smoothness(PatchGrid& grid, InversionCourse& course, const Inversion
   const std::vector<double> squares = objective.squared_differences(best.coordinates);
   std::vector<double> weights = objective.smoothness();
   const std::vector<double> usual = usual_smoothness(objective.tables());
-  constexpr double least_of_usual = 0.5, most_of_usual = 100.0;
+  constexpr double least = 0.5, most = 100.0;  // of what is usual
+  constexpr double hardly_told = 20.0;         // texels
   const auto texels = static_cast<double>(best.coordinates[0].size());
-  for (std::size_t n = 0; n < weights.size(); ++n)
-    weights[n] =
-        std::clamp(std::sqrt(std::max(draw.told[n], 1.0) * texels) / std::max(squares[n], 1e-12),
-                   usual[n] * least_of_usual, usual[n] * most_of_usual);
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    const double told = std::clamp(draw.told[n], 1.0, texels);
+    const double asked = std::sqrt(told * texels) / std::max(squares[n], 1e-12);
+    const double share = told / (told + hardly_told);
+    weights[n] = std::clamp(std::pow(asked / usual[n], share), least, most) * usual[n];
+  }
   objective.set_smoothness(std::move(weights));
   objective.weigh_again(best);
   course.begin_again();
@@ -233,7 +239,7 @@ void add_deviations(PatchGrid& grid, InversionCourse& course, const InversionOpt
     map.deviation = {map.value.width, map.value.height, std::move(errors.deviations[n])};
     map.prior_share = map.deviation;
     const auto prior = static_cast<float>(std::sqrt(covariance(n, n)));
-    for (float& value : map.prior_share.values) value /= prior;
+    for (float& value : map.prior_share.values) value = std::min(1.0f, value / prior);
   }
 }
 

@@ -53,7 +53,8 @@ struct NumberMap {
   std::string name;  ///< as in skin_fit_numbers
   Plane value;
   Plane deviation;    ///< standard deviation of the coordinate of skin_fit_numbers; empty: none
-  Plane prior_share;  ///< that over the prior's; without a population over `wide_deviation`
+  Plane prior_share;  ///< that over the prior's, at most 1; without a population over
+                      ///< `wide_deviation`
 };
 
 /// Where an inversion stood.
@@ -91,8 +92,9 @@ struct InversionResult {
 ///     + 1/2 sum over texels of the prior's squares
 ///
 /// over coordinates of skin_fit_numbers. The prior is that of the population of the tables; without
-/// one it is as wide as `wide_deviation` about the reference skin, so that texels that nothing is
-/// known of have a value.
+/// one it is as wide as `wide_deviation` about the reference skin. Where smoothness ties all texels
+/// to one skin each counts the prior's squares by one over their number, so that the patch as a
+/// whole is drawn from the population; without smoothness each texel is.
 ///
 /// Gauss-Newton steps are solved by conjugate gradients with tangent and gradient of the transport;
 /// their preconditioner is each texel's block of the matrix, if its surroundings were like it.

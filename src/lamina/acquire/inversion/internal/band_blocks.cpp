@@ -81,6 +81,16 @@ BandBlocks::BandBlocks(const PatchObjective& objective, const TexelMaps& coordin
       }
     }
   });
+  // The same change of all texels.
+  const auto all = static_cast<double>(texels);
+  for (std::size_t n = 0; n < numbers_; ++n)
+    for (std::size_t m = 0; m <= n; ++m) {
+      double sum = all * objective.prior_precision()(n, m);
+      for (std::size_t i = 0; i < images_; ++i)
+        sum += dot({octave.slopes[i * numbers_ + n]}, {octave.slopes[i * numbers_ + m]});
+      whole_[n][m] = sum;
+    }
+  whole_ = cholesky(whole_, numbers_);
   // Noise that moves the images by about as much in each number.
   TexelMaps noise(numbers_, std::vector<float>(texels));
   for (std::size_t n = 0; n < numbers_; ++n) {
@@ -171,7 +181,7 @@ void BandBlocks::decompose(Octave& octave, std::size_t number, const std::vector
       TexelMatrix block = {};
       for (std::size_t n = 0; n < numbers_; ++n)
         for (std::size_t m = 0; m <= n; ++m) {
-          block[n][m] = objective.tables().prior_precision(n, m);
+          block[n][m] = objective.prior_precision()(n, m);
           if (m == n) block[n][m] += wave_square * objective.smoothness()[n];
           for (std::size_t i = 0; i < images_; ++i) {
             const std::size_t a = i * numbers_ + n, b = i * numbers_ + m;
@@ -221,6 +231,12 @@ TexelMaps BandBlocks::solve(const TexelMaps& b) const {
       for (std::size_t t = 0; t < fine.size(); ++t) fine[t] += coarse[t];
       sum[n] = std::move(fine);
     });
+  TexelNumbers mean = {};
+  for (std::size_t n = 0; n < numbers_; ++n)
+    for (const float value : b[n]) mean[n] += static_cast<double>(value);
+  mean = solve_cholesky(whole_, numbers_, mean);
+  for (std::size_t n = 0; n < numbers_; ++n)
+    for (float& value : sum[n]) value += static_cast<float>(mean[n]);
   return sum;
 }
 

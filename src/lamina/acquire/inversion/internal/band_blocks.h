@@ -5,7 +5,7 @@
 
 #include "lamina/acquire/inversion/internal/half_grid.h"
 #include "lamina/acquire/inversion/internal/patch_objective.h"
-#include "lamina/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/acquire/inversion/internal/small_matrix.h"
 
 namespace lamina::detail {
 
@@ -13,7 +13,8 @@ namespace lamina::detail {
 /// each texel of a grid that is as coarse as they are. In a block each image follows the numbers as
 /// if the surroundings were like the texel, times what of such waves light that travels sideways
 /// leaves; smoothness counts by the square of the wave number. Vectors are taken apart into octaves
-/// by a pyramid of details (a Laplacian pyramid), so that the whole is symmetric and positive.
+/// by a pyramid of details (a Laplacian pyramid), so that the whole is symmetric and positive; what
+/// moves all texels alike has a block of its own.
 ///
 /// What light leaves of waves is found by the change of the images with noise in all numbers.
 ///
@@ -45,6 +46,7 @@ class BandBlocks {
 
   std::size_t numbers_, images_;
   std::vector<Octave> octaves_;
+  TexelMatrix whole_ = {};  ///< Cholesky's triangle of the same change of all texels
 };
 
 }  // namespace lamina::detail

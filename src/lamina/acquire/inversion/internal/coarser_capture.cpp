@@ -1,9 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/acquire/inversion/internal/coarser_capture.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "lamina/acquire/inversion/internal/half_grid.h"
 
 namespace lamina::detail {
 namespace {
@@ -62,22 +63,9 @@ PatchCapture coarser_capture(const PatchCapture& capture) {
 }
 
 TexelMaps on_finer(const TexelMaps& coarse, const PatchCapture& fine) {
-  const int width = (fine.width + 1) / 2, height = (fine.height + 1) / 2;
   TexelMaps result(coarse.size());
   for (std::size_t n = 0; n < coarse.size(); ++n)
-    for (int y = 0; y < fine.height; ++y) {
-      const int near_y = y / 2;
-      const int far_y = std::clamp(y % 2 == 0 ? near_y - 1 : near_y + 1, 0, height - 1);
-      for (int x = 0; x < fine.width; ++x) {
-        const int near_x = x / 2;
-        const int far_x = std::clamp(x % 2 == 0 ? near_x - 1 : near_x + 1, 0, width - 1);
-        const auto at = [&](int cx, int cy) {
-          return coarse[n][static_cast<std::size_t>(cy * width + cx)];
-        };
-        result[n].push_back(0.5625f * at(near_x, near_y) + 0.1875f * at(far_x, near_y) +
-                            0.1875f * at(near_x, far_y) + 0.0625f * at(far_x, far_y));
-      }
-    }
+    result[n] = on_fine({fine.width, fine.height}, coarse[n]);
   return result;
 }
 

@@ -10,15 +10,16 @@
 namespace lamina::detail {
 namespace {
 
-constexpr std::size_t chunk = 256;  // texels that one thread takes at a time
+constexpr std::size_t fit_chunk = 256;  // texels that one thread takes at a time
 
 /// Calls body(model, texel) for all texels.
 template <class Body>
 void for_texels(const PatchObjective& objective, const Body& body) {
   const std::size_t texels = objective.weights()[0].size();
-  parallel_for((texels + chunk - 1) / chunk, [&](std::size_t c) {
+  parallel_for((texels + fit_chunk - 1) / fit_chunk, [&](std::size_t c) {
     LocalModel model(objective.capture(), objective.tables());
-    for (std::size_t t = c * chunk; t < std::min(texels, (c + 1) * chunk); ++t) body(model, t);
+    for (std::size_t t = c * fit_chunk; t < std::min(texels, (c + 1) * fit_chunk); ++t)
+      body(model, t);
   });
 }
 

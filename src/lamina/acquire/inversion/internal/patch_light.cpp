@@ -8,7 +8,7 @@
 namespace lamina::detail {
 namespace {
 
-constexpr std::size_t chunk = 4096;  // texels that one thread takes at a time
+constexpr std::size_t light_chunk = 4096;  // texels that one thread takes at a time
 
 /// Whether absorption of a layer depends on a number.
 bool depends(const SkinFitNumber& number, const SkinParameters& skin, std::size_t layer) {
@@ -65,10 +65,10 @@ PatchLight::PatchLight(const PatchCapture& capture, const InversionTables& table
 }
 
 void PatchLight::set_absorption(const TexelMaps& coordinates) {
-  parallel_for((texels_ + chunk - 1) / chunk, [&](std::size_t c) {
+  parallel_for((texels_ + light_chunk - 1) / light_chunk, [&](std::size_t c) {
     SkinAtTexel skin(tables_.numbers, tables_.model.skin);
     TexelNumbers at = {};
-    for (std::size_t t = c * chunk; t < std::min(texels_, (c + 1) * chunk); ++t) {
+    for (std::size_t t = c * light_chunk; t < std::min(texels_, (c + 1) * light_chunk); ++t) {
       for (std::size_t n = 0; n < coordinates.size(); ++n)
         at[n] = static_cast<double>(coordinates[n][t]);
       skin.set(std::span(at).first(coordinates.size()));

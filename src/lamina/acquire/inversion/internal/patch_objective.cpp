@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/acquire/inversion/internal/patch_objective.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -14,7 +15,8 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
       tables_(tables),
       light_(light),
       robust_limit_(options.robust_limit),
-      smoothness_(tables.numbers.size(), 0.0) {
+      smoothness_(tables.numbers.size(), 0.0),
+      prior_precision_(tables.prior_precision) {
   for (const PatchImage& image : capture.images) {
     const Plane& arriving = capture.lights[image.light];
     double missed = 0.0;
@@ -37,6 +39,15 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
     means_.push_back(count > 0.0 ? sum / count : 0.0);
     known_ += count;
   }
+}
+
+void PatchObjective::set_smoothness(std::vector<double> smoothness) {
+  smoothness_ = std::move(smoothness);
+  const bool ties = std::ranges::all_of(smoothness_, [](double weight) { return weight > 0.0; });
+  const double texels = std::max(1.0, known_ / static_cast<double>(weights_.size()));
+  prior_precision_ = tables_.prior_precision;
+  if (ties)
+    for (double& value : prior_precision_.values) value /= texels;
 }
 
 TexelMaps PatchObjective::off_prior(const TexelMaps& coordinates) const {
@@ -72,7 +83,7 @@ double PatchObjective::objective(const PatchState& state) const {
   const TexelMaps off = off_prior(state.coordinates);
   for (std::size_t a = 0; a < off.size(); ++a)
     for (std::size_t b = 0; b < off.size(); ++b) {
-      const double precision = tables_.prior_precision(a, b);
+      const double precision = prior_precision_(a, b);
       if (precision == 0.0) continue;
       double products = 0.0;
       for (std::size_t t = 0; t < off[a].size(); ++t)
@@ -120,7 +131,7 @@ void PatchObjective::add_prior_matrix(const TexelMaps& change, TexelMaps& sum) c
       to[b] -= flow;
     });
     for (std::size_t m = 0; m < change.size(); ++m) {
-      const auto precision = static_cast<float>(tables_.prior_precision(n, m));
+      const auto precision = static_cast<float>(prior_precision_(n, m));
       if (precision == 0.0f) continue;
       for (std::size_t t = 0; t < to.size(); ++t) to[t] += precision * change[m][t];
     }

@@ -24,7 +24,7 @@ class PatchObjective {
                  const InversionOptions& options, PatchLight& light);
 
   /// Weights of differences, [number].
-  void set_smoothness(std::vector<double> smoothness) { smoothness_ = std::move(smoothness); }
+  void set_smoothness(std::vector<double> smoothness);
   [[nodiscard]] const std::vector<double>& smoothness() const { return smoothness_; }
 
   [[nodiscard]] PatchState state(TexelMaps coordinates) const;
@@ -42,6 +42,9 @@ class PatchObjective {
 
   /// What was measured, [image]; 0 where not known.
   [[nodiscard]] const TexelMaps& measured() const { return measured_; }
+  /// Inverse covariance of the prior as each texel has it: smoothness ties texels to one skin, of
+  /// which the prior then is as a whole.
+  [[nodiscard]] const DenseMatrix& prior_precision() const { return prior_precision_; }
   /// 1 / deviation of texels that are known, else 0, [image].
   [[nodiscard]] const TexelMaps& weights() const { return weights_; }
   /// Part of its square that a residual counts by (Huber), [image]; of the last linearize.
@@ -65,6 +68,7 @@ class PatchObjective {
   PatchLight& light_;
   double robust_limit_;
   std::vector<double> smoothness_;
+  DenseMatrix prior_precision_;
   TexelMaps measured_, weights_, shares_;  ///< 0 where not known
   std::vector<double> means_;              ///< of what was measured, [image]
   double known_ = 0.0;

@@ -17,7 +17,7 @@ float sign(Random& random) { return random.bits() >> 63 ? 1.0f : -1.0f; }
 /// Noise whose covariance is the part of the matrix that smoothness and prior have.
 TexelMaps prior_noise(const PatchObjective& objective, std::uint64_t seed) {
   const PatchCapture& capture = objective.capture();
-  const DenseMatrix& precision = objective.tables().prior_precision;
+  const DenseMatrix& precision = objective.prior_precision();
   const std::size_t numbers = precision.rows;
   const GridSize size{capture.width, capture.height};
   TexelMatrix matrix = {};
