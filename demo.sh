@@ -128,8 +128,40 @@ make_maps() {
 make_once "$assets/maps/material.json" make_maps
 make_once "$out/maps.png" render head_of_maps maps --denoise "${studio[@]}"
 
+# The other way round: the texture of colors becomes maps of melanin and blood, with errors; then the
+# same head by these maps, and tanned and flushed.
+acquire_maps() {
+  say "making maps of the texture of colors"
+  "$lamina" acquire demo/texture.json -o "$assets/acquired" >"$out/acquired.txt"
+}
+edit_maps() {
+  say "tanning and flushing them"
+  "$lamina" edit "$assets/acquired" -o "$assets/tanned" --tan 0.8 --flush 0.6 >"$out/tanned.txt"
+}
+make_once "$assets/acquired/report.html" acquire_maps
+make_once "$assets/tanned/before_after.png" edit_maps
+make_once "$out/acquired.png" render head_of_texture acquired --denoise "${studio[@]}"
+make_once "$out/flushed.png" render head_of_texture flushed --denoise "${studio[@]}" \
+  --set "materials.skin.subsurface=$assets/tanned/material.json"
+make_pair() {
+  local name x=0 width=480 height=600 bar=44
+  {
+    echo "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink'" \
+      "width='$((2 * width))' height='$((height + bar))'><rect width='100%' height='100%' fill='#14171c'/>"
+    for name in "acquired:By maps acquired from a texture" "flushed:The same skin, tanned and flushed"; do
+      echo "<image x='$x' width='$width' height='$height' xlink:href='${name%%:*}.png'/>"
+      echo "<text x='$((x + width / 2))' y='$((height + 29))' font-family='DejaVu Sans' font-size='19'" \
+        "fill='#d8dce2' text-anchor='middle'>${name#*:}</text>"
+      x=$((x + width))
+    done
+    echo "</svg>"
+  } >"$out/pair.svg"
+  rsvg-convert "$out/pair.svg" -o "$out/tanned.png"
+}
+make_once "$out/tanned.png" make_pair
+
 say "done. The pictures:"
-for file in head.png comparison.png ear.png profile.png maps.png; do
+for file in head.png comparison.png ear.png profile.png maps.png tanned.png; do
   echo "        $PWD/$out/$file"
 done
 echo "        (all channels: $out/*.exr; your own: $lamina render SCENE, see docs/scene.md)"
