@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,13 @@ class Stopwatch {
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
+  [[nodiscard]] double processor_seconds() const {
+    return static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC;
+  }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::clock_t processor_start_ = std::clock();
 };
 
 /// In how many forward equivalents the residual, relative to each image's mean, falls below shares.
@@ -122,7 +127,8 @@ int main(int count, char** arguments) {
     if (*method == InversionMethod::gradient_descent) options.most_forwards = 1300.0;
     const Stopwatch of_maps;
     InversionResult result = invert_patch(patch.capture, tables, options);
-    std::printf("%s: %.2f s\n", name.c_str(), of_maps.seconds());
+    std::printf("%s: %.2f s, %.2f of processors\n", name.c_str(), of_maps.seconds(),
+                of_maps.processor_seconds());
     print_course(result);
     if (samples > 0 && *method == InversionMethod::gauss_newton) {
       // The same again from where it ended, with errors.
@@ -132,8 +138,8 @@ int main(int count, char** arguments) {
       options.most_forwards = 3.0;
       const Stopwatch of_errors;
       result = invert_patch(patch.capture, tables, options);
-      std::printf("  standard deviations: %.0f forwards, %.2f s\n", result.deviation_forwards,
-                  of_errors.seconds());
+      std::printf("  standard deviations: %.0f forwards, %.2f s, %.2f of processors\n",
+                  result.deviation_forwards, of_errors.seconds(), of_errors.processor_seconds());
     }
     print_maps(patch, tables, result);
     std::fflush(stdout);

@@ -157,6 +157,22 @@ TEST(PatchInversion, HandsOverTheBestSoFarWhenInterrupted) {
   EXPECT_LT(resumed.history.back().objective, result.history.back().objective);
 }
 
+// A hair or a glint in one band.
+TEST(PatchInversion, LeavesFarResidualsAloneIfAskedTo) {
+  SyntheticPatch patch = small_patch().patch;
+  for (std::size_t t = 100; t < 32 * 32; t += 97)
+    patch.capture.images[2].reflected.values[t] +=
+        40.0f * patch.capture.images[2].deviation.values[t];
+  InversionOptions options{.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 20.0};
+  const auto error = [&] {
+    return error_of(patch, invert_patch(patch.capture, small_patch().tables, options).numbers[2], 3)
+        .relative;
+  };
+  const double plain = error();
+  options.robust_limit = 3.0;
+  EXPECT_LT(error(), 0.9 * plain);
+}
+
 // What draws say of errors is as large as errors are.
 TEST(PatchInversion, KnowsItsErrors) {
   const auto& [patch, tables] = small_patch();

@@ -34,8 +34,8 @@ std::array<double, 2> most_absorption(const SkinRange& range, const SkinSpectrum
   return most;
 }
 
-/// Weights of four neighboring nodes at a share of the way between the middle two (cubic, after
-/// Catmull and Rom), and their derivatives.
+/// Weights of four neighboring nodes at a share of the way between the middle two (cubic,
+/// [Keys1981]), and their derivatives.
 struct CubicWeights {
   std::array<double, 4> weight, slope;
 };
