@@ -57,7 +57,7 @@ struct AcquireOptions {
 Lateral lateral_of(const AcquireOptions& options, const Capture& capture) {
   if (options.lateral != Lateral::automatic) return options.lateral;
   const bool is_texture = capture.reflectance.channels == std::vector<std::string>{"R", "G", "B"} &&
-                          capture.light.pixels.empty();
+                          capture.lights.empty();
   return capture.mm_per_pixel && !is_texture ? Lateral::transport : Lateral::none;
 }
 
@@ -173,8 +173,8 @@ void run_acquire(const AcquireOptions& options) {
   const fs::path folder =
       options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
   const Lateral lateral = lateral_of(options, capture);
-  const bool has_table =
-      lateral == Lateral::none && capture.population && capture.reflectance.channel_count() == 3;
+  const bool has_table = lateral == Lateral::none && capture.population && capture.lights.empty() &&
+                         capture.reflectance.channel_count() == 3;
   if (lateral == Lateral::transport) keep_concentrations(capture);
   const Progress progress =
       make_progress("acquiring", has_table ? Keeps::nothing : Keeps::what_there_is);

@@ -297,18 +297,19 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
                ? page_section("How it was solved", course_html(skin, summaries))
                : "") +
           page_section("What it hangs on", calibration_html(capture, summaries, check)) +
-          page_section("How errors go together",
-                  "<p class=\"soft\">Correlations at the median color. Near 1 or −1 a combination "
-                  "of two numbers is told well, and each of them badly.</p>" +
-                      html_plot(format_correlations(names, check.correlation),
-                                "correlations of the numbers")) +
+          page_section(
+              "How errors go together",
+              "<p class=\"soft\">Correlations at the median color. Near 1 or −1 a combination "
+              "of two numbers is told well, and each of them badly.</p>" +
+                  html_plot(format_correlations(names, check.correlation),
+                            "correlations of the numbers")) +
           page_section("What was assumed", assumed_html(capture, skin)) +
           page_section("How it was made",
-                  "<p>lamina " LAMINA_VERSION "</p><pre>" + html_escaped(command) + "</pre>" +
-                      (file.empty() ? ""
-                                    : "<details><summary>the capture "
-                                      "file</summary><pre>" +
-                                          html_escaped(file) + "</pre></details>")),
+                       "<p>lamina " LAMINA_VERSION "</p><pre>" + html_escaped(command) + "</pre>" +
+                           (file.empty() ? ""
+                                         : "<details><summary>the capture "
+                                           "file</summary><pre>" +
+                                               html_escaped(file) + "</pre></details>")),
       acquire_style);
 }
 

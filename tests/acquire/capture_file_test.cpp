@@ -91,9 +91,20 @@ TEST(CaptureFile, DevelopsAPairOfPhotographs) {
   EXPECT_NEAR(sum / count, 0.46, 0.01);  // .005 of stray light through the window
   EXPECT_LT(marked, 300);
   EXPECT_FALSE(capture.mask.is_used(9, 8));  // at the tape
-  EXPECT_FALSE(capture.light.pixels.empty());
+  EXPECT_EQ(capture.lights.size(), 1U);
   EXPECT_EQ(capture.notes.size(), 1U);
   for (const double error : capture.errors) EXPECT_GT(error, 0.004);
+}
+
+TEST(CaptureFile, TakesPatternsOfLight) {
+  const Capture capture = load_capture(captures / "good/strips.json");
+  EXPECT_EQ(capture.reflectance.channels,
+            (std::vector<std::string>{"550nm", "550nm by strips.png", "650nm by strips.png"}));
+  ASSERT_EQ(capture.lights.size(), 2U);
+  EXPECT_EQ(capture.band_lights, (std::vector<std::size_t>{0, 1, 1}));
+  EXPECT_EQ(capture.lights[0].at(5, 5)[0], 1.0f);
+  EXPECT_EQ(capture.lights[1].at(5, 5)[0], 1.0f);
+  EXPECT_EQ(capture.lights[1].at(7, 5)[0], 0.0f);
 }
 
 TEST(CaptureFile, TakesWhiteFromACard) {

@@ -15,7 +15,7 @@ struct AcquiredFiles {
   std::filesystem::path mask;                           ///< 1 where there is skin
   /// A flat scene of them, seen and lit askew; empty if the size of pixels is not known.
   std::filesystem::path scene;
-  std::filesystem::path material;                       ///< a material that uses the maps
+  std::filesystem::path material;  ///< a material that uses the maps
   std::filesystem::path
       patch;  ///< a patch that uses them; empty if the size of pixels is not known
 };

@@ -41,6 +41,8 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
   if (capture.reflectance.channel_count() != 3)
     throw InvalidInput("capture: pixel by pixel needs three bands, but has " +
                        std::to_string(capture.reflectance.channel_count()));
+  if (!capture.lights.empty())
+    throw InvalidInput("capture: pixel by pixel needs even light, but there is a pattern of it");
   AcquiredSkin skin{.width = capture.reflectance.width, .height = capture.reflectance.height};
   const std::size_t count = table.numbers().size();
   for (std::size_t n = 0; n < count; ++n)

@@ -27,11 +27,12 @@ struct Capture {
   /// Of the logarithms of gains that are not known, [band][band]: the same error at all pixels.
   /// Empty: none
   DenseMatrix gain_covariance;
-  Image light;                      ///< [y][x] pattern of the light, "Y"; empty: even
-  std::vector<double> wavelengths;  ///< [nm] of the spectra that bands see
-  DenseMatrix sensor;               ///< [band][wavelength] weights of a spectrum, rows of sum 1
-  Incidence incidence;              ///< of the light
-  bool has_specular = false;        ///< whether what the surface mirrors is part of it
+  std::vector<Image> lights;             ///< patterns of light [y][x], "Y"; empty: even light
+  std::vector<std::size_t> band_lights;  ///< [band] which of them; empty: the first
+  std::vector<double> wavelengths;       ///< [nm] of the spectra that bands see
+  DenseMatrix sensor;         ///< [band][wavelength] weights of a spectrum, rows of sum 1
+  Incidence incidence;        ///< of the light
+  bool has_specular = false;  ///< whether what the surface mirrors is part of it
   std::optional<double> mm_per_pixel;
   SkinRecipe skin;                           ///< what is not acquired
   std::vector<SkinFitNumber> numbers;        ///< what is

@@ -27,8 +27,35 @@ using acquire_detail::DecodedPhotograph;
 constexpr std::size_t most_images = 64;
 constexpr int usual_window_edge = 2;  ///< pixels along it that are left out
 
+/// The lights of the images, each once; bands under them get their names.
+void join_lights(std::vector<DecodedPhotograph>& images, Capture& capture) {
+  if (std::ranges::all_of(images, [](const auto& each) { return each.light.pixels.empty(); }))
+    return;
+  std::vector<std::string> files;
+  for (DecodedPhotograph& each : images) {
+    auto found = std::ranges::find(files, each.light_file);
+    if (found == files.end()) {
+      const PixelMask& mask = each.developed.mask;
+      if (each.light.pixels.empty()) {
+        each.light = make_image(mask.width, mask.height, {"Y"});
+        std::ranges::fill(each.light.pixels, 1.0f);
+      }
+      capture.lights.push_back(std::move(each.light));
+      files.push_back(each.light_file);
+      found = files.end() - 1;
+    }
+    for (std::string& name : each.sensor.names) {
+      if (!each.light_file.empty()) name += " by " + each.light_file;
+      capture.band_lights.push_back(static_cast<std::size_t>(found - files.begin()));
+    }
+    each.developed.reflectance.channels = each.sensor.names;
+    each.developed.deviation.channels = each.sensor.names;
+  }
+}
+
 /// All channels of all images in one, and spectra over all wavelengths that a band sees.
 Developed join(const JsonInput& value, std::vector<DecodedPhotograph>& images, Capture& capture) {
+  join_lights(images, capture);
   std::vector<std::string> names;
   std::map<double, std::size_t> places;  // of wavelengths
   for (const DecodedPhotograph& each : images) {
@@ -106,8 +133,8 @@ void cut_window(const JsonInput& value, const JsonObject& object, Developed& dev
   if (value.is_string()) {
     (void)value.choice<int>({{"find", 0}});
     try {
-      const LightWindow window = find_light_window(developed.reflectance, "the image");
-      corners.assign(window.corners.begin(), window.corners.end());
+      const LightWindow found = find_light_window(developed.reflectance, "the image");
+      corners.assign(found.corners.begin(), found.corners.end());
       capture.notes.push_back(
           printf_text("the window was found at %.1f, %.1f; %.1f, %.1f; %.1f, %.1f; %.1f, %.1f",
                       corners[0].x, corners[0].y, corners[1].x, corners[1].y, corners[2].x,
@@ -119,14 +146,20 @@ void cut_window(const JsonInput& value, const JsonObject& object, Developed& dev
     corners = acquire_detail::decode_corners(value, 3, 1000);
   }
   const auto edge = object.optional("window_edge");
+  Image window;
   try {
-    capture.light = polygon_image(corners, developed.mask.width, developed.mask.height);
+    window = polygon_image(corners, developed.mask.width, developed.mask.height);
   } catch (const InvalidInput& error) {
     value.fail(error.what());
   }
   developed.mask = combined(
-      developed.mask, eroded(mask_from_image(capture.light),
+      developed.mask, eroded(mask_from_image(window),
                              edge ? static_cast<int>(edge->integer(0, 1000)) : usual_window_edge));
+  if (capture.lights.empty())
+    capture.lights.push_back(window);
+  else
+    for (Image& light : capture.lights)
+      for (std::size_t i = 0; i < light.pixels.size(); ++i) light.pixels[i] *= window.pixels[i];
 }
 
 void mask_by_file(const JsonInput& file, PixelMask& mask) {

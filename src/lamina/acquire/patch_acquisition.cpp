@@ -34,8 +34,8 @@ PatchCapture patch_of(const Capture& capture) {
       .mm_per_texel = capture.mm_per_pixel.value_or(1.0),
       .theta = capture.incidence.is_diffuse ? angle_of_diffuse_light : capture.incidence.theta,
       .wavelengths = capture.wavelengths};
-  patch.lights.push_back(capture.light.pixels.empty() ? make_plane(seen.width, seen.height, 1.0f)
-                                                      : plane_of(capture.light));
+  for (const Image& light : capture.lights) patch.lights.push_back(plane_of(light));
+  if (patch.lights.empty()) patch.lights.push_back(make_plane(seen.width, seen.height, 1.0f));
   const double mirrored =
       capture.has_specular
           ? SkinReflectanceTable({550.0}, capture.incidence, skin_fit_range(capture.skin.skin))
@@ -44,12 +44,14 @@ PatchCapture patch_of(const Capture& capture) {
   const std::size_t bands = seen.channel_count();
   for (std::size_t b = 0; b < bands; ++b) {
     PatchImage image{.reflected = make_plane(seen.width, seen.height),
-                     .deviation = make_plane(seen.width, seen.height)};
+                     .deviation = make_plane(seen.width, seen.height),
+                     .light = capture.band_lights.empty() ? 0 : capture.band_lights[b]};
+    const Plane& light = patch.lights[image.light];
     const auto weights = capture.sensor.row(b);
     image.sensor.assign(weights.begin(), weights.end());
     for (std::size_t i = 0; i < image.reflected.values.size(); ++i) {
       const float value = seen.pixels[i * bands + b];
-      image.reflected.values[i] = value - static_cast<float>(mirrored) * patch.lights[0].values[i];
+      image.reflected.values[i] = value - static_cast<float>(mirrored) * light.values[i];
       image.deviation.values[i] =
           capture.mask.faults[i] != 0
               ? std::numeric_limits<float>::infinity()

@@ -98,7 +98,7 @@ double decode_exposure(const JsonObject& object) {
 }
 
 /// By an image of a white reference.
-Developed develop_by_image(const Reading& read, Image raw, PixelMask mask) {
+Developed develop_by_image(const Reading& read, Image raw, const PixelMask& mask) {
   const JsonInput given = read.object.required("white");
   const JsonObject white = given.object({"image", "reflectance", "exposure", "count"});
   Photographs photographs{.white = read(white.required("image"), raw)};
@@ -221,6 +221,23 @@ void correct_by_chart(const JsonInput& value, const Reading& read,
   }
 }
 
+/// A pattern of light: its first channel, linear.
+Image decode_pattern(const JsonInput& file, const PixelMask& like) {
+  const Image image = load_finite(file, ColorEncoding::linear);
+  if (image.width != like.width || image.height != like.height)
+    file.fail("must be of the size of the image, " + std::to_string(like.width) + " x " +
+              std::to_string(like.height) + ", but is " + std::to_string(image.width) + " x " +
+              std::to_string(image.height));
+  Image pattern = select_channels(image, {image.channels[0]});
+  pattern.channels = {"Y"};
+  const auto [low, high] = std::ranges::minmax(pattern.pixels);
+  if (low < 0.0f || !(high > 0.0f))
+    file.fail("must be light, 0 or more and somewhere more, but is from " +
+              number_text(static_cast<double>(low)) + " to " +
+              number_text(static_cast<double>(high)));
+  return pattern;
+}
+
 }  // namespace
 
 Image load_finite(const JsonInput& file, ColorEncoding encoding) {
@@ -245,7 +262,7 @@ std::vector<Vec2> decode_corners(const JsonInput& value, std::size_t fewest, std
 DecodedPhotograph decode_photograph(const JsonInput& value) {
   const JsonObject object =
       value.object({"image", "encoding", "channels", "sensor", "error", "white", "dark", "exposure",
-                    "saturated", "parallel", "leak", "chart"});
+                    "saturated", "parallel", "leak", "chart", "light"});
   const JsonInput file = object.required("image");
   const ColorEncoding encoding = object.required("encoding").choice<ColorEncoding>();
   Image whole = load_finite(file, encoding);
@@ -277,6 +294,10 @@ DecodedPhotograph decode_photograph(const JsonInput& value) {
   }
   if (const auto chart = object.optional("chart"))
     correct_by_chart(*chart, read, stated, photograph);
+  if (const auto light = object.optional("light")) {
+    photograph.light = decode_pattern(*light, developed.mask);
+    photograph.light_file = light->string();
+  }
   developed.reflectance.channels = photograph.sensor.names;
   developed.deviation.channels = photograph.sensor.names;
   return photograph;

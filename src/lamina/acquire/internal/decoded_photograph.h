@@ -16,6 +16,8 @@ namespace lamina::acquire_detail {
 struct DecodedPhotograph {
   Developed developed;  ///< of the channels that are measured
   DecodedSensor sensor;
+  Image light;                     ///< its pattern, "Y"; empty: even
+  std::string light_file;          ///< that it is from
   std::vector<double> errors;      ///< [band] of the calibration, relative
   std::vector<std::string> notes;  ///< what was done, in sentences
 };
