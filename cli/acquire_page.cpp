@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string_view>
 
 #include "lamina/acquire/acquired_files.h"
@@ -52,6 +53,17 @@ Image for_eyes(const Image& bands) {
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     image.pixels[i] = bands.pixels[i / 3 * count + from[i % 3]];
   return image;
+}
+
+/// A picture that is transparent elsewhere.
+Image shown_only(const Image& image, const std::function<bool(std::size_t)>& is_shown) {
+  Image picture = make_image(image.width, image.height, {"R", "G", "B", "A"});
+  for (std::size_t i = 0; 4 * i < picture.pixels.size(); ++i) {
+    if (!is_shown(i)) continue;
+    for (std::size_t c = 0; c < 3; ++c) picture.pixels[4 * i + c] = image.pixels[3 * i + c];
+    picture.pixels[4 * i + 3] = 1.0f;
+  }
+  return picture;
 }
 
 /// How far apart both are, in the mean over bands of the relative difference.
@@ -287,7 +299,7 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
       "<h1>" + html_escaped(title) + "</h1><p class=\"summary\">" + pixels_text(capture, skin) +
           ". " + residual_text(capture, check) + "</p><div class=\"pictures\">" +
           picture(for_eyes(check.measured), "captured") +
-          picture(for_eyes(check.predicted), "what the maps reflect") + "<div>" +
+          picture(shown_only(for_eyes(check.predicted), shown), "what the maps reflect") + "<div>" +
           picture(map_picture(difference_of(check), 0.0, full_difference, shown),
                   "difference, mean over bands") +
           scale_html("0", "10 %") + "</div></div>" +

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "lamina/acquire/inversion/inversion_tables.h"
+#include "lamina/acquire/inversion/patch_tiles.h"
 #include "lamina/core/error.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
@@ -16,6 +17,8 @@ namespace {
 
 /// Where as much light enters skin as of light from all sides.
 constexpr double angle_of_diffuse_light = 57.0 * std::numbers::pi / 180.0;
+/// Beyond so many pixels along a side captures are solved in tiles.
+constexpr int largest_side_at_once = 768;
 /// Noise of no number is known better, of white.
 constexpr float least_deviation = 1e-5f;
 
@@ -102,7 +105,10 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
   InversionOptions inversion = options.inversion;
   if (!options.has_transport) inversion.method = InversionMethod::per_pixel;
   for (const Image& start : options.start) inversion.start.push_back(plane_of(start));
-  const InversionResult result = invert_patch(patch, tables, inversion, progress);
+  const bool is_large = std::max(patch.width, patch.height) > largest_side_at_once;
+  const InversionResult result = is_large && options.has_transport
+                                     ? invert_tiles(patch, tables, {}, inversion, progress)
+                                     : invert_patch(patch, tables, inversion, progress);
 
   AcquiredSkin skin{.width = patch.width, .height = patch.height};
   skin.kinds.reserve(capture.mask.faults.size());

@@ -19,8 +19,9 @@ struct PatchAcquisitionOptions {
   static constexpr int usual_deviation_samples = 24;
 };
 
-/// All pixels of a capture of any bands together, by invert_patch; without transport each on its
-/// own. Light from all sides counts as light from 57 degrees, of which as much enters.
+/// All pixels of a capture of any bands together, by invert_patch, large ones by invert_tiles;
+/// without transport each on its own. Light from all sides counts as light from 57 degrees, of
+/// which as much enters.
 ///
 /// @param cache     keeps the tables of the transport; absent: none
 /// @param progress  asked to stop, the best so far is handed over
