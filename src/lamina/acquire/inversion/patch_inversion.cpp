@@ -212,23 +212,9 @@ CoarseSolution finer_start(const PatchCapture& capture, const InversionTables& t
   return start;
 }
 
-/// Standard deviations, their shares of the prior's and correlations.
-void add_deviations(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
-                    InversionResult& result) {
-  const double before = grid.light.forwards();
-  PatchObjective& objective = grid.objective;
-  course.best.images = grid.light.images(course.best.coordinates);
-  objective.linearize(course.best);
-  const detail::BandBlocks blocks(objective, course.best.coordinates, grid.level);
-  std::vector<TexelMaps> draws;
-  const auto must_end = [&] { return course.is_interrupted(); };
-  for (int d = 0; d < options.deviation_samples && !must_end(); ++d)
-    draws.push_back(detail::draw_posterior(objective, blocks, options.seed,
-                                           100 + static_cast<std::uint64_t>(d), must_end)
-                        .off);
-  result.deviation_forwards = grid.light.forwards() - before;
-  if (draws.empty() || course.stop == InversionStop::interrupted) return;
-  detail::PosteriorErrors errors = detail::posterior_errors(objective, blocks, draws);
+/// Puts standard deviations, their shares of the prior's and correlations into a result.
+void put_errors(const PatchObjective& objective, detail::PosteriorErrors errors,
+                InversionResult& result) {
   result.correlation = std::move(errors.correlation);
   const DenseMatrix& precision = objective.tables().prior_precision;
   DenseMatrix one(precision.rows, precision.rows);
@@ -241,6 +227,25 @@ void add_deviations(PatchGrid& grid, InversionCourse& course, const InversionOpt
     const auto prior = static_cast<float>(std::sqrt(covariance(n, n)));
     for (float& value : map.prior_share.values) value = std::min(1.0f, value / prior);
   }
+}
+
+/// The same from draws.
+void add_drawn_errors(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
+                      InversionResult& result) {
+  const double before = grid.light.forwards();
+  PatchObjective& objective = grid.objective;
+  course.best.images = grid.light.images(course.best.coordinates);
+  objective.linearize(course.best);
+  const detail::BandBlocks blocks(objective, course.best.coordinates, grid.level);
+  std::vector<TexelMaps> draws;
+  const auto must_end = [&] { return course.is_interrupted(); };
+  for (int d = 0; d < options.deviation_samples && !must_end(); ++d)
+    draws.push_back(detail::draw_posterior(objective, blocks, options.seed,
+                                           100 + static_cast<std::uint64_t>(d), must_end)
+                        .off);
+  result.deviation_forwards = grid.light.forwards() - before;
+  if (!draws.empty() && course.stop != InversionStop::interrupted)
+    put_errors(objective, detail::posterior_errors(objective, blocks, draws), result);
 }
 
 }  // namespace
@@ -294,7 +299,13 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
   }
   InversionResult result;
   put_results(grid.objective, course, result);
-  if (options.deviation_samples > 0 && !is_local) add_deviations(grid, course, options, result);
+  if (options.deviation_samples > 0 && is_local)
+    put_errors(grid.objective,
+               detail::texel_errors(grid.objective, grid.level, course.best.coordinates,
+                                    options.robust_limit),
+               result);
+  else if (options.deviation_samples > 0 && course.stop != InversionStop::interrupted)
+    add_drawn_errors(grid, course, options, result);
   result.stop = course.stop;
   return result;
 }

@@ -32,20 +32,24 @@ struct InversionOptions {
   InversionMethod method = InversionMethod::gauss_newton;
   /// How much numbers of neighbors are taken to be alike, [number]: the weight of the squared
   /// difference of the coordinates of two texels side by side, half of it counting beside half of
-  /// the squared residuals in standard deviations. Hardly depends on the size of a texel. Empty:
+  /// the squared residuals in standard deviations. Of numbers that are rough at all scales it does
+  /// not depend on the size of a texel; of smooth ones it goes with its inverse square. Empty:
   /// chosen by the data
   std::vector<double> smoothness;
   /// Residuals beyond so many standard deviations count as straight lines, not as squares (Huber);
   /// 0: all as squares
   double robust_limit = 0.0;
   double model_error =
-      0.0;  ///< of the forward model, relative to what it predicts: joins the noise
+      0.0;  ///< of the forward model, relative to what is measured: joins the noise
   double most_forwards = 120.0;  ///< forward equivalents: light, change and gradient are one each
   double tolerance = 1e-3;       ///< relative decrease of the objective that ends the steps
   bool stops_at_noise = true;    ///< ends where residuals are at their standard deviations, too
-  int deviation_samples = 0;     ///< drawn for standard deviations; 0: none are computed
-  std::uint64_t seed = 0;        ///< of these
-  std::vector<Plane> start;      ///< [number] values; empty: those of `per_pixel`
+  /// Drawn for standard deviations; 0: none are computed. `per_pixel` has them without draws
+  int deviation_samples = 0;
+  std::uint64_t seed = 0;  ///< of these
+  /// [number] values; with the smoothness that they were found with they go on. Empty: from
+  /// coarser grids
+  std::vector<Plane> start;
 };
 
 /// A number of skin over the patch.
@@ -100,7 +104,8 @@ struct InversionResult {
 /// their preconditioner is each texel's block of the matrix, if its surroundings were like it.
 ///
 /// @param tables  made for this capture, or one with the same wavelengths and angle
-/// @param progress  told the share of most_forwards; asked to stop, the best maps so far are handed
+/// @param progress  told the share of most_forwards and what the samples take; asked to stop, the
+/// best maps so far are handed
 ///                  over
 /// @throws InvalidInput as check_capture, and for options out of range.
 ///

@@ -51,7 +51,9 @@ class InversionCourse {
 
   /// Whether somebody asks to stop.
   bool is_interrupted() {
-    const double share = std::min(1.0, light_.forwards() / options_.most_forwards);
+    constexpr double of_sample = 28.0;  // forward equivalents of one for standard deviations
+    const double all = options_.most_forwards + of_sample * options_.deviation_samples;
+    const double share = std::min(1.0, light_.forwards() / all);
     return !report_progress(progress_, share) && ends(InversionStop::interrupted);
   }
 

@@ -2,6 +2,7 @@
 #include "lamina/acquire/inversion/internal/local_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/local_model.h"
@@ -21,6 +22,18 @@ void for_texels(const PatchObjective& objective, const Body& body) {
     for (std::size_t t = c * fit_chunk; t < std::min(texels, (c + 1) * fit_chunk); ++t)
       body(model, t);
   });
+}
+
+TexelData data_of(const PatchObjective& objective, const TexelMaps& level, std::size_t t) {
+  const std::size_t images = level.size();
+  TexelData data{std::vector<double>(images), std::vector<double>(images),
+                 std::vector<double>(images)};
+  for (std::size_t i = 0; i < images; ++i) {
+    data.weight[i] = static_cast<double>(objective.weights()[i][t]);
+    data.measured[i] = static_cast<double>(objective.measured()[i][t]);
+    data.level[i] = static_cast<double>(level[i][t]);
+  }
+  return data;
 }
 
 /// A map with weights, on a grid.
@@ -82,20 +95,13 @@ TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level, do
   const PatchCapture& capture = objective.capture();
   const InversionTables& tables = objective.tables();
   const TexelMaps& weights = objective.weights();
-  const std::size_t images = weights.size();
   const std::size_t numbers = tables.numbers.size();
   TexelMaps result(numbers, std::vector<float>(weights[0].size()));
   std::vector<float> known(weights[0].size(), 0.0f);
   for_texels(objective, [&](LocalModel& model, std::size_t t) {
-    TexelData data{std::vector<double>(images), std::vector<double>(images),
-                   std::vector<double>(images)};
-    for (std::size_t i = 0; i < images; ++i) {
-      data.weight[i] = static_cast<double>(weights[i][t]);
-      if (data.weight[i] == 0.0) continue;
-      data.measured[i] = static_cast<double>(capture.images[i].reflected.values[t]);
-      data.level[i] = static_cast<double>(level[i][t]);
-      known[t] = 1.0f;
-    }
+    const TexelData data = data_of(objective, level, t);
+    for (const double weight : data.weight)
+      if (weight > 0.0) known[t] = 1.0f;
     if (known[t] == 0.0f) return;
     const TexelNumbers fit = fit_texel(model, data, tables, tables.reference, robust_limit);
     for (std::size_t n = 0; n < numbers; ++n) result[n][t] = static_cast<float>(fit[n]);
@@ -107,6 +113,33 @@ TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level, do
     map = std::move(weighted.values);
   }
   return result;
+}
+
+PosteriorErrors texel_errors(const PatchObjective& objective, const TexelMaps& level,
+                             const TexelMaps& coordinates, double robust_limit) {
+  const std::size_t numbers = coordinates.size(), texels = coordinates[0].size();
+  PosteriorErrors errors{.deviations = coordinates, .correlation = DenseMatrix(numbers, numbers)};
+  std::vector<TexelMaps> products(numbers, TexelMaps(numbers, std::vector<float>(texels)));
+  for_texels(objective, [&](LocalModel& model, std::size_t t) {
+    TexelNumbers at = {};
+    for (std::size_t n = 0; n < numbers; ++n) at[n] = static_cast<double>(coordinates[n][t]);
+    const TexelMatrix covariance =
+        texel_covariance(model, data_of(objective, level, t), objective.tables(),
+                         std::span(at).first(numbers), robust_limit);
+    for (std::size_t n = 0; n < numbers; ++n) {
+      errors.deviations[n][t] = static_cast<float>(std::sqrt(covariance[n][n]));
+      for (std::size_t m = 0; m <= n; ++m)
+        products[n][m][t] =
+            static_cast<float>(covariance[n][m] / std::sqrt(covariance[n][n] * covariance[m][m]));
+    }
+  });
+  for (std::size_t n = 0; n < numbers; ++n)
+    for (std::size_t m = 0; m <= n; ++m) {
+      double sum = 0.0;
+      for (const float value : products[n][m]) sum += static_cast<double>(value);
+      errors.correlation(n, m) = errors.correlation(m, n) = sum / static_cast<double>(texels);
+    }
+  return errors;
 }
 
 TexelMaps local_images(const PatchObjective& objective, const TexelMaps& level,

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/acquire/inversion/internal/patch_objective.h"
+#include "lamina/acquire/inversion/internal/posterior.h"
 
 namespace lamina::detail {
 
@@ -16,6 +16,10 @@ namespace lamina::detail {
 /// @param level  as light_levels gives it
 [[nodiscard]] TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level,
                                    double robust_limit);
+
+/// Errors of these fits.
+[[nodiscard]] PosteriorErrors texel_errors(const PatchObjective& objective, const TexelMaps& level,
+                                           const TexelMaps& coordinates, double robust_limit);
 
 /// What the images show of skin of these coordinates if light does not travel sideways.
 [[nodiscard]] TexelMaps local_images(const PatchObjective& objective, const TexelMaps& level,

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/acquire/inversion/internal/small_matrix.h"
-
 namespace lamina::detail {
 namespace {
 
@@ -104,6 +102,21 @@ TexelNumbers fit_texel(LocalModel& model, const TexelData& data, const Inversion
     }
   }
   return at;
+}
+
+TexelMatrix texel_covariance(LocalModel& model, const TexelData& data,
+                             const InversionTables& tables, std::span<const double> coordinates,
+                             double robust_limit) {
+  const std::size_t n = coordinates.size();
+  const TexelMatrix lower =
+      cholesky(objective_at(model, data, tables, coordinates, robust_limit).curvature, n);
+  TexelMatrix covariance = {};
+  for (std::size_t a = 0; a < n; ++a) {
+    TexelNumbers unit = {};
+    unit[a] = 1.0;
+    covariance[a] = solve_cholesky(lower, n, unit);
+  }
+  return covariance;
 }
 
 }  // namespace lamina::detail

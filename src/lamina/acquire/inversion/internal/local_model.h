@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/acquire/inversion/internal/small_matrix.h"
 #include "lamina/acquire/inversion/inversion_tables.h"
 
 namespace lamina::detail {
@@ -45,5 +45,11 @@ struct TexelData {
 [[nodiscard]] TexelNumbers fit_texel(LocalModel& model, const TexelData& data,
                                      const InversionTables& tables, std::span<const double> start,
                                      double robust_limit);
+
+/// Their covariance: the inverse of the matrix of second derivatives there.
+[[nodiscard]] TexelMatrix texel_covariance(LocalModel& model, const TexelData& data,
+                                           const InversionTables& tables,
+                                           std::span<const double> coordinates,
+                                           double robust_limit);
 
 }  // namespace lamina::detail
