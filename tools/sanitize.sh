@@ -21,13 +21,14 @@ run_all() {
 }
 
 cmake --preset asan >/dev/null
-cmake --build --preset asan --target core_test optics_test image_test materials_test mesh_test
-echo "address and undefined behavior: core, io, spectrum, optics, image, plot, reproduction, materials, maps, mesh, files of patches"
+cmake --build --preset asan --target core_test optics_test image_test materials_test mesh_test acquire_test
+echo "address and undefined behavior: core, io, spectrum, optics, image, plot, reproduction, materials, maps, mesh, files of patches and captures"
 run_all <<'END'
 build/asan/tests/materials_test --gtest_brief=1
 build/asan/tests/optics_test --gtest_brief=1
 build/asan/tests/mesh_test --gtest_brief=1 --gtest_filter=-SkinPatch.*:MaterialPatches.*:PatchFiles.Shade*
 build/asan/tests/image_test --gtest_brief=1
+build/asan/tests/acquire_test --gtest_brief=1 --gtest_filter=Capture*:Acqui*:ColorChart*:PixelMask*:Develop*
 build/asan/tests/core_test --gtest_brief=1
 END
 
