@@ -235,8 +235,7 @@ float clamped_number(SkinParameters& skin, const SkinMap& map) {
 std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin) {
   std::vector<SkinMap> numbers, varying;
   for (const SkinParameterRange& range : skin_parameter_ranges())
-    if (varies_in_made_maps(range.name))
-      numbers.push_back({std::string(range.name), range.value, {}});
+    numbers.push_back({std::string(range.name), range.value, {}});
   for (std::size_t i = 0; i < skin.front().inks.size(); ++i)
     numbers.push_back({"ink_" + ink_name(skin.front(), i), nullptr, {}, i});
   for (SkinMap& map : numbers)

@@ -2,7 +2,6 @@
 #include "lamina/skin_maps/skin_maps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -66,12 +65,6 @@ SkinMaps decode_skin_maps(const JsonInput& recipe, std::span<const std::string> 
 const Image* first_map(const SkinMaps& skin) {
   if (!skin.maps.empty()) return &skin.maps.front().values;
   return skin.others.empty() ? nullptr : &skin.others.front().values;
-}
-
-bool varies_in_made_maps(std::string_view parameter) {
-  constexpr std::array<std::string_view, 4> same_everywhere = {
-      "scattering_scale", "scattering_power", "epidermis_thickness", "dermis_thickness"};
-  return std::ranges::find(same_everywhere, parameter) == same_everywhere.end();
 }
 
 }  // namespace lamina

@@ -3,7 +3,6 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -61,8 +60,5 @@ struct SkinMaps {
 
 /// The first map, null if there is none.
 [[nodiscard]] const Image* first_map(const SkinMaps& skin);
-
-/// Whether features of made maps change a parameter of that name: those that color the layers.
-[[nodiscard]] bool varies_in_made_maps(std::string_view parameter);
 
 }  // namespace lamina
