@@ -97,7 +97,9 @@ std::vector<std::vector<double>> sample_fits(const PatchCapture& capture,
       if (!is_lit(i, t)) continue;
       const PatchImage& image = capture.images[i];
       data.measured[i] = static_cast<double>(image.reflected.values[t]);
-      data.weight[i] = 1.0 / static_cast<double>(image.deviation.values[t]);
+      data.weight[i] =
+          1.0 / std::max(static_cast<double>(image.deviation.values[t]),
+                         least_relative_deviation * static_cast<double>(light_at(i, t)));
       data.level[i] = static_cast<double>(light_at(i, t));
     }
     return data;

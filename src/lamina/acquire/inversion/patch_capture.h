@@ -8,10 +8,14 @@
 
 namespace lamina {
 
+inline constexpr double least_relative_deviation = 1e-4;
+
 /// A photograph of a patch of skin through one filter.
 struct PatchImage {
   Plane reflected;  ///< what leaves, in the unit of its light; without what the surface mirrors
-  Plane deviation;  ///< standard deviation of each texel, > 0; infinite: the texel is not known
+  /// Standard deviation of each texel, > 0; infinite: the texel is not known. Less than
+  /// `least_relative_deviation` of its light counts as that
+  Plane deviation;
   /// What the image sees of the light, [wavelength]: filter times lamp times sensor, of sum 1.
   std::vector<double> sensor;
   std::size_t light = 0;  ///< which pattern lights it

@@ -26,8 +26,10 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
     std::vector<float>& measured = measured_.emplace_back(weights.size(), 0.0f);
     double sum = 0.0, count = 0.0;
     for (std::size_t t = 0; t < weights.size(); ++t) {
-      const auto deviation = static_cast<double>(image.deviation.values[t]);
-      if (std::isinf(deviation) || arriving.values[t] == 0.0f) continue;
+      if (std::isinf(image.deviation.values[t]) || arriving.values[t] == 0.0f) continue;
+      const double deviation =
+          std::max(static_cast<double>(image.deviation.values[t]),
+                   least_relative_deviation * static_cast<double>(arriving.values[t]));
       measured[t] = image.reflected.values[t];
       const auto value = static_cast<double>(measured[t]);
       const auto lit = static_cast<double>(arriving.values[t]);
@@ -111,11 +113,11 @@ PatchState PatchObjective::state(TexelMaps coordinates, TexelMaps images) const 
       squares += std::pow(static_cast<double>(weights_[i][t]) * miss, 2);
       count += 1.0;
     }
-    if (count == 0.0) continue;
+    if (count == 0.0 || !(means_[i] > 0.0)) continue;
     relative += sum / count / (means_[i] * means_[i]);
     used += 1.0;
   }
-  state.residual = std::sqrt(relative / used);
+  state.residual = used > 0.0 ? std::sqrt(relative / used) : 0.0;
   state.in_deviations = std::sqrt(squares / known_);
   return state;
 }
