@@ -20,6 +20,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/json_input.h"
 #include "lamina/plot/html_page.h"
 
 namespace lamina::cli {
@@ -84,6 +85,17 @@ std::vector<Image> maps_to_go_on_from(const Capture& capture, const fs::path& fo
     maps.push_back(std::move(map));
   }
   return maps;
+}
+
+constexpr const char* result_file = "result.json";
+
+/// The smoothness that an earlier call chose; empty where it says none.
+std::vector<double> smoothness_of(const fs::path& file, std::size_t numbers) {
+  if (!fs::exists(file)) return {};
+  const JsonDocument document = load_json(file);
+  const auto given = document.root().peek("smoothness");
+  if (!given || given->array().size() != numbers) return {};
+  return given->numbers(numbers, at_least(0.0));
 }
 
 double seconds() {
@@ -194,7 +206,10 @@ void run_acquire(const AcquireOptions& options) {
     patch.inversion.model_error = options.model_error;
     patch.inversion.robust_limit = options.robust_limit;
     patch.inversion.seed = options.common.seed;
-    if (options.resumes) patch.start = maps_to_go_on_from(capture, folder);
+    if (options.resumes) {
+      patch.start = maps_to_go_on_from(capture, folder);
+      patch.inversion.smoothness = smoothness_of(folder / result_file, capture.numbers.size());
+    }
     skin = acquire_patch(capture, patch, user_cache(), part_of(progress, 0.1, 0.9));
   }
   const double solved = seconds() - start;
@@ -214,6 +229,7 @@ void run_acquire(const AcquireOptions& options) {
   JsonOutput json = json_of(capture, skin, check, files);
   json["report"] = page.string();
   json["solving_seconds"] = solved;
+  write_file((folder / result_file).string(), json.text(1) + "\n");
   write_json(json, options.common);
   print(options.common,
         text_of(capture, skin, check) + fmt::format("solved in {:.1f} s; {}, {}\n", solved,

@@ -16,7 +16,7 @@ struct PatchAcquisitionOptions {
   InversionOptions inversion = {.deviation_samples = usual_deviation_samples};
   std::vector<Image> start;  ///< [number] values to go on from; empty: none
 
-  static constexpr int usual_deviation_samples = 24;
+  static constexpr int usual_deviation_samples = 12;
 };
 
 /// All pixels of a capture of any bands together, by invert_patch, large ones by invert_tiles;
