@@ -212,13 +212,21 @@ void run_acquire(const AcquireOptions& options) {
     }
     skin = acquire_patch(capture, patch, user_cache(), part_of(progress, 0.1, 0.9));
   }
+  if (skin.inversion && skin.inversion->stop == InversionStop::interrupted)
+    capture.notes.emplace_back(
+        "stopped before errors were known, which are given as those of the prior; --resume goes "
+        "on");
   const double solved = seconds() - start;
-  const AcquisitionCheck check =
-      check_acquisition(capture, skin, table, 320, part_of(progress, 0.9, 1.0));
+  constexpr int check_size = 320;  // not asked to stop: the best so far is written
+  const AcquisitionCheck check = check_acquisition(capture, skin, table, check_size);
   add_gain_errors(capture, check, skin);
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);
   const fs::path page = folder / "report.html";
-  std::vector<std::string> arguments = {"acquire", options.capture, "-o", folder.string()};
+  std::vector<std::string> arguments = {"acquire",   options.capture,
+                                        "-o",        folder.string(),
+                                        "--lateral", std::string(name_of(lateral))};
+  if (!has_table)
+    arguments.insert(arguments.end(), {"--method", std::string(name_of(options.method))});
   for (const std::string& setting : options.settings)
     arguments.insert(arguments.end(), {"--set", setting});
   MemoryBudget memory = options.common.memory;
