@@ -1,0 +1,40 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "lamina/core/progress.h"
+#include "lamina/materials/leaf.h"
+#include "lamina/scattering/profile/slab_totals.h"
+
+namespace lamina::detail {
+
+/// What leaves reflect and transmit by their absorption and structure, on a regular grid of their
+/// logarithms with cubics between: LeafTotalsTable for pixels, forty times as quick, within 2e-4 of
+/// it (tests).
+class LeafLight {
+ public:
+  /// @param leaf             for its palisade share
+  /// @param most_absorption  optical thickness up to which the table reaches, > 0
+  LeafLight(const LeafParameters& leaf, double most_absorption, const Incidence& incidence,
+            const Progress& progress);
+
+  struct Value {
+    double reflectance, transmittance;
+    std::array<double, 2> by_absorption, by_structure;  ///< of reflectance and transmittance
+  };
+
+  /// What lies out of the range counts as its nearest place.
+  [[nodiscard]] Value at(double absorption, double structure) const;
+
+  static constexpr double least_structure = 0.3, most_structure = 10.0;
+
+ private:
+  static constexpr std::size_t columns = 80, rows = 40;
+  double low_, step_;                          ///< of the absorption's coordinate
+  std::vector<std::array<double, 2>> values_;  ///< [structure][absorption]
+};
+
+}  // namespace lamina::detail
