@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "lamina/acquire/leaf/internal/leaf_light.h"
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/image/envi_file.h"
@@ -112,6 +113,33 @@ TEST(LeafPixels, FindLeavesWithinTheirErrors) {
   for (const double residual : maps.residual) EXPECT_NEAR(residual, 0.85 * noise, 0.25 * noise);
   EXPECT_TRUE(std::isnan(maps.predicted.pixels[0]));
   EXPECT_NEAR(maps.correlation(3, 3), 1.0, 1e-6);
+}
+
+// Values and derivatives, beside the slower table's.
+TEST(LeafLight, IsThatOfTheTable) {
+  const std::vector<double> wavelengths = {440.0, 550.0, 690.0, 720.0, 850.0, 970.0};
+  const Incidence incidence = {.theta = 0.33};
+  const LeafTotalsTable table(wavelengths, incidence, leaf_fit_range({}));
+  const detail::LeafLight light({}, 14.0, incidence, {});
+  const std::array numbers = {&LeafParameters::chlorophyll, &LeafParameters::structure};
+  Random random(4);
+  for (int i = 0; i < 600; ++i) {
+    const LeafParameters leaf = {.chlorophyll = 100.0 * random.uniform(),
+                                 .water = 0.05 * random.uniform(),
+                                 .structure = 0.4 * std::pow(20.0, random.uniform())};
+    const std::size_t w = static_cast<std::size_t>(i) % wavelengths.size();
+    std::array<LeafTotalsTable::Totals, 2> by;
+    const LeafTotalsTable::Totals totals = table.totals(leaf, w, numbers, by);
+    const LeafSpectrum spectrum = leaf_spectrum(wavelengths[w]);
+    const detail::LeafLight::Value value =
+        light.at(leaf_absorption(leaf, spectrum), leaf.structure);
+    EXPECT_NEAR(value.reflectance, totals.reflectance, 2e-4);
+    EXPECT_NEAR(value.transmittance, totals.transmittance, 2e-4);
+    EXPECT_NEAR(value.by_absorption[0] * spectrum.chlorophyll, by[0].reflectance, 1e-3);
+    EXPECT_NEAR(value.by_absorption[1] * spectrum.chlorophyll, by[0].transmittance, 1e-3);
+    EXPECT_NEAR(value.by_structure[0], by[1].reflectance, 0.005);
+    EXPECT_NEAR(value.by_structure[1], by[1].transmittance, 0.005);
+  }
 }
 
 TEST(LeafPixels, FindTheirNoise) {

@@ -87,10 +87,10 @@ void check(const Image& image, const std::vector<double>& wavelengths,
   if (options.edge < 0) refuse("edge must be >= 0, but is " + std::to_string(options.edge));
 }
 
-/// Whether a spectrum has no pigment: what is left of it beside a straight line is a small part of
-/// it, or hardly any light.
+/// Whether a spectrum has no pigment: it hardly rises, and what is left of it beside a straight
+/// line is a small part of it; or it is hardly any light. Dead leaves rise much.
 bool is_background(std::span<const double> measured, const std::vector<double>& wavelengths) {
-  constexpr double least_light = 0.02, least_shape = 0.1, noise = 0.008;
+  constexpr double least_light = 0.02, least_shape = 0.1, least_rise = 0.6, noise = 0.008;
   const auto bands = static_cast<double>(measured.size());
   double x = 0.0, y = 0.0;
   for (std::size_t b = 0; b < measured.size(); ++b) {
@@ -104,8 +104,11 @@ bool is_background(std::span<const double> measured, const std::vector<double>& 
     xy += dx * dy;
     yy += dy * dy;
   }
-  const double squares = std::max(0.0, yy - (xx > 0.0 ? xy * xy / xx : 0.0));
-  return y < least_light || std::sqrt(squares / bands) < least_shape * y + noise;
+  const double slope = xx > 0.0 ? xy / xx : 0.0;
+  const double rise =
+      std::abs(slope) * (std::ranges::max(wavelengths) - std::ranges::min(wavelengths));
+  const double shape = std::sqrt(std::max(0.0, yy - slope * xy) / bands);
+  return y < least_light || (shape < least_shape * y + noise && rise < least_rise * y + noise);
 }
 
 /// Pixels, band by band, and what they are.

@@ -59,7 +59,7 @@ struct LeafPixelOptions {
 enum class LeafPixelKind : std::uint8_t {
   leaf,
   unused,      ///< by the mask, or not finite in some band
-  background,  ///< has no pigment: its spectrum is a straight line, or dark
+  background,  ///< has no pigment: its spectrum is straight and hardly rises, or dark
   edge,        ///< too near to background, and partly of it
 };
 inline constexpr std::size_t leaf_pixel_kinds = 4;

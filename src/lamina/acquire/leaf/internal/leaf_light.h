@@ -12,8 +12,8 @@
 namespace lamina::detail {
 
 /// What leaves reflect and transmit by their absorption and structure, on a regular grid of their
-/// logarithms with cubics between: LeafTotalsTable for pixels, forty times as quick, within 2e-4 of
-/// it (tests).
+/// logarithms with cubics between: LeafTotalsTable for pixels, ten times as quick or more, within
+/// 2e-4 of it (tests).
 class LeafLight {
  public:
   /// @param leaf             for its palisade share
