@@ -171,17 +171,20 @@ TEST(LeafPixels, KeepToTheMaskAndToFiniteNumbers) {
 // A second witness: adding-doubling of the leaf on the ground, and the fit's own prediction.
 TEST(LeafPixels, ReflectWhatAddingDoublingSays) {
   const LeafParameters leaf = {.chlorophyll = 25.0, .structure = 1.4};
+  const double behind = 0.1;
   const std::vector<double> wavelengths = made().wavelengths;
   Image image = make_image(1, 1, made().image.channels);
   for (std::size_t b = 0; b < wavelengths.size(); ++b) {
-    LayerStack stack = leaf_layer_stack(leaf, wavelengths[b]);
+    const std::array<Layer, 2> layers = leaf_layers(leaf, leaf_spectrum(wavelengths[b]));
+    const LayerStack stack({layers.begin(), layers.end()}, 1.0, 1.0,
+                           {.top = {}, .reflectance = behind});
     const SlabTotals totals = adding_doubling(stack, {}).totals;
     image.pixels[b] = static_cast<float>(0.8 * totals.diffuse_reflectance + 0.05);
   }
   LeafPixelOptions options;
   options.numbers = {options.numbers[0], options.numbers[6]};
   options.leaf = leaf;
-  options.ground.assign(wavelengths.size(), 0.0);
+  options.ground.assign(wavelengths.size(), behind);
   options.noise.assign(wavelengths.size(), 1e-4);
   const LeafMaps maps = fit_leaf_pixels(image, wavelengths, options);
   EXPECT_NEAR(maps.maps[0].values.pixels[0], 25.0, 0.1);
