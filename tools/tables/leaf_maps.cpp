@@ -1,13 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // The tables of docs/leaf_maps.md: what photographs of leaves in many bands tell, pixel by pixel.
 //
-//     leaf_maps [--bin N] [--bands N] [--from NM] [--light DEGREES] [--share S] [--write FOLDER]
-//     CUBE.hdr...
+//     leaf_maps [--bin N] [--bands N] [--from NM] [--light DEGREES] [--share S] [--shared]
+//     [--write FOLDER] CUBE.hdr...
 //
 // CUBE.hdr is an ENVI image of reflectance factors. Means of N x N pixels (1 if not given) are
 // fitted, in N bands of equal width (40) from NM (420) to 990 nm, under light so many degrees (19)
-// from the normal; S of what absorbs (.7) is in the palisade. FOLDER gets the maps with their
-// deviations (EXR), and the photograph beside what the maps reflect, above the maps (PNG).
+// from the normal; S of what absorbs (.7) is in the palisade; with --shared what pixels miss alike
+// is taken off. FOLDER gets the maps with their deviations (EXR), and the photograph beside what
+// the maps reflect, above the maps (PNG).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -34,6 +35,7 @@ constexpr double first_nm = 420.0, last_nm = 990.0;
 struct Settings {
   int bin = 1, bands = 40;
   double from = first_nm, light = 19.0, share = 0.7;
+  bool is_shared = false;
   std::filesystem::path folder;
   std::vector<std::filesystem::path> cubes;
 };
@@ -43,6 +45,10 @@ Settings read_settings(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     const char* value = i + 1 < argc ? argv[i + 1] : "";
+    if (word == "--shared") {
+      settings.is_shared = true;
+      continue;
+    }
     if (!word.starts_with("--")) {
       settings.cubes.emplace_back(word);
       continue;
@@ -131,7 +137,7 @@ void write(const LeafMaps& maps, const Image& photograph, const std::vector<doub
   std::vector<double> visible;
   for (const double nm : wavelengths)
     if (nm < 740.0) visible.push_back(nm);
-  const BandWeights weights = make_band_weights(BandSet(visible));
+  const BandWeights weights = visible.empty() ? BandWeights() : make_band_weights(BandSet(visible));
   constexpr float exposure = 2.0f;
   const int rows = 1 + static_cast<int>(maps.maps.size() + 1) / 2;
   Image sheet = make_image(2 * maps.width, rows * maps.height, {"R", "G", "B"});
@@ -197,6 +203,7 @@ void fit_cube(const std::filesystem::path& file, const Settings& settings) {
     options.ground.assign(cube.wavelengths.size(), found.ground.back());
   }
   const auto start = std::chrono::steady_clock::now();
+  options.shares_misfit = settings.is_shared;
   const LeafMaps maps = fit_leaf_pixels(cube.image, cube.wavelengths, options);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -214,10 +221,9 @@ void fit_cube(const std::filesystem::path& file, const Settings& settings) {
 int main(int argc, char** argv) {
   const Settings settings = read_settings(argc, argv);
   if (settings.cubes.empty()) {
-    std::fprintf(
-        stderr,
-        "usage: leaf_maps [--bin N] [--bands N] [--from NM] [--light DEGREES] [--share S] [--write "
-        "FOLDER] CUBE.hdr...\n");
+    std::fprintf(stderr,
+                 "usage: leaf_maps [--bin N] [--bands N] [--from NM] [--light DEGREES] [--share S] "
+                 "[--shared] [--write FOLDER] CUBE.hdr...\n");
     return 2;
   }
   try {

@@ -151,6 +151,29 @@ TEST(LeafPixels, FindTheirNoise) {
   EXPECT_LT(maps.residual_correlation, 0.1);
 }
 
+// A ripple from band to band that no leaf has
+TEST(LeafPixels, TakeOffWhatTheyMissAlike) {
+  constexpr double ripple = 0.01;
+  Image image = made().image;
+  const std::size_t bands = made().wavelengths.size();
+  for (std::size_t i = MadeLeaves::width * bands; i < image.pixels.size(); ++i)
+    image.pixels[i] += static_cast<float>(i % bands % 2 == 0 ? ripple : -ripple);
+  LeafPixelOptions options = made().options;
+  const auto mean_error = [&] {
+    double mean = 0.0;
+    const LeafMaps maps = fit_leaf_pixels(image, made().wavelengths, options);
+    for (const double deviation : maps.noise) mean += deviation / static_cast<double>(bands);
+    for (std::size_t b = 0; b < bands && options.shares_misfit; ++b)
+      EXPECT_NEAR(maps.missed[b], b % 2 == 0 ? ripple : -ripple, 0.6 * ripple);
+    return mean;
+  };
+  EXPECT_GT(mean_error(), 0.9 * std::hypot(noise, ripple));
+  options.shares_misfit = true;
+  EXPECT_NEAR(mean_error(), noise, 0.15 * noise);
+  options.noise.assign(bands, noise);
+  EXPECT_THROW((void)fit_leaf_pixels(image, made().wavelengths, options), InvalidInput);
+}
+
 TEST(LeafPixels, KeepToTheMaskAndToFiniteNumbers) {
   Image image = made().image;
   image.at(3, 5)[7] = std::nanf("");

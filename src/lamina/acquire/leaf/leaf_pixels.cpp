@@ -84,6 +84,8 @@ void check(const Image& image, const std::vector<double>& wavelengths,
   check_bands(options.noise, "noise", 1e-6, 1e6);
   if (options.mask && (options.mask->width != image.width || options.mask->height != image.height))
     refuse("the mask must be as large as the image");
+  if (options.shares_misfit && !options.noise.empty())
+    refuse("shares_misfit needs noise that is found, not given");
   if (options.edge < 0) refuse("edge must be >= 0, but is " + std::to_string(options.edge));
 }
 
@@ -183,7 +185,8 @@ LeafPixelModel make_model(const std::vector<double>& wavelengths, const LeafPixe
       .high = {},
       .light = detail::LeafLight(options.leaf, most_absorption, options.incidence, progress),
       .ground = {},
-      .deviation = {}};
+      .deviation = {},
+      .missed = std::vector<double>(wavelengths.size())};
   for (const LeafNumber& number : options.numbers) {
     model.values.push_back(number.value);
     model.parameters.push_back(number.parameter);
@@ -202,9 +205,11 @@ LeafPixelModel make_model(const std::vector<double>& wavelengths, const LeafPixe
 
 /// Errors of the bands by what is left of some pixels, until they stay.
 /// @return  the correlation of neighboring bands, in [0, .9]
-double find_errors(LeafPixelModel& model, const Pixels& pixels, const Progress& progress) {
+double find_errors(LeafPixelModel& model, const Pixels& pixels, bool shares_misfit,
+                   const Progress& progress) {
   constexpr std::size_t most_samples = 1000;
-  constexpr int rounds = 3;
+  constexpr int rounds_apart = 3, rounds_shared = 2;
+  const int rounds = rounds_apart + (shares_misfit ? rounds_shared : 0);
   constexpr double first_error = 0.01, least_error = 5e-4, most_correlation = 0.9;
   constexpr double of_median = 1.4826;  // a Gaussian's deviation over its median distance from 0
   const std::size_t bands = model.spectra.size();
@@ -230,13 +235,23 @@ double find_errors(LeafPixelModel& model, const Pixels& pixels, const Progress& 
     // What all pixels miss alike is the model's, and counts as equally large in all bands: a band
     // that is met by chance would else draw the fit to itself.
     double misfit = 0.0;
+    // Taken off once: the numbers would else follow it step by step.
+    const bool is_shared = shares_misfit && round + 1 >= rounds_apart;
+    std::vector<double> missed(bands);
     for (std::size_t b = 0; b < bands; ++b) {
       std::vector<double> misses;
       for (const std::vector<double>& residual : left) misses.push_back(residual[b]);
       const double middle = middle_of(misses);
       for (double& miss : misses) miss = std::abs(miss - middle);
+      missed[b] = middle;
       misfit += middle * middle / static_cast<double>(bands);
       model.deviation[b] = of_median * middle_of(std::move(misses));
+    }
+    if (is_shared) misfit = 0.0;
+    if (is_shared && round + 1 == rounds_apart) {
+      model.missed = missed;
+      for (std::vector<double>& residual : left)
+        for (std::size_t b = 0; b < bands; ++b) residual[b] -= missed[b];
     }
     for (double& deviation : model.deviation)
       deviation = std::max(least_error, std::sqrt((deviation * deviation + misfit) *
@@ -310,7 +325,7 @@ LeafMaps fit_leaf_pixels(const Image& image, const std::vector<double>& waveleng
   LeafMaps result;
   if (options.noise.empty())
     result.residual_correlation =
-        find_errors(model, pixels, part_of(progress, table_end, errors_end));
+        find_errors(model, pixels, options.shares_misfit, part_of(progress, table_end, errors_end));
   else
     model.deviation = options.noise;
 
@@ -385,6 +400,7 @@ LeafMaps fit_leaf_pixels(const Image& image, const std::vector<double>& waveleng
   }
   result.ground = std::move(model.ground);
   result.noise = std::move(model.deviation);
+  result.missed = std::move(model.missed);
   for (const LeafPixelKind kind : pixels.kinds) ++result.counts[static_cast<std::size_t>(kind)];
   result.kinds = std::move(pixels.kinds);
   return result;

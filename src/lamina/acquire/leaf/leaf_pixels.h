@@ -48,6 +48,10 @@ struct LeafPixelOptions {
   /// Standard deviation of each band's noise and of the model's misfit, as a reflectance, [band].
   /// Empty: from the residuals, which are taken to go together from band to band as they do.
   std::vector<double> noise = {};
+  /// Whether what all pixels miss alike is taken off, so that the errors are those of the pixels'
+  /// scatter alone: numbers then say how places of one leaf differ. Their common level is no better
+  /// known than without, and deviations do not hold its error. For noise that is found.
+  bool shares_misfit = false;
   std::optional<PixelMask> mask = {};  ///< absent: all pixels are used
   /// Whether pixels without pigment are told apart, by bands in which pigments absorb. If not, all
   /// that the mask uses is leaf.
@@ -84,6 +88,7 @@ struct LeafMaps {
   std::vector<double> bias;      ///< [band] mean over the leaf of measured less predicted
   DenseMatrix correlation;       ///< of coordinates, as `maps`; mean over the leaf
   std::vector<double> ground;    ///< [band] that was used
+  std::vector<double> missed;    ///< [band] what pixels share of the misfit, a part of `predicted`
   std::vector<double> noise;     ///< [band] that was used
   double residual_correlation = 0.0;  ///< of residuals of neighboring bands that was used
   std::vector<LeafPixelKind> kinds;   ///< [y][x]

@@ -146,7 +146,7 @@ void predict_leaf(const LeafPixelModel& model, const LeafCoordinates& at, LeafPr
                    by_structure * units[n].structure);
     slopes[illumination] = chain[illumination] * reflected;
     slopes[gloss] = chain[gloss];
-    result.reflectance[b] = factor * reflected + mirrored;
+    result.reflectance[b] = factor * reflected + mirrored + model.missed[b];
   }
 }
 

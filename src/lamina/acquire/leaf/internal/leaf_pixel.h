@@ -24,7 +24,7 @@ struct LeafPixelModel {
   std::vector<FitParameter> parameters;               ///< those, illumination and gloss
   LeafCoordinates prior, prior_deviation, low, high;  ///< of the coordinates
   LeafLight light;
-  std::vector<double> ground, deviation;  ///< [band]
+  std::vector<double> ground, deviation, missed;  ///< [band]
 
   [[nodiscard]] std::size_t size() const { return parameters.size(); }
 };
