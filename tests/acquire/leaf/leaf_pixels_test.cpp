@@ -19,15 +19,15 @@
 namespace lamina {
 namespace {
 
-constexpr double ground = 0.1, noise = 0.005;
+constexpr double leaf_ground = 0.1, leaf_noise = 0.005;
 
-double normal(Random& random) {
+double normal_draw(Random& random) {
   return std::sqrt(-2.0 * std::log(1.0 - random.uniform())) *
          std::cos(2.0 * std::numbers::pi * random.uniform());
 }
 
-/// Leaves that are drawn from the prior, in bands with noise, over a gray ground; one row of
-/// ground.
+/// Leaves that are drawn from the prior, in bands with noise, over a gray ground; one row
+/// of ground.
 struct MadeLeaves {
   static constexpr int width = 20, height = 16;
   std::vector<double> wavelengths;
@@ -55,7 +55,7 @@ struct MadeLeaves {
       for (std::size_t n = 0; n < parameters.size(); ++n) {
         const FitParameter& parameter = parameters[n];
         const double drawn = fit_coordinate(parameter, parameter.prior->mean) +
-                             parameter.prior->standard_deviation * normal(random);
+                             parameter.prior->standard_deviation * normal_draw(random);
         values.push_back(std::clamp(fit_value(parameter, drawn), parameter.low, parameter.high));
         truths[n][i] = fit_coordinate(parameter, values.back());
         if (n < options.numbers.size()) leaf.*options.numbers[n].value = values.back();
@@ -63,44 +63,44 @@ struct MadeLeaves {
       const double illumination = values[values.size() - 2], gloss = values.back();
       for (std::size_t b = 0; b < wavelengths.size(); ++b) {
         const LeafTotalsTable::Totals totals = table.totals(leaf, b);
-        const double through = totals.transmittance * totals.transmittance * ground /
-                               (1.0 - ground * totals.reflectance);
+        const double through = totals.transmittance * totals.transmittance * leaf_ground /
+                               (1.0 - leaf_ground * totals.reflectance);
         const double reflected = illumination * (totals.reflectance + through) + gloss;
-        image.pixels[i * wavelengths.size() + b] =
-            static_cast<float>((i < width ? ground : reflected) + noise * normal(random));
+        image.pixels[i * wavelengths.size() + b] = static_cast<float>(
+            (i < width ? leaf_ground : reflected) + leaf_noise * normal_draw(random));
       }
     }
   }
 };
-const MadeLeaves& made() {
+const MadeLeaves& made_leaves() {
   static const MadeLeaves each;
   return each;
 }
 
 /// The share of pixels whose coordinate is within a standard deviation of the truth.
-double coverage(const LeafMaps& maps, std::size_t number) {
+double leaf_coverage(const LeafMaps& maps, std::size_t number) {
   double covered = 0.0, count = 0.0;
   for (std::size_t i = 0; i < maps.kinds.size(); ++i) {
     if (maps.kinds[i] != LeafPixelKind::leaf) continue;
     const LeafMap& map = maps.maps[number];
     const double found = fit_coordinate(map.parameter, static_cast<double>(map.values.pixels[i]));
-    covered +=
-        std::abs(found - made().truths[number][i]) < static_cast<double>(map.deviations.pixels[i]);
+    covered += std::abs(found - made_leaves().truths[number][i]) <
+               static_cast<double>(map.deviations.pixels[i]);
     count += 1.0;
   }
   return covered / count;
 }
 
 TEST(LeafPixels, FindLeavesWithinTheirErrors) {
-  LeafPixelOptions options = made().options;
-  options.noise.assign(made().wavelengths.size(), noise);
-  const LeafMaps maps = fit_leaf_pixels(made().image, made().wavelengths, options);
+  LeafPixelOptions options = made_leaves().options;
+  options.noise.assign(made_leaves().wavelengths.size(), leaf_noise);
+  const LeafMaps maps = fit_leaf_pixels(made_leaves().image, made_leaves().wavelengths, options);
   EXPECT_EQ(maps.counts[static_cast<std::size_t>(LeafPixelKind::background)], 20U);
   EXPECT_GE(maps.counts[0], 290U);  // but for leaves in the dark
-  for (const double reflectance : maps.ground) EXPECT_NEAR(reflectance, ground, 0.006);
+  for (const double reflectance : maps.ground) EXPECT_NEAR(reflectance, leaf_ground, 0.006);
   double mean = 0.0;
   for (std::size_t n = 0; n < maps.maps.size(); ++n) {
-    const double share = coverage(maps, n);
+    const double share = leaf_coverage(maps, n);
     EXPECT_GT(share, 0.60) << maps.maps[n].parameter.name;
     EXPECT_LT(share, 0.76) << maps.maps[n].parameter.name;
     mean += share / static_cast<double>(maps.maps.size());
@@ -110,7 +110,8 @@ TEST(LeafPixels, FindLeavesWithinTheirErrors) {
   EXPECT_LT(maps.maps[0].prior_share, 0.2);
   EXPECT_EQ(maps.maps[5].parameter.name, "dry_matter");
   EXPECT_GT(maps.maps[5].prior_share, 0.8);
-  for (const double residual : maps.residual) EXPECT_NEAR(residual, 0.85 * noise, 0.25 * noise);
+  for (const double residual : maps.residual)
+    EXPECT_NEAR(residual, 0.85 * leaf_noise, 0.25 * leaf_noise);
   EXPECT_TRUE(std::isnan(maps.predicted.pixels[0]));
   EXPECT_NEAR(maps.correlation(3, 3), 1.0, 1e-6);
 }
@@ -143,48 +144,49 @@ TEST(LeafLight, IsThatOfTheTable) {
 }
 
 TEST(LeafPixels, FindTheirNoise) {
-  const LeafMaps maps = fit_leaf_pixels(made().image, made().wavelengths, made().options);
+  const LeafMaps maps =
+      fit_leaf_pixels(made_leaves().image, made_leaves().wavelengths, made_leaves().options);
   double mean = 0.0;
   for (const double deviation : maps.noise)
     mean += deviation / static_cast<double>(maps.noise.size());
-  EXPECT_NEAR(mean, noise, 0.15 * noise);
+  EXPECT_NEAR(mean, leaf_noise, 0.15 * leaf_noise);
   EXPECT_LT(maps.residual_correlation, 0.1);
 }
 
 // A ripple from band to band that no leaf has
 TEST(LeafPixels, TakeOffWhatTheyMissAlike) {
   constexpr double ripple = 0.01;
-  Image image = made().image;
-  const std::size_t bands = made().wavelengths.size();
+  Image image = made_leaves().image;
+  const std::size_t bands = made_leaves().wavelengths.size();
   for (std::size_t i = MadeLeaves::width * bands; i < image.pixels.size(); ++i)
     image.pixels[i] += static_cast<float>(i % bands % 2 == 0 ? ripple : -ripple);
-  LeafPixelOptions options = made().options;
+  LeafPixelOptions options = made_leaves().options;
   const auto mean_error = [&] {
     double mean = 0.0;
-    const LeafMaps maps = fit_leaf_pixels(image, made().wavelengths, options);
+    const LeafMaps maps = fit_leaf_pixels(image, made_leaves().wavelengths, options);
     for (const double deviation : maps.noise) mean += deviation / static_cast<double>(bands);
     for (std::size_t b = 0; b < bands && options.shares_misfit; ++b)
       EXPECT_NEAR(maps.missed[b], b % 2 == 0 ? ripple : -ripple, 0.6 * ripple);
     return mean;
   };
-  EXPECT_GT(mean_error(), 0.9 * std::hypot(noise, ripple));
+  EXPECT_GT(mean_error(), 0.9 * std::hypot(leaf_noise, ripple));
   options.shares_misfit = true;
-  EXPECT_NEAR(mean_error(), noise, 0.15 * noise);
-  options.noise.assign(bands, noise);
-  EXPECT_THROW((void)fit_leaf_pixels(image, made().wavelengths, options), InvalidInput);
+  EXPECT_NEAR(mean_error(), leaf_noise, 0.15 * leaf_noise);
+  options.noise.assign(bands, leaf_noise);
+  EXPECT_THROW((void)fit_leaf_pixels(image, made_leaves().wavelengths, options), InvalidInput);
 }
 
 TEST(LeafPixels, KeepToTheMaskAndToFiniteNumbers) {
-  Image image = made().image;
+  Image image = made_leaves().image;
   image.at(3, 5)[7] = std::nanf("");
-  LeafPixelOptions options = made().options;
-  options.noise.assign(made().wavelengths.size(), noise);
+  LeafPixelOptions options = made_leaves().options;
+  options.noise.assign(made_leaves().wavelengths.size(), leaf_noise);
   options.mask = make_pixel_mask(image.width, image.height);
   for (int y = 3; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       if (x > 4) options.mask->mark(options.mask->index(x, y), PixelFault::excluded);
   options.edge = 1;
-  const LeafMaps maps = fit_leaf_pixels(image, made().wavelengths, options);
+  const LeafMaps maps = fit_leaf_pixels(image, made_leaves().wavelengths, options);
   EXPECT_EQ(maps.counts[static_cast<std::size_t>(LeafPixelKind::unused)], 13U * 15U + 1U);
   EXPECT_GE(maps.counts[static_cast<std::size_t>(LeafPixelKind::edge)], 20U);
   EXPECT_TRUE(std::isnan(*maps.maps[0].values.at(3, 5)));
@@ -195,8 +197,8 @@ TEST(LeafPixels, KeepToTheMaskAndToFiniteNumbers) {
 TEST(LeafPixels, ReflectWhatAddingDoublingSays) {
   const LeafParameters leaf = {.chlorophyll = 25.0, .structure = 1.4};
   const double behind = 0.1;
-  const std::vector<double> wavelengths = made().wavelengths;
-  Image image = make_image(1, 1, made().image.channels);
+  const std::vector<double> wavelengths = made_leaves().wavelengths;
+  Image image = make_image(1, 1, made_leaves().image.channels);
   for (std::size_t b = 0; b < wavelengths.size(); ++b) {
     const std::array<Layer, 2> layers = leaf_layers(leaf, leaf_spectrum(wavelengths[b]));
     const LayerStack stack({layers.begin(), layers.end()}, 1.0, 1.0,
@@ -227,8 +229,8 @@ TEST(LeafPixels, RefuseWhatTheyCannotFit) {
       EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
     }
   };
-  const Image& image = made().image;
-  const std::vector<double>& wavelengths = made().wavelengths;
+  const Image& image = made_leaves().image;
+  const std::vector<double>& wavelengths = made_leaves().wavelengths;
   refuses(image, {500.0}, {}, "a wavelength for each of");
   std::vector<double> infrared = wavelengths;
   infrared[0] = 1200.0;
