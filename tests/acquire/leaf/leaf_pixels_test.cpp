@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 
 #include "lamina/acquire/leaf/internal/leaf_light.h"
@@ -243,6 +244,12 @@ TEST(LeafPixels, RefuseWhatTheyCannotFit) {
   options = {};
   options.numbers[1].value = &LeafParameters::palisade_share;
   refuses(image, wavelengths, options, "cannot be free");
+  options = {};
+  options.numbers[0].parameter.high = std::numeric_limits<double>::infinity();
+  refuses(image, wavelengths, options, "chlorophyll must lie within [0, 200]");
+  options = {};
+  options.leaf.structure = std::nan("");
+  refuses(image, wavelengths, options, "structure must lie within");
   options = {};
   options.ground.assign(wavelengths.size(), 1.5);
   refuses(image, wavelengths, options, "ground must lie in [0, 1], but is 1.5");

@@ -67,6 +67,17 @@ void check(const Image& image, const std::vector<double>& wavelengths,
         number.value == &LeafParameters::thickness)
       refuse(number.parameter.name + " cannot be free");
   }
+  for (const LeafParameterRange& range : leaf_parameter_ranges()) {
+    const auto check_range = [&](double low, double high) {
+      if (!(range.low <= low && high <= range.high))
+        refuse(std::string(range.name) + " must lie within [" + number_text(range.low) + ", " +
+               number_text(range.high) + "], but is within [" + number_text(low) + ", " +
+               number_text(high) + "]");
+    };
+    check_range(options.leaf.*range.value, options.leaf.*range.value);
+    for (const LeafNumber& number : options.numbers)
+      if (number.value == range.value) check_range(number.parameter.low, number.parameter.high);
+  }
   check_parameter(options.illumination);
   check_parameter(options.gloss);
   const auto check_bands = [&](const std::vector<double>& values, const std::string& name,
