@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "acquire_leaf.h"
 #include "acquire_page.h"
 #include "commands.h"
 #include "console.h"
@@ -177,6 +178,26 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
   return json;
 }
 
+/// Each pixel of a leaf on its own.
+void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::path& folder) {
+  if (options.lateral == Lateral::transport || options.resumes)
+    throw InvalidInput("--lateral, --resume: pixels of a leaf are solved each by itself");
+  const LeafMaps leaf = acquire_leaf(capture, make_progress("acquiring", Keeps::nothing));
+  const LeafFiles files = save_leaf(leaf, capture, folder, LAMINA_VERSION);
+  std::vector<std::string> arguments = {"acquire", options.capture, "-o", folder.string()};
+  for (const std::string& setting : options.settings)
+    arguments.insert(arguments.end(), {"--set", setting});
+  const fs::path page = folder / "report.html";
+  write_file(page.string(), leaf_page(leaf, capture, lamina_command_line(arguments)));
+  JsonOutput json = make_result("acquire");
+  add_leaf_json(leaf, capture, files, json);
+  json["report"] = page.string();
+  write_file((folder / result_file).string(), json.text(1) + "\n");
+  write_json(json, options.common);
+  print(options.common,
+        leaf_text(leaf) + fmt::format("{}, {}\n", files.material.string(), page.string()));
+}
+
 void run_acquire(const AcquireOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
@@ -184,6 +205,10 @@ void run_acquire(const AcquireOptions& options) {
   Capture capture = load_capture(options.capture, options.common.memory, options.settings);
   const fs::path folder =
       options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
+  if (capture.leaf) {
+    run_leaf(options, capture, folder);
+    return;
+  }
   const Lateral lateral = lateral_of(options, capture);
   const bool has_table = lateral == Lateral::none && capture.population && capture.lights.empty() &&
                          capture.reflectance.channel_count() == 3;

@@ -107,6 +107,17 @@ TEST(CaptureFile, TakesPatternsOfLight) {
   EXPECT_EQ(capture.lights[1].at(7, 5)[0], 0.0f);
 }
 
+TEST(CaptureFile, ReadsALeafInTheBandsOfItsFile) {
+  const Capture capture = load_capture(captures / "good/leaf.json");
+  ASSERT_TRUE(capture.leaf);
+  EXPECT_EQ(*capture.leaf->ground, 0.1);
+  EXPECT_FALSE(capture.leaf->has_background);
+  ASSERT_EQ(capture.wavelengths.size(), 10U);
+  EXPECT_EQ(capture.wavelengths[5], 680.0);
+  EXPECT_EQ(capture.sensor(5, 5), 1.0);
+  EXPECT_NEAR(static_cast<double>(capture.reflectance.at(0, 0)[8]), 0.45, 1e-4);
+}
+
 TEST(CaptureFile, TakesWhiteFromACard) {
   const Capture capture = load_capture(captures / "good/card.json");
   EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[0]), 0.45, 0.03);

@@ -17,6 +17,12 @@
 
 namespace lamina {
 
+/// A leaf in place of skin.
+struct LeafCapture {
+  std::optional<double> ground;  ///< reflectance behind it; absent: that of the background
+  bool shares_misfit = false, has_background = true;  ///< as LeafPixelOptions have them
+};
+
 /// Photographs of skin, registered and calibrated: what each place reflects in some bands.
 struct Capture {
   std::string name;
@@ -34,6 +40,7 @@ struct Capture {
   Incidence incidence;        ///< of the light
   bool has_specular = false;  ///< whether what the surface mirrors is part of it
   std::optional<double> mm_per_pixel;
+  std::optional<LeafCapture> leaf;           ///< in place of all that follows
   SkinRecipe skin;                           ///< what is not acquired
   std::vector<SkinFitNumber> numbers;        ///< what is
   bool has_stated_numbers = false;           ///< whether the file says which

@@ -245,6 +245,20 @@ void decode_numbers(const JsonObject& object, Capture& capture) {
     if (std::ranges::count(chosen, number.parameter.name) > 0) capture.numbers.push_back(number);
 }
 
+/// A leaf, of which nothing is said that is of skin.
+void decode_leaf(const JsonObject& capture, const JsonInput& value, Capture& result) {
+  for (const char* key : {"skin", "population", "numbers", "gains", "specular"})
+    if (const auto given = capture.optional(key)) given->fail("is of skin, but this is a leaf");
+  const JsonObject object = value.object({"ground", "shares_misfit", "has_background"});
+  LeafCapture leaf;
+  if (const auto ground = object.optional("ground"))
+    leaf.ground = ground->number(closed_interval(0.0, 1.0));
+  if (const auto shared = object.optional("shares_misfit")) leaf.shares_misfit = shared->boolean();
+  if (const auto background = object.optional("has_background"))
+    leaf.has_background = background->boolean();
+  result.leaf = leaf;
+}
+
 }  // namespace
 
 Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
@@ -253,10 +267,11 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
   const JsonObject object = document.root().file_object(
       "capture", 1,
       {"name", "source", "images", "mask", "register", "mask_highlights", "window", "window_edge",
-       "gains", "incidence", "specular", "mm_per_pixel", "skin", "population", "numbers"});
+       "gains", "incidence", "specular", "mm_per_pixel", "skin", "population", "numbers", "leaf"});
   Capture capture;
   if (const auto name = object.optional("name")) capture.name = name->string();
   if (const auto source = object.optional("source")) (void)source->string();
+  if (const auto leaf = object.optional("leaf")) decode_leaf(object, *leaf, capture);
   if (const auto skin = object.optional("skin")) {
     const SkinMaps decoded = decode_skin_maps(*skin);
     if (!decoded.maps.empty() || !decoded.others.empty())

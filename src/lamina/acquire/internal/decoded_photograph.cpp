@@ -17,7 +17,7 @@
 namespace lamina::acquire_detail {
 namespace {
 
-constexpr std::size_t most_channels = 64;
+constexpr std::size_t most_channels = 512;
 constexpr double default_error = 0.005;
 /// Reflectances of skin lie far within; what is beyond has another unit.
 constexpr float lowest_reflectance = -0.05f, highest_reflectance = 4.0f;

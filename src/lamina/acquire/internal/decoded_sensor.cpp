@@ -2,7 +2,9 @@
 #include "lamina/acquire/internal/decoded_sensor.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
+#include <string_view>
 
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/core/number_text.h"
@@ -89,6 +91,23 @@ Light decode_light(const JsonObject& object) {
   return light;
 }
 
+/// Wavelengths as channels are called: "540nm".
+DecodedSensor decode_channels(const JsonInput& value, const std::vector<std::string>& channels) {
+  DecodedSensor sensor{.names = channels};
+  for (const std::string& name : channels) {
+    double nm = 0.0;
+    const char* end = name.data() + name.size();
+    const auto read = std::from_chars(name.data(), end, nm);
+    if (read.ec != std::errc() || std::string_view(read.ptr, end) != "nm" ||
+        !(350.0 <= nm && nm <= 1000.0))
+      value.fail(
+          "takes wavelengths of 350 to 1000 nm from names of channels as 540nm, but one is " +
+          name);
+    sensor.bands.push_back({{nm, 1.0}});
+  }
+  return sensor;
+}
+
 DecodedSensor decode_curves(const JsonObject& object, const std::vector<std::string>& channels) {
   const JsonInput file = object.required("curves");
   const CsvTable table = load_csv(file.file_path(), file.memory());
@@ -119,8 +138,9 @@ DecodedSensor decode_curves(const JsonObject& object, const std::vector<std::str
 
 DecodedSensor decode_sensor(const JsonInput& value, const std::vector<std::string>& channels) {
   if (value.is_string()) {
-    (void)value.choice<int>({{"srgb", 0}});
-    return decode_srgb(value, channels);
+    return value.choice<bool>({{"srgb", true}, {"channels", false}})
+               ? decode_srgb(value, channels)
+               : decode_channels(value, channels);
   }
   if (value.peek("curves"))
     return decode_curves(value.object({"curves", "columns", "illuminant"}), channels);
