@@ -63,7 +63,8 @@ Lateral lateral_of(const AcquireOptions& options, const Capture& capture) {
   return capture.mm_per_pixel && !is_texture ? Lateral::transport : Lateral::none;
 }
 
-/// What light that travels sideways can tell, unless the file says: concentrations.
+/// What light that travels sideways, or a few bands alone, can tell unless the file says:
+/// concentrations.
 void keep_concentrations(Capture& capture) {
   if (capture.has_stated_numbers) return;
   std::erase_if(capture.numbers, [](const SkinFitNumber& number) {
@@ -212,7 +213,7 @@ void run_acquire(const AcquireOptions& options) {
   const Lateral lateral = lateral_of(options, capture);
   const bool has_table = lateral == Lateral::none && capture.population && capture.lights.empty() &&
                          capture.reflectance.channel_count() == 3;
-  if (lateral == Lateral::transport) keep_concentrations(capture);
+  if (lateral == Lateral::transport || !capture.population) keep_concentrations(capture);
   const Progress progress =
       make_progress("acquiring", has_table ? Keeps::nothing : Keeps::what_there_is);
   const double start = seconds();
