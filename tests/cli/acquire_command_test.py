@@ -60,7 +60,7 @@ class Acquire(unittest.TestCase):
                     ((texture, "-o", output + ".exr"), ("folder",)),
                     ((texture, "-o", output, "--lateral", "sideways"), ("--lateral", "transport")),
                     ((texture, "-o", output, "--resume"), ("--resume", "table")),
-                    ((texture, "-o", output, "--set", "population=none", "--set", "numbers=null"), ("3 bands cannot tell 8 numbers",)),
+                    ((texture, "-o", output, "--set", "population=none", "--set", "numbers=null"), ("3 bands cannot tell 5 numbers",)),
                     ((texture, "-o", output, "--set", "mm_per_pixel=null", "--lateral", "transport"), ("mm_per_pixel", "missing")),
                     ((texture, "-o", output, "--lateral", "transport", "--resume"), ("melanin.exr",)),
                     ((texture, "-o", output, "--set", "images[0].white=1e-5"), ("white", "pixel 0, 0")),
