@@ -118,6 +118,17 @@ TEST(CaptureFile, ReadsALeafInTheBandsOfItsFile) {
   EXPECT_NEAR(static_cast<double>(capture.reflectance.at(0, 0)[8]), 0.45, 1e-4);
 }
 
+TEST(CaptureFile, KnowsHowMuchLightFallsOnTiltedSkin) {
+  const auto first = [](std::vector<std::string> settings) {
+    return static_cast<double>(
+        load_capture(captures / "good/bands.json", {}, settings).reflectance.at(8, 6)[0]);
+  };
+  const double flat = first({"incidence=30"});
+  EXPECT_NEAR(first({"incidence=30", "images[0].distance=[400, 200]"}) / flat, 4.0, 1e-5);
+  // Turned by 30 degrees the skin meets the light that came from 30 degrees head on.
+  EXPECT_NEAR(first({"incidence=30", "images[0].tilt=30"}) / flat, std::sqrt(0.75), 1e-5);
+}
+
 TEST(CaptureFile, TakesWhiteFromACard) {
   const Capture capture = load_capture(captures / "good/card.json");
   EXPECT_NEAR(static_cast<double>(capture.reflectance.at(45, 15)[0]), 0.45, 0.03);

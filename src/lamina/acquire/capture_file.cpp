@@ -304,7 +304,7 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
   const JsonInput images = object.required("images");
   std::vector<DecodedPhotograph> decoded;
   for (const JsonInput& each : images.array(1, most_images))
-    decoded.push_back(acquire_detail::decode_photograph(each));
+    decoded.push_back(acquire_detail::decode_photograph(each, capture.incidence));
   Developed developed = join(images, decoded, capture);
   if (const auto given = object.optional("register"); given && given->boolean())
     register_bands(*given, developed, capture);

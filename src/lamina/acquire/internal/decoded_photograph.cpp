@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -221,6 +222,25 @@ void correct_by_chart(const JsonInput& value, const Reading& read,
   }
 }
 
+/// The light on the skin over that on the white: by the square of its distance, and by how much the
+/// skin is tilted towards it.
+double light_over_white(const JsonObject& object, const Incidence& incidence) {
+  double light = 1.0;
+  if (const auto distance = object.optional("distance")) {
+    const std::vector<double> both = distance->numbers(2, closed_interval(1.0, 1e5, "mm"));
+    light *= std::pow(both[1] / both[0], 2);
+  }
+  if (const auto tilt = object.optional("tilt")) {
+    if (incidence.is_diffuse) tilt->fail("needs light from one side: \"incidence\" in degrees");
+    const double turned = incidence.theta - tilt->number(closed_interval(-80.0, 80.0, "deg")) *
+                                                std::numbers::pi / 180.0;
+    if (!(std::abs(turned) < 85.0 * std::numbers::pi / 180.0))
+      tilt->refuse("must leave the light less than 85 degrees from the normal of the skin");
+    light *= std::cos(turned) / std::cos(incidence.theta);
+  }
+  return light;
+}
+
 /// A pattern of light: its first channel, linear.
 Image decode_pattern(const JsonInput& file, const PixelMask& like) {
   const Image image = load_finite(file, ColorEncoding::linear);
@@ -259,10 +279,10 @@ std::vector<Vec2> decode_corners(const JsonInput& value, std::size_t fewest, std
   return corners;
 }
 
-DecodedPhotograph decode_photograph(const JsonInput& value) {
+DecodedPhotograph decode_photograph(const JsonInput& value, const Incidence& incidence) {
   const JsonObject object =
       value.object({"image", "encoding", "channels", "sensor", "error", "white", "dark", "exposure",
-                    "saturated", "parallel", "leak", "chart", "light"});
+                    "saturated", "parallel", "leak", "chart", "light", "distance", "tilt"});
   const JsonInput file = object.required("image");
   const ColorEncoding encoding = object.required("encoding").choice<ColorEncoding>();
   Image whole = load_finite(file, encoding);
@@ -292,11 +312,15 @@ DecodedPhotograph decode_photograph(const JsonInput& value) {
     }
     photograph.notes.emplace_back("diffuse light is that of crossed polarizers, twice");
   }
+  const double light = light_over_white(object, incidence);
+  for (Image* image : {&developed.reflectance, &developed.deviation})
+    for (float& pixel : image->pixels)
+      pixel = static_cast<float>(static_cast<double>(pixel) / light);
   if (const auto chart = object.optional("chart"))
     correct_by_chart(*chart, read, stated, photograph);
-  if (const auto light = object.optional("light")) {
-    photograph.light = decode_pattern(*light, developed.mask);
-    photograph.light_file = light->string();
+  if (const auto pattern = object.optional("light")) {
+    photograph.light = decode_pattern(*pattern, developed.mask);
+    photograph.light_file = pattern->string();
   }
   developed.reflectance.channels = photograph.sensor.names;
   developed.deviation.channels = photograph.sensor.names;

@@ -9,6 +9,7 @@
 #include "lamina/core/vec.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/json_input.h"
+#include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::acquire_detail {
 
@@ -21,7 +22,9 @@ struct DecodedPhotograph {
   std::vector<double> errors;      ///< [band] of the calibration, relative
   std::vector<std::string> notes;  ///< what was done, in sentences
 };
-[[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value);
+/// @param incidence  of the light on the white
+[[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value,
+                                                  const Incidence& incidence);
 
 /// An image without infinities and NaN.
 [[nodiscard]] Image load_finite(const JsonInput& file, ColorEncoding encoding);
