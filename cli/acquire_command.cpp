@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "acquire_leaf.h"
@@ -53,6 +54,7 @@ struct AcquireOptions {
   InversionMethod method = InversionMethod::gauss_newton;
   double most_forwards = InversionOptions{}.most_forwards, model_error = 0.0, robust_limit = 0.0;
   bool resumes = false;
+  std::vector<std::pair<std::string, Option>> of_transport;  ///< those above, by name
 };
 
 /// The method that the options and the capture ask for.
@@ -179,10 +181,17 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
   return json;
 }
 
+/// Nothing that a user asks for is passed over in silence.
+void refuse_options_of_transport(const AcquireOptions& options, const std::string& why) {
+  for (const auto& [name, option] : options.of_transport)
+    if (option.is_given()) throw InvalidInput(name + ": is not read " + why);
+}
+
 /// Each pixel of a leaf on its own.
 void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::path& folder) {
-  if (options.lateral == Lateral::transport || options.resumes)
-    throw InvalidInput("--lateral, --resume: pixels of a leaf are solved each by itself");
+  refuse_options_of_transport(options, "for a leaf, whose pixels are solved each by itself");
+  if (options.lateral == Lateral::transport)
+    throw InvalidInput("--lateral: pixels of a leaf are solved each by itself");
   const LeafMaps leaf = acquire_leaf(capture, make_progress("acquiring", Keeps::nothing));
   const LeafFiles files = save_leaf(leaf, capture, folder, LAMINA_VERSION);
   std::vector<std::string> arguments = {"acquire", options.capture, "-o", folder.string()};
@@ -221,8 +230,7 @@ void run_acquire(const AcquireOptions& options) {
                                    skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
   AcquiredSkin skin;
   if (has_table) {
-    if (options.resumes)
-      throw InvalidInput("--resume: pixels by a table take seconds; leave it out");
+    refuse_options_of_transport(options, "where a table has the fits of all colors");
     skin = acquire_pixels(capture, color_table_of(capture, table, part_of(progress, 0.1, 0.7)),
                           part_of(progress, 0.7, 0.9));
   } else {
@@ -309,6 +317,8 @@ void add_acquire_command(CLI::App& app) {
       .group("Maps with transport");
   command.add_flag("--resume", options->resumes, "go on from the maps in the folder")
       .group("Maps with transport");
+  for (const char* name : {"--method", "--most-forwards", "--model-error", "--robust", "--resume"})
+    options->of_transport.emplace_back(name, command.option(name));
   add_common_options(command, options->common);
   command.footer(
       "docs/acquire.md has the file format; a capture file may be as short as\n"

@@ -8,19 +8,15 @@
 #include "lamina/core/parallel.h"
 
 namespace lamina {
-namespace {
-
-/// The middle of those of a map that are skin.
-double median_over_skin(const Image& map, const std::vector<PixelKind>& kinds) {
-  std::vector<float> values;
+double median_over_skin(std::span<const float> values, const std::vector<PixelKind>& kinds) {
+  std::vector<float> of_skin;
   for (std::size_t i = 0; i < kinds.size(); ++i)
-    if (kinds[i] == PixelKind::skin) values.push_back(map.pixels[i]);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
+    if (kinds[i] == PixelKind::skin) of_skin.push_back(values[i]);
+  if (of_skin.empty()) return 1.0;
+  const auto middle = of_skin.begin() + static_cast<std::ptrdiff_t>(of_skin.size() / 2);
+  std::ranges::nth_element(of_skin, middle);
   return static_cast<double>(*middle);
 }
-
-}  // namespace
 
 SkinColorTable color_table_of(const Capture& capture, const SkinReflectanceTable& table,
                               const Progress& progress) {
@@ -77,7 +73,7 @@ AcquiredSkin acquire_pixels(const Capture& capture, const SkinColorTable& table,
                        " are not used, " + std::to_string(skin.counts[2]) + " no skin");
   for (AcquiredNumber& number : skin.numbers)
     number.prior_share = number.within_share =
-        median_over_skin(number.deviations, skin.kinds) / number.prior_deviation;
+        median_over_skin(number.deviations.pixels, skin.kinds) / number.prior_deviation;
   return skin;
 }
 

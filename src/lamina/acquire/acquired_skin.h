@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lamina/acquire/capture.h"
@@ -63,6 +64,10 @@ struct AcquiredSkin {
 [[nodiscard]] SkinColorTable color_table_of(const Capture& capture,
                                             const SkinReflectanceTable& table,
                                             const Progress& progress = {});
+
+/// The middle of what pixels that are skin have, [y][x]; 1 if there are none.
+[[nodiscard]] double median_over_skin(std::span<const float> values,
+                                      const std::vector<PixelKind>& kinds);
 
 /// Numbers whose error is more than this part of what people differ by come from the prior: the
 /// capture does not tell them.

@@ -47,6 +47,9 @@ void write_json_file(const fs::path& file, const JsonOutput& json) {
 }  // namespace
 
 LeafMaps acquire_leaf(const Capture& capture, const Progress& progress) {
+  if (!capture.lights.empty())
+    throw InvalidInput(
+        "capture: a leaf needs even light, but there is a window or a pattern of it");
   std::vector<double> middles;
   for (std::size_t b = 0; b < capture.sensor.rows; ++b) {
     double middle = 0.0;

@@ -66,17 +66,6 @@ PatchCapture patch_of(const Capture& capture) {
   return patch;
 }
 
-/// The middle over pixels that are used.
-double median_share(const Plane& shares, const std::vector<PixelKind>& kinds) {
-  std::vector<float> values;
-  for (std::size_t i = 0; i < kinds.size(); ++i)
-    if (kinds[i] == PixelKind::skin) values.push_back(shares.values[i]);
-  if (values.empty()) return 1.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return static_cast<double>(*middle);
-}
-
 void require_enough(const Capture& capture, const PatchAcquisitionOptions& options) {
   if (options.has_transport && !capture.mm_per_pixel)
     throw InvalidInput(
@@ -134,7 +123,8 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
                                                                   static_cast<float>(prior)))
                                             : image_of(map.deviation)};
     if (!map.prior_share.values.empty())
-      number.prior_share = number.within_share = median_share(map.prior_share, skin.kinds);
+      number.prior_share = number.within_share =
+          median_over_skin(map.prior_share.values, skin.kinds);
     skin.numbers.push_back(std::move(number));
   }
   skin.predicted = capture.reflectance;

@@ -5,7 +5,8 @@
 
 #include "lamina/acquire/inversion/internal/half_grid.h"
 #include "lamina/acquire/inversion/internal/patch_objective.h"
-#include "lamina/acquire/inversion/internal/small_matrix.h"
+#include "lamina/acquire/inversion/internal/skin_at_texel.h"
+#include "lamina/core/small_matrix.h"
 
 namespace lamina::detail {
 

@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "lamina/acquire/inversion/internal/small_matrix.h"
+#include "lamina/acquire/inversion/internal/skin_at_texel.h"
 #include "lamina/acquire/inversion/inversion_tables.h"
+#include "lamina/core/small_matrix.h"
 
 namespace lamina::detail {
 

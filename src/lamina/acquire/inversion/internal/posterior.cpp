@@ -5,9 +5,10 @@
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/gauss_newton.h"
-#include "lamina/acquire/inversion/internal/small_matrix.h"
+#include "lamina/acquire/inversion/internal/skin_at_texel.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/random.h"
+#include "lamina/core/small_matrix.h"
 
 namespace lamina::detail {
 namespace {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "lamina/core/small_matrix.h"
 #include "lamina/fit/skin/skin_population.h"
 
 namespace lamina::detail {
@@ -13,7 +14,9 @@ inline constexpr std::size_t most_free_numbers = 8;
 inline constexpr std::size_t skin_layer_count = 2;  ///< epidermis, dermis
 
 /// Numbers [number] at a texel.
-using TexelNumbers = std::array<double, most_free_numbers>;
+using TexelNumbers = SmallVector<most_free_numbers>;
+/// A symmetric matrix over them.
+using TexelMatrix = SmallMatrix<most_free_numbers>;
 
 /// Absorption of epidermis and dermis [1/mm], and its derivatives by coordinates of numbers.
 struct LayerAbsorption {

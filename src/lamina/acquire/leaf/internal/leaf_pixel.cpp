@@ -40,38 +40,13 @@ Squares squares_at(const LeafPixelModel& model, std::span<const double> measured
   return result;
 }
 
-/// The lower triangle L of a = L L^T, of the lower triangle of a positive matrix.
-LeafMatrix lower_triangle(LeafMatrix a, std::size_t n) {
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
-    a[j][j] = std::sqrt(a[j][j]);
-    for (std::size_t i = j + 1; i < n; ++i) {
-      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
-      a[i][j] /= a[j][j];
-    }
-  }
-  return a;
-}
-
-LeafCoordinates solved(const LeafMatrix& lower, std::size_t n, LeafCoordinates b) {
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < i; ++k) b[i] -= lower[i][k] * b[k];
-    b[i] /= lower[i][i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = i + 1; k < n; ++k) b[i] -= lower[k][i] * b[k];
-    b[i] /= lower[i][i];
-  }
-  return b;
-}
-
 LeafMatrix inverse_of(const LeafMatrix& curvature, std::size_t n) {
-  const LeafMatrix lower = lower_triangle(curvature, n);
+  const LeafMatrix lower = cholesky(curvature, n);
   LeafMatrix inverse = {};
   for (std::size_t i = 0; i < n; ++i) {
     LeafCoordinates unit = {};
     unit[i] = 1.0;
-    inverse[i] = solved(lower, n, unit);
+    inverse[i] = solve_cholesky(lower, n, unit);
   }
   return inverse;
 }
@@ -167,7 +142,7 @@ LeafFit fit_leaf(const LeafPixelModel& model, std::span<const double> measured,
                            (at[i] >= model.high[i] && here.gradient[i] < 0.0);
       damped[i][i] *= is_held ? 1e12 : 1.0 + damping;
     }
-    const LeafCoordinates move = solved(lower_triangle(damped, n), n, here.gradient);
+    const LeafCoordinates move = solve_cholesky(cholesky(damped, n), n, here.gradient);
     LeafCoordinates next = at;
     double length = 0.0;
     for (std::size_t i = 0; i < n; ++i) {

@@ -8,13 +8,14 @@
 
 #include "lamina/acquire/leaf/internal/leaf_light.h"
 #include "lamina/acquire/leaf/leaf_pixels.h"
+#include "lamina/core/small_matrix.h"
 
 namespace lamina::detail {
 
 /// Free numbers of a pixel: those of the leaf, illumination and gloss.
 inline constexpr std::size_t most_leaf_numbers = 11;
-using LeafCoordinates = std::array<double, most_leaf_numbers>;
-using LeafMatrix = std::array<LeafCoordinates, most_leaf_numbers>;
+using LeafCoordinates = SmallVector<most_leaf_numbers>;
+using LeafMatrix = SmallMatrix<most_leaf_numbers>;
 
 /// All that pixels have alike.
 struct LeafPixelModel {

@@ -6,16 +6,20 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/acquire/inversion/internal/skin_at_texel.h"
+// Symmetric systems of a few unknowns, for work that is done at every pixel; dense_matrix.h has
+// larger ones.
 
-namespace lamina::detail {
+namespace lamina {
 
-/// A symmetric matrix over the numbers of a texel.
-using TexelMatrix = std::array<TexelNumbers, most_free_numbers>;
+template <std::size_t N>
+using SmallVector = std::array<double, N>;
+template <std::size_t N>
+using SmallMatrix = std::array<SmallVector<N>, N>;  ///< [row][column]
 
-/// The lower triangle L of a = L L^T, for the first n numbers of a positive matrix; what rounding
-/// has taken from it counts as a little.
-[[nodiscard]] inline TexelMatrix cholesky(TexelMatrix a, std::size_t n) {
+/// The lower triangle L of a = L L^T, for the first n <= N unknowns of a positive matrix, of which
+/// the lower triangle is read; what rounding has taken from it counts as a little.
+template <std::size_t N>
+[[nodiscard]] SmallMatrix<N> cholesky(SmallMatrix<N> a, std::size_t n) {
   for (std::size_t j = 0; j < n; ++j) {
     const double little = std::max(1e-12 * a[j][j], 1e-30);
     for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
@@ -29,8 +33,9 @@ using TexelMatrix = std::array<TexelNumbers, most_free_numbers>;
 }
 
 /// x of L L^T x = b.
-template <class Lower>
-[[nodiscard]] TexelNumbers solve_cholesky(const Lower& lower, std::size_t n, TexelNumbers b) {
+/// @param lower  L as cholesky gives it, or kept in other numbers: lower[row][column]
+template <class Lower, std::size_t N>
+[[nodiscard]] SmallVector<N> solve_cholesky(const Lower& lower, std::size_t n, SmallVector<N> b) {
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < i; ++k) b[i] -= lower[i][k] * b[k];
     b[i] /= lower[i][i];
@@ -42,4 +47,4 @@ template <class Lower>
   return b;
 }
 
-}  // namespace lamina::detail
+}  // namespace lamina
