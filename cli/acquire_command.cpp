@@ -251,8 +251,8 @@ void run_acquire(const AcquireOptions& options) {
         "stopped before errors were known, which are given as those of the prior; --resume goes "
         "on");
   const double solved = seconds() - start;
-  constexpr int check_size = 320;  // not asked to stop: the best so far is written
-  const AcquisitionCheck check = check_acquisition(capture, skin, table, check_size);
+  // Not asked to stop: the best so far is written.
+  const AcquisitionCheck check = check_acquisition(capture, skin, table);
   add_gain_errors(capture, check, skin);
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);
   const fs::path page = folder / "report.html";

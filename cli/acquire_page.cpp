@@ -86,7 +86,7 @@ std::string scale_html(const std::string& low, const std::string& high) {
 
 /// A map, every so-manieth pixel as those of the check.
 Image thinned(const Image& map, const AcquisitionCheck& check) {
-  const int step = (map.width + check.measured.width - 1) / check.measured.width;
+  const int step = picture_step(map.width, map.height);
   Image thin = make_image(check.measured.width, check.measured.height, {"Y"});
   for (int y = 0; y < thin.height; ++y)
     for (int x = 0; x < thin.width; ++x) thin.at(x, y)[0] = map.at(x * step, y * step)[0];

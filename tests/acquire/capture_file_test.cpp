@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include "io/bad_files.h"
 #include "lamina/acquire/capture.h"
 #include "lamina/core/error.h"
+#include "lamina/image/image_file.h"
 #include "lamina/spectrum/band_color.h"
 #include "lamina/spectrum/srgb.h"
 
@@ -94,6 +96,26 @@ TEST(CaptureFile, DevelopsAPairOfPhotographs) {
   EXPECT_EQ(capture.lights.size(), 1U);
   EXPECT_EQ(capture.notes.size(), 1U);
   for (const double error : capture.errors) EXPECT_GT(error, 0.004);
+  // Deviations are kept where the noise is more than what is stated.
+  EXPECT_TRUE(capture.deviation.pixels.empty());
+  const Capture stated = load_capture(captures / "good/photograph.json", {},
+                                      std::vector<std::string>{"images[0].error=1e-4"});
+  EXPECT_EQ(stated.deviation.pixels.size(), stated.reflectance.pixels.size());
+}
+
+// EXR files hold channels by their names: B before R.
+TEST(CaptureFile, TakesColorsAsSuchInAnyOrder) {
+  const auto file = std::filesystem::temp_directory_path() / "lamina_capture_colors.exr";
+  Image skin = make_image(16, 12, {"R", "G", "B"});
+  for (std::size_t i = 0; i < skin.pixels.size(); ++i)
+    skin.pixels[i] = std::array{0.5f, 0.3f, 0.2f}[i % 3];
+  save_exr(skin, file);
+  const Capture capture = load_capture(captures / "good/texture.json", {},
+                                       std::vector{"images[0].image=\"" + file.string() + "\""});
+  EXPECT_EQ(capture.reflectance.channels, (std::vector<std::string>{"R", "G", "B"}));
+  EXPECT_NEAR(capture.reflectance.at(5, 5)[0], 0.5f, 1e-3f);
+  EXPECT_NEAR(capture.reflectance.at(5, 5)[2], 0.2f, 1e-3f);
+  std::filesystem::remove(file);
 }
 
 TEST(CaptureFile, TakesPatternsOfLight) {

@@ -8,10 +8,18 @@
 #include "lamina/core/parallel.h"
 
 namespace lamina {
+int picture_step(int width, int height) {
+  constexpr int side = 320;
+  return std::max(1, (std::max(width, height) + side - 1) / side);
+}
+
 double median_over_skin(std::span<const float> values, const std::vector<PixelKind>& kinds) {
+  constexpr std::size_t most = 1'000'000;
+  const auto skin = static_cast<std::size_t>(std::ranges::count(kinds, PixelKind::skin));
+  const std::size_t step = skin / most + 1;
   std::vector<float> of_skin;
-  for (std::size_t i = 0; i < kinds.size(); ++i)
-    if (kinds[i] == PixelKind::skin) of_skin.push_back(values[i]);
+  for (std::size_t i = 0, at = 0; i < kinds.size(); ++i)
+    if (kinds[i] == PixelKind::skin && at++ % step == 0) of_skin.push_back(values[i]);
   if (of_skin.empty()) return 1.0;
   const auto middle = of_skin.begin() + static_cast<std::ptrdiff_t>(of_skin.size() / 2);
   std::ranges::nth_element(of_skin, middle);

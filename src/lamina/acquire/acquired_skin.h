@@ -47,11 +47,16 @@ struct InversionCourse {
 struct AcquiredSkin {
   int width = 0, height = 0;
   std::vector<AcquiredNumber> numbers;
-  Image predicted;  ///< what the maps reflect, as the capture's reflectance; empty: not worked out
+  /// What the maps reflect, as the capture's reflectance, at every picture_step-th pixel; NaN
+  /// where, and empty if, not worked out
+  Image predicted;
   std::optional<InversionCourse> inversion;          ///< absent: each pixel by a table
   std::vector<PixelKind> kinds;                      ///< [y][x]
   std::array<std::size_t, pixel_kinds> counts = {};  ///< of each kind
 };
+
+/// Every so-manieth pixel along both sides makes the picture of an image: at most 320 along them.
+[[nodiscard]] int picture_step(int width, int height);
 
 /// Each pixel of a capture of three bands on its own: no light goes from one to the other, as in
 /// textures of albedo.
@@ -65,7 +70,8 @@ struct AcquiredSkin {
                                             const SkinReflectanceTable& table,
                                             const Progress& progress = {});
 
-/// The middle of what pixels that are skin have, [y][x]; 1 if there are none.
+/// The middle of what pixels that are skin have, [y][x]; 1 if there are none. Of many pixels, of a
+/// million of them.
 [[nodiscard]] double median_over_skin(std::span<const float> values,
                                       const std::vector<PixelKind>& kinds);
 

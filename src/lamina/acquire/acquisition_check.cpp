@@ -113,9 +113,8 @@ void vary_calibration(const Capture& capture, const SkinReflectanceTable& table,
 }  // namespace
 
 AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& skin,
-                                   const SkinReflectanceTable& table, int size,
-                                   const Progress& progress) {
-  const int step = std::max(1, (std::max(skin.width, skin.height) + size - 1) / size);
+                                   const SkinReflectanceTable& table, const Progress& progress) {
+  const int step = picture_step(skin.width, skin.height);
   const int width = (skin.width + step - 1) / step, height = (skin.height + step - 1) / step;
   const std::size_t bands = capture.reflectance.channel_count();
   AcquisitionCheck check{.measured = make_image(width, height, capture.reflectance.channels),
@@ -132,13 +131,14 @@ AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& s
         predicted = bands_of(capture, skin, pixel, table);
       else
         predicted.assign(
-            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>(pixel * bands),
-            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>((pixel + 1) * bands));
+            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>(i * bands),
+            skin.predicted.pixels.begin() + static_cast<std::ptrdiff_t>((i + 1) * bands));
+      is_skin[i] = skin.kinds[pixel] == PixelKind::skin && std::isfinite(predicted[0]) ? 1 : 0;
       for (std::size_t b = 0; b < bands; ++b) {
         check.measured.pixels[i * bands + b] = capture.reflectance.pixels[pixel * bands + b];
-        check.predicted.pixels[i * bands + b] = static_cast<float>(predicted[b]);
+        if (std::isfinite(predicted[b]))
+          check.predicted.pixels[i * bands + b] = static_cast<float>(predicted[b]);
       }
-      is_skin[i] = skin.kinds[pixel] == PixelKind::skin ? 1 : 0;
     }
   };
   parallel_for(static_cast<std::size_t>(height), row, progress);

@@ -13,9 +13,9 @@ namespace lamina {
 /// What acquired maps say, held against what was photographed, and how far they hang on the
 /// calibration.
 struct AcquisitionCheck {
-  Image measured;                ///< [y][x][band] every so-manieth pixel of the capture
+  Image measured;                ///< [y][x][band] every picture_step-th pixel of the capture
   Image predicted;               ///< what the maps reflect there
-  std::vector<bool> is_skin;     ///< [y][x] of both
+  std::vector<bool> is_skin;     ///< [y][x] of both, where that is worked out
   std::vector<double> residual;  ///< [band] root of the mean squared relative difference over skin
   /// CIEDE2000 between both over skin, mean and 95th percentile; of bands that are sRGB
   std::optional<double> mean_difference, high_difference;
@@ -26,10 +26,9 @@ struct AcquisitionCheck {
 };
 
 /// @param table  over the wavelengths of the capture
-/// @param size   the longer side of the images of the check
 /// @throws Interrupted if progress asks to stop
 [[nodiscard]] AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& skin,
-                                                 const SkinReflectanceTable& table, int size = 320,
+                                                 const SkinReflectanceTable& table,
                                                  const Progress& progress = {});
 
 /// Adds errors of gains that are not known to the deviations of maps: by how far numbers move with

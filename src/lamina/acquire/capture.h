@@ -27,8 +27,9 @@ struct LeafCapture {
 struct Capture {
   std::string name;
   Image reflectance;  ///< [y][x][band] fractions of what white reflects; channels are bands
-  Image deviation;    ///< standard deviation of each, by noise
-  PixelMask mask;     ///< pixels that are used
+  /// Standard deviation of each, by noise; empty: nowhere more than `errors` say
+  Image deviation;
+  PixelMask mask;              ///< pixels that are used
   std::vector<double> errors;  ///< [band] relative standard deviation, noise and calibration
   /// Of the logarithms of gains that are not known, [band][band]: the same error at all pixels.
   /// Empty: none

@@ -86,8 +86,8 @@ Developed join(const JsonInput& value, std::vector<DecodedPhotograph>& images, C
                 .deviation = make_image(width, height, names),
                 .mask = make_pixel_mask(width, height)};
   first = 0;
-  for (const DecodedPhotograph& each : images) {
-    const Developed& one = each.developed;
+  for (DecodedPhotograph& each : images) {
+    const Developed one = std::move(each.developed);  // which ends here
     if (one.mask.width != width || one.mask.height != height)
       value.fail("must be of one size, but are " + std::to_string(width) + " x " +
                  std::to_string(height) + " and " + std::to_string(one.mask.width) + " x " +
@@ -218,6 +218,19 @@ void set_errors(Capture& capture) {
   }
 }
 
+/// Whether deviations of single numbers say more than the errors of bands.
+bool has_own_deviations(const Capture& capture) {
+  constexpr float rounding = 1e-5f;  // of what was multiplied by gains, exposures and so on
+  const std::size_t bands = capture.reflectance.channel_count();
+  for (std::size_t i = 0; i < capture.deviation.pixels.size(); ++i)
+    if (capture.mask.faults[i / bands] == 0 &&
+        capture.deviation.pixels[i] > (1.0f + rounding) *
+                                          static_cast<float>(capture.errors[i % bands]) *
+                                          std::abs(capture.reflectance.pixels[i]))
+      return true;
+  return false;
+}
+
 Incidence decode_incidence(const JsonInput& value) {
   if (value.is_string())
     return value.choice<Incidence>({{"diffuse", {.is_diffuse = true}}, {"normal", {}}});
@@ -323,6 +336,7 @@ Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
   capture.deviation = std::move(developed.deviation);
   capture.mask = std::move(developed.mask);
   set_errors(capture);
+  if (!has_own_deviations(capture)) capture.deviation = {};
   return capture;
 }
 

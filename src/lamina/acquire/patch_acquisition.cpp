@@ -2,68 +2,102 @@
 #include "lamina/acquire/patch_acquisition.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
+#include "lamina/acquire/capture_patch.h"
 #include "lamina/acquire/inversion/inversion_tables.h"
-#include "lamina/acquire/inversion/patch_tiles.h"
 #include "lamina/core/error.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {
 
-/// Where as much light enters skin as of light from all sides.
-constexpr double angle_of_diffuse_light = 57.0 * std::numbers::pi / 180.0;
-/// Beyond so many pixels along a side captures are solved in tiles.
-constexpr int largest_side_at_once = 768;
-/// Noise of no number is known better, of white.
-constexpr float least_deviation = 1e-5f;
+/// What an inversion may take: captures that would take more are solved in tiles that take this.
+constexpr double bytes_at_once = 0x1p30, bytes_of_tile = 0x1p29;
+/// Enough for the tables of a large capture.
+constexpr std::size_t table_samples = 65536;
 
-Plane plane_of(const Image& image) {
-  return {.width = image.width, .height = image.height, .values = image.pixels};
-}
-Image image_of(const Plane& plane) {
-  return {.width = plane.width, .height = plane.height, .channels = {"Y"}, .pixels = plane.values};
-}
-
-PatchCapture patch_of(const Capture& capture) {
-  const Image& seen = capture.reflectance;
-  PatchCapture patch{
-      .width = seen.width,
-      .height = seen.height,
-      .mm_per_texel = capture.mm_per_pixel.value_or(1.0),
-      .theta = capture.incidence.is_diffuse ? angle_of_diffuse_light : capture.incidence.theta,
-      .wavelengths = capture.wavelengths};
-  for (const Image& light : capture.lights) patch.lights.push_back(plane_of(light));
-  if (patch.lights.empty()) patch.lights.push_back(make_plane(seen.width, seen.height, 1.0f));
-  const double mirrored =
-      capture.has_specular
-          ? SkinReflectanceTable({550.0}, capture.incidence, skin_fit_range(capture.skin.skin))
-                .specular_reflectance()
-          : 0.0;
-  const std::size_t bands = seen.channel_count();
-  for (std::size_t b = 0; b < bands; ++b) {
-    PatchImage image{.reflected = make_plane(seen.width, seen.height),
-                     .deviation = make_plane(seen.width, seen.height),
-                     .light = capture.band_lights.empty() ? 0 : capture.band_lights[b]};
-    const Plane& light = patch.lights[image.light];
-    const auto weights = capture.sensor.row(b);
-    image.sensor.assign(weights.begin(), weights.end());
-    for (std::size_t i = 0; i < image.reflected.values.size(); ++i) {
-      const float value = seen.pixels[i * bands + b];
-      image.reflected.values[i] = value - static_cast<float>(mirrored) * light.values[i];
-      image.deviation.values[i] =
-          capture.mask.faults[i] != 0
-              ? std::numeric_limits<float>::infinity()
-              : std::max({least_deviation, capture.deviation.pixels[i * bands + b],
-                          static_cast<float>(capture.errors[b]) * std::abs(value)});
+/// Wavelengths of all lights that bands see.
+std::size_t count_fields(const Capture& capture) {
+  std::size_t count = 0;
+  for (std::size_t w = 0; w < capture.wavelengths.size(); ++w)
+    for (std::size_t l = 0; l < std::max<std::size_t>(1, capture.lights.size()); ++l) {
+      bool is_seen = false;
+      for (std::size_t b = 0; b < capture.sensor.rows; ++b)
+        is_seen |= capture.sensor(b, w) != 0.0 &&
+                   (capture.band_lights.empty() || capture.band_lights[b] == l);
+      count += is_seen ? 1 : 0;
     }
-    patch.images.push_back(std::move(image));
+  return count;
+}
+
+/// Maps of the size of a capture, of which nothing is found yet.
+AcquiredSkin skin_before(const Capture& capture, const InversionTables& tables) {
+  const int width = capture.reflectance.width, height = capture.reflectance.height;
+  const int step = picture_step(width, height);
+  AcquiredSkin skin{.width = width,
+                    .height = height,
+                    .predicted = make_image((width + step - 1) / step, (height + step - 1) / step,
+                                            capture.reflectance.channels)};
+  std::ranges::fill(skin.predicted.pixels, std::numeric_limits<float>::quiet_NaN());
+  skin.kinds.reserve(capture.mask.faults.size());
+  for (const std::uint8_t faults : capture.mask.faults) {
+    skin.kinds.push_back(faults == 0 ? PixelKind::skin : PixelKind::unused);
+    ++skin.counts[static_cast<std::size_t>(skin.kinds.back())];
   }
-  return patch;
+  for (const SkinFitNumber& number : tables.numbers) {
+    double prior = wide_deviation;
+    if (capture.population) {
+      const auto& names = capture.population->names;
+      const auto at = std::ranges::find(names, number.parameter.name) - names.begin();
+      prior = capture.population->priors[static_cast<std::size_t>(at)].standard_deviation;
+    }
+    skin.numbers.push_back({.number = number,
+                            .prior_deviation = prior,
+                            .values = make_image(width, height, {"Y"}),
+                            .deviations = make_image(width, height, {"Y"})});
+    std::ranges::fill(skin.numbers.back().deviations.pixels, static_cast<float>(prior));
+  }
+  return skin;
+}
+
+void put(const Plane& part, const TexelRectangle& place, Image& image) {
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(part.values.begin() + static_cast<std::ptrdiff_t>(y) * part.width, part.width,
+                image.at(place.x, place.y + y));
+}
+
+/// Puts what was found in a rectangle of a capture in its place.
+void put_found(const Capture& capture, const TexelRectangle& place, const InversionResult& found,
+               AcquiredSkin& skin) {
+  for (std::size_t n = 0; n < found.numbers.size(); ++n) {
+    put(found.numbers[n].value, place, skin.numbers[n].values);
+    if (!found.numbers[n].deviation.values.empty())
+      put(found.numbers[n].deviation, place, skin.numbers[n].deviations);
+  }
+  const int step = picture_step(skin.width, skin.height);
+  const auto first = [&](int at) { return (at + step - 1) / step * step; };
+  for (int y = first(place.y); y < place.y + place.height; y += step)
+    for (int x = first(place.x); x < place.x + place.width; x += step)
+      for (std::size_t b = 0; b < found.residual.size(); ++b) {
+        const auto i =
+            static_cast<std::size_t>(y - place.y) * static_cast<std::size_t>(place.width) +
+            static_cast<std::size_t>(x - place.x);
+        skin.predicted.at(x / step, y / step)[b] =
+            capture.reflectance.at(x, y)[b] - found.residual[b].values[i];
+      }
+}
+
+/// A part of maps to go on from.
+std::vector<Plane> parts_of(const std::vector<Image>& maps, const TexelRectangle& part) {
+  std::vector<Plane> planes;
+  for (const Image& map : maps) {
+    Plane& plane = planes.emplace_back(make_plane(part.width, part.height));
+    for (int y = 0; y < part.height; ++y)
+      std::copy_n(map.at(part.x, part.y + y), part.width,
+                  plane.values.begin() + static_cast<std::ptrdiff_t>(y) * part.width);
+  }
+  return planes;
 }
 
 void require_enough(const Capture& capture, const PatchAcquisitionOptions& options) {
@@ -75,6 +109,10 @@ void require_enough(const Capture& capture, const PatchAcquisitionOptions& optio
     throw InvalidInput("capture: " + std::to_string(bands) + " bands cannot tell " +
                        std::to_string(capture.numbers.size()) +
                        " numbers; give a \"population\", or fewer \"numbers\"");
+  for (const Image& start : options.start)
+    if (start.width != capture.reflectance.width || start.height != capture.reflectance.height ||
+        start.channel_count() != 1)
+      throw InvalidInput("start: must be of the size of the capture, and of one channel");
 }
 
 }  // namespace
@@ -89,53 +127,43 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
                        .totals = options.totals};
   for (const SkinFitNumber& number : capture.numbers)
     model.numbers.push_back(number.parameter.name);
-  const PatchCapture patch = patch_of(capture);
-  const InversionTables tables = make_inversion_tables(patch, model, cache);
+  LargePatch patch = patch_of(capture);
+  if (!options.start.empty())
+    patch.start = [&](const TexelRectangle& part) { return parts_of(options.start, part); };
+  const TexelRectangle all{0, 0, patch.width, patch.height};
+  const std::size_t fields = count_fields(capture);
+  const bool is_large =
+      static_cast<double>(capture.mask.faults.size() * fields) * inversion_bytes_per_texel >
+      bytes_at_once;
+  const InversionTables tables = make_inversion_tables(
+      is_large ? sampled_patch(capture, table_samples) : patch.part(all), model, cache);
   InversionOptions inversion = options.inversion;
   if (!options.has_transport) inversion.method = InversionMethod::per_pixel;
-  for (const Image& start : options.start) inversion.start.push_back(plane_of(start));
-  const bool is_large = std::max(patch.width, patch.height) > largest_side_at_once;
-  const InversionResult result = is_large && options.has_transport
-                                     ? invert_tiles(patch, tables, {}, inversion, progress)
-                                     : invert_patch(patch, tables, inversion, progress);
-
-  AcquiredSkin skin{.width = patch.width, .height = patch.height};
-  skin.kinds.reserve(capture.mask.faults.size());
-  for (const std::uint8_t faults : capture.mask.faults) {
-    skin.kinds.push_back(faults == 0 ? PixelKind::skin : PixelKind::unused);
-    ++skin.counts[static_cast<std::size_t>(skin.kinds.back())];
+  AcquiredSkin skin = skin_before(capture, tables);
+  InversionResult course;
+  if (is_large) {
+    TileOptions tiling;
+    if (!options.has_transport) tiling.halo = 0.0;
+    tiling.side = side_of_tiles(bytes_of_tile, fields, patch.mm_per_texel, tiling.halo);
+    course = invert_tiles(
+        patch, tables, tiling, inversion,
+        [&](const PatchTile& tile, const InversionResult& part) {
+          put_found(capture, tile.kept, part, skin);
+        },
+        progress);
+  } else {
+    if (patch.start) inversion.start = patch.start(all);
+    course = invert_patch(patch.part(all), tables, inversion, progress);
+    put_found(capture, all, course, skin);
   }
-  for (std::size_t n = 0; n < result.numbers.size(); ++n) {
-    const NumberMap& map = result.numbers[n];
-    double prior = wide_deviation;
-    if (capture.population) {
-      const auto& names = capture.population->names;
-      prior =
-          capture.population
-              ->priors[static_cast<std::size_t>(std::ranges::find(names, map.name) - names.begin())]
-              .standard_deviation;
-    }
-    AcquiredNumber number{.number = tables.numbers[n],
-                          .prior_deviation = prior,
-                          .values = image_of(map.value),
-                          .deviations = map.deviation.values.empty()
-                                            ? image_of(make_plane(patch.width, patch.height,
-                                                                  static_cast<float>(prior)))
-                                            : image_of(map.deviation)};
-    if (!map.prior_share.values.empty())
-      number.prior_share = number.within_share =
-          median_over_skin(map.prior_share.values, skin.kinds);
-    skin.numbers.push_back(std::move(number));
-  }
-  skin.predicted = capture.reflectance;
-  const std::size_t bands = patch.images.size();
-  for (std::size_t b = 0; b < bands; ++b)
-    for (std::size_t i = 0; i < skin.kinds.size(); ++i)
-      skin.predicted.pixels[i * bands + b] -= result.residual[b].values[i];
+  for (AcquiredNumber& number : skin.numbers)
+    number.prior_share = number.within_share =
+        std::min(1.0, median_over_skin(number.deviations.pixels, skin.kinds) /
+                          static_cast<double>(static_cast<float>(number.prior_deviation)));
   skin.inversion = {.has_transport = options.has_transport,
-                    .smoothness = result.smoothness,
-                    .history = result.history,
-                    .stop = result.stop};
+                    .smoothness = std::move(course.smoothness),
+                    .history = std::move(course.history),
+                    .stop = course.stop};
   return skin;
 }
 

@@ -19,9 +19,9 @@ struct PatchAcquisitionOptions {
   static constexpr int usual_deviation_samples = 12;
 };
 
-/// All pixels of a capture of any bands together, by invert_patch, large ones by invert_tiles;
-/// without transport each on its own. Light from all sides counts as light from 57 degrees, of
-/// which as much enters.
+/// All pixels of a capture of any bands together, by invert_patch; without transport each on its
+/// own. What would take more than a GiB goes by invert_tiles: history and smoothness are those of
+/// the tile of which most is known.
 ///
 /// @param cache     keeps the tables of the transport; absent: none
 /// @param progress  asked to stop, the best so far is handed over

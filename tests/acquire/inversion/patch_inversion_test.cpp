@@ -215,11 +215,13 @@ TEST(PatchInversion, OfTilesIsThatOfTheWhole) {
   const auto& [patch, tables] = small_patch();
   InversionOptions options{.smoothness = {20.0, 50.0, 50.0}, .most_forwards = 25.0};
   const TileOptions tiling{.side = 16, .halo = 2.5};
-  const std::vector<PatchTile> tiles = patch_tiles(patch.capture, tiling);
+  const std::vector<PatchTile> tiles = patch_tiles(32, 32, patch.capture.mm_per_texel, tiling);
   ASSERT_EQ(tiles.size(), 4u);
   InversionResult placed = invert_patch(patch.capture, tables, options);
   const InversionResult whole = placed;
-  put_tile(patch.capture, tiles[3], invert_tile(patch.capture, tables, tiles[3], options), placed);
+  put_tile(32, 32, tiles[3],
+           invert_tile(part_of(patch.capture, tiles[3].inverted), tables, tiles[3], options),
+           placed);
   for (const std::size_t n : {0u, 2u}) {
     const MapError error = map_error(
         patch.capture,
@@ -232,13 +234,28 @@ TEST(PatchInversion, OfTilesIsThatOfTheWhole) {
   const InversionResult tiled = invert_tiles(patch.capture, tables, tiling, options);
   ASSERT_EQ(tiled.numbers[0].value.width, 32);
   EXPECT_GT(error_of(patch, tiled.numbers[0], 0).correlation, 0.6);
+  // Asked to stop, tiles that are left have what they were to go on from.
+  for (const NumberMap& map : whole.numbers) options.start.push_back(map.value);
+  const InversionResult stopped =
+      invert_tiles(patch.capture, tables, tiling, options, [](double) { return false; });
+  EXPECT_EQ(stopped.stop, InversionStop::interrupted);
+  for (std::size_t n = 0; n < 3; ++n)
+    for (const std::size_t t : {31u, 32u * 31u, 32u * 32u - 1u})
+      EXPECT_NEAR(stopped.numbers[n].value.values[t] / options.start[n].values[t], 1.0f, 1e-5f);
+  EXPECT_TRUE(stopped.numbers[0].deviation.values.empty());
+  options.start.clear();
+  // Tiles are as large as memory allows, but not so small that halos are most of them.
+  EXPECT_NEAR(std::pow(side_of_tiles(1e9, 6, 0.1, 2.5) + 50.0, 2) * 6.0 * inversion_bytes_per_texel,
+              1e9, 1e7);
+  EXPECT_EQ(side_of_tiles(1e6, 31, 0.02, 2.5), 64);
   // A tile of which nothing is known.
   PatchCapture dark = patch.capture;
   for (Plane& light : dark.lights) std::ranges::fill(light.values, 0.0f);
   const PatchTile tile{{0, 0, 8, 4}, {0, 0, 16, 16}};
-  const InversionResult nothing = invert_tile(dark, tables, tile, options);
+  const InversionResult nothing = invert_tile(part_of(dark, tile.inverted), tables, tile, options);
   EXPECT_EQ(nothing.numbers[1].value.height, 4);
-  EXPECT_THROW((void)patch_tiles(patch.capture, {.side = 0}), InvalidInput);
+  EXPECT_TRUE(nothing.residual.empty());
+  EXPECT_THROW((void)patch_tiles(32, 32, 0.1, {.side = 0}), InvalidInput);
 }
 
 TEST(PatchInversion, ComesToTheSameByGradientsAlone) {
@@ -299,6 +316,15 @@ TEST(PatchInversion, SaysWhatIsWrongWithACapture) {
             "image 2 at texel (3, 0): reflected light must be finite, and >= 0 but for noise, but "
             "is -0.5");
   EXPECT_EQ(message([](PatchCapture& c) { c.images[2].reflected.values[3] = -0.001f; }), "");
+  PatchCapture part = part_of(patch.capture, {8, 4, 5, 5});
+  EXPECT_EQ(check_part(part, 8, 4), 75u);
+  part.lights[0].values[7] = -1.0f;
+  try {
+    (void)check_part(part, 8, 4);
+    ADD_FAILURE();
+  } catch (const InvalidInput& error) {
+    EXPECT_STREQ(error.what(), "light 0 at texel (10, 5): must be finite and >= 0, but is -1");
+  }
   EXPECT_EQ(message([](PatchCapture& c) {
               for (PatchImage& image : c.images) std::ranges::fill(image.deviation.values, unknown);
             }),

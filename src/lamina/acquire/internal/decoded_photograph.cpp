@@ -34,6 +34,9 @@ std::vector<std::string> channels_to_read(const JsonObject& object, const Image&
   }
   for (const std::string& name : image.channels)
     if (name != "A") names.push_back(name);
+  std::vector<std::string> colors = names;  // which EXR files hold by their names
+  std::ranges::sort(colors);
+  if (colors == std::vector<std::string>{"B", "G", "R"}) names = {"R", "G", "B"};
   return names;
 }
 

@@ -33,9 +33,20 @@ struct PatchCapture {
   std::vector<PatchImage> images;
 };
 
+/// Texels from (x, y) on.
+struct TexelRectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 /// @throws InvalidInput naming image, texel, the rule that is broken and the value given: planes of
 ///         other sizes, numbers that are not finite where texels are known, reflected light far
 ///         below 0, weights that do not sum to 1, no texel that is lit and known.
 void check_capture(const PatchCapture& capture);
+
+/// The same for a part of a larger capture, which may have no texel that is lit and known.
+///
+/// @param left,top  where the part lies in the larger one, for messages
+/// @return          how many texels of all images are lit and known
+std::size_t check_part(const PatchCapture& part, int left, int top);
 
 }  // namespace lamina
