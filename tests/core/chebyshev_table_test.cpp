@@ -41,6 +41,27 @@ TEST(ChebyshevTable, IsExactForPolynomialsOfItsDegrees) {
   }
 }
 
+// T_n(cos a) = cos(n a), of each degree that registers of any width may leave over.
+TEST(ChebyshevTable, IsExactForHighDegrees) {
+  for (int degree = 3; degree < ChebyshevTable::most_points; ++degree) {
+    const auto angle = [](double x) { return std::acos(0.5 * (x - 1.0)); };
+    const ChebyshevTable table = table_of({degree + 1, 2, 3}, [&](double x, double y, double z) {
+      return std::cos(degree * angle(x)) * (y - z * z);
+    });
+    for (const Point& at : {Point{-0.9, 0.5, 2.0}, Point{0.3, 1.7, 2.2}, Point{2.8, 2.0, 2.5}}) {
+      const auto [x, y, z] = at;
+      const double wave = std::cos(degree * angle(x));
+      const double slope = 0.5 * degree * std::sin(degree * angle(x)) / std::sin(angle(x));
+      Point by;
+      EXPECT_NEAR(table.at(at), wave * (y - z * z), 1e-11);
+      EXPECT_NEAR(table.at(at, &by), wave * (y - z * z), 1e-11);
+      EXPECT_NEAR(by[0], slope * (y - z * z), 1e-9);
+      EXPECT_NEAR(by[1], wave, 1e-11);
+      EXPECT_NEAR(by[2], -2.0 * z * wave, 1e-10);
+    }
+  }
+}
+
 TEST(ChebyshevTable, StaysAtTheEdgeOfItsBox) {
   const ChebyshevTable table = table_of({4, 3, 3}, polynomial);
   Point by;

@@ -18,8 +18,12 @@ double median_over_skin(std::span<const float> values, const std::vector<PixelKi
   const auto skin = static_cast<std::size_t>(std::ranges::count(kinds, PixelKind::skin));
   const std::size_t step = skin / most + 1;
   std::vector<float> of_skin;
-  for (std::size_t i = 0, at = 0; i < kinds.size(); ++i)
-    if (kinds[i] == PixelKind::skin && at++ % step == 0) of_skin.push_back(values[i]);
+  std::size_t left_out = step - 1;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] != PixelKind::skin || ++left_out < step) continue;
+    of_skin.push_back(values[i]);
+    left_out = 0;
+  }
   if (of_skin.empty()) return 1.0;
   const auto middle = of_skin.begin() + static_cast<std::ptrdiff_t>(of_skin.size() / 2);
   std::ranges::nth_element(of_skin, middle);

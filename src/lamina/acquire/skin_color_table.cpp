@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lamina/acquire/bands/band_choice.h"
+#include "lamina/acquire/internal/node_blend.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
@@ -146,6 +147,27 @@ std::vector<float> halved_steps(std::vector<float> values,
   return values;
 }
 
+/// What nodes have of a value: its coordinate, turned about for shares, whose value then takes the
+/// exponential of this, too.
+double exponent(const FitParameter& parameter, double value) {
+  const double coordinate = fit_coordinate(parameter, value);
+  return parameter.scale == FitScale::logit ? -coordinate : coordinate;
+}
+
+/// The value of an exponent: fit_value, of what is known already.
+float value_of(const FitParameter& parameter, float exponent, float exponential) {
+  const auto low = static_cast<float>(parameter.low), high = static_cast<float>(parameter.high);
+  switch (parameter.scale) {
+    case FitScale::logarithmic:
+      return std::clamp(exponential - static_cast<float>(parameter.offset), low, high);
+    case FitScale::logit:
+      return low + (high - low) / (1.0f + exponential);
+    case FitScale::linear:
+      break;
+  }
+  return exponent;
+}
+
 void check(const SkinReflectanceTable& table, const ColorMeasurement& measurement,
            const std::vector<SkinFitNumber>& numbers, int fits) {
   if (fits < 4 || fits > 33)
@@ -173,7 +195,6 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
                                int fits, const Progress& progress)
     : numbers_(std::move(numbers)) {
   check(table, measurement, numbers_, fits);
-  channels_ = 2 * numbers_.size() + 1;
   const std::vector<LogColor> curve = colors_over_melanin(table, measurement, skin, population);
   const ColorSpread spread = spread_of_people(table, measurement, curve, population);
   const double low = brightness_of(curve.front()), high = brightness_of(curve.back());
@@ -201,7 +222,11 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
                           .standard_deviation);
   }
   const auto n = static_cast<std::size_t>(fits), along = 2 * n - 1;  // of brightness
-  std::vector<std::vector<float>> found(channels_, std::vector<float>(n * n * along));
+  std::vector<std::vector<float>> found(channels);                   // empty: of no number
+  const auto deviations_from = static_cast<std::size_t>(ColorFit::most_numbers);
+  for (std::size_t p = 0; p < numbers_.size(); ++p)
+    for (const std::size_t channel : {p, deviations_from + p}) found[channel].resize(n * n * along);
+  found.back().resize(n * n * along);
   const auto fit_at = [&](std::size_t i) {
     const auto place_of = [&](std::size_t node) {
       return half_box * (2.0 * static_cast<double>(node) / static_cast<double>(n - 1) - 1.0);
@@ -225,8 +250,8 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
     const FitResult fit = fit_skin(table, seen, skin, numbers_, &population, fit_options).fit;
     for (std::size_t p = 0; p < numbers_.size(); ++p) {
       const FittedParameter& number = fit.parameters[p];
-      found[p][i] = static_cast<float>(fit_coordinate(numbers_[p].parameter, number.value));
-      found[numbers_.size() + p][i] = static_cast<float>(std::log(
+      found[p][i] = static_cast<float>(exponent(numbers_[p].parameter, number.value));
+      found[deviations_from + p][i] = static_cast<float>(std::log(
           number.is_at_bound ? priors_[p] : std::min(priors_[p], number.standard_deviation)));
     }
     found.back()[i] = static_cast<float>(std::sqrt(fit.chi_squared + fit.prior_squares));
@@ -234,10 +259,11 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
   parallel_for(n * n * along, fit_at, progress);
 
   nodes_ = {2 * n - 1, 2 * n - 1, 2 * along - 1};
-  values_.resize(nodes_[0] * nodes_[1] * nodes_[2] * channels_);
-  for (std::size_t channel = 0; channel < channels_; ++channel) {
+  values_.resize(nodes_[0] * nodes_[1] * nodes_[2] * channels);
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    if (found[channel].empty()) continue;
     const std::vector<float> fine = halved_steps(std::move(found[channel]), {n, n, along});
-    for (std::size_t i = 0; i < fine.size(); ++i) values_[i * channels_ + channel] = fine[i];
+    for (std::size_t i = 0; i < fine.size(); ++i) values_[i * channels + channel] = fine[i];
   }
 }
 
@@ -263,6 +289,7 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
   constexpr auto half = static_cast<float>(half_box);
   const std::array<float, 3> low = {-half, -half, low_}, high = {half, half, high_};
   const std::array<float, 3> deviation = {1.0f, 1.0f, brightness_deviation_};
+  static_assert(channels == acquire_detail::node_numbers + 1);
   std::array<std::size_t, 3> node;
   std::array<float, 3> between;
   float beyond = 0.0f;  // the box, squared
@@ -274,7 +301,9 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
     node[a] = std::min(static_cast<std::size_t>(step), nodes_[a] - 2);
     between[a] = step - static_cast<float>(node[a]);
   }
-  std::array<float, most_channels> sum = {};
+  std::array<const float*, 8> nodes;
+  std::array<float, 8> weights;
+  float within = 0.0f;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     std::size_t i = 0;
     float weight = 1.0f;
@@ -283,17 +312,18 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
       i = i * nodes_[a] + node[a] + up;
       weight *= up ? between[a] : 1.0f - between[a];
     }
-    const float* from = values_.data() + i * channels_;
-    for (std::size_t c = 0; c < channels_; ++c) sum[c] += weight * from[c];
+    nodes[corner] = values_.data() + i * channels;
+    weights[corner] = weight;
+    within += weight * nodes[corner][channels - 1];
   }
+  acquire_detail::NodeBlend blend;
+  acquire_detail::blend_nodes(nodes, weights, blend);
   ColorFit fit;
-  const std::size_t count = numbers_.size();
-  for (std::size_t p = 0; p < count; ++p) {
-    fit.values[p] =
-        static_cast<float>(fit_value(numbers_[p].parameter, static_cast<double>(sum[p])));
-    fit.deviations[p] = std::exp(sum[count + p]);
+  for (std::size_t p = 0; p < numbers_.size(); ++p) {
+    fit.values[p] = value_of(numbers_[p].parameter, blend.sums[p], blend.exponentials[p]);
+    fit.deviations[p] = blend.exponentials[ColorFit::most_numbers + p];
   }
-  const float within = std::max(sum[2 * count], 0.0f);
+  within = std::max(within, 0.0f);
   fit.distance = std::sqrt(within * within + beyond);
   return fit;
 }

@@ -33,7 +33,7 @@ struct ColorFit {
 /// Fits on a grid: along brightness, from more melanin than people have to none, and across it,
 /// along the axes in which people of equal brightness differ; brought to half its step by cubics
 /// and interpolated linearly. For people of the population values differ from those of fits by a
-/// thirtieth of their error bar in the median; one color costs .15 µs, the table 3 CPU-s.
+/// fiftieth of their error bar in the median; one color costs .1 µs, the table 2.2 CPU-s.
 class SkinColorTable {
  public:
   static constexpr int usual_fits = 13;
@@ -57,7 +57,8 @@ class SkinColorTable {
   [[nodiscard]] ColorFit at(const std::array<float, 3>& color) const;
 
  private:
-  static constexpr std::size_t most_channels = 2 * ColorFit::most_numbers + 1;
+  /// Of a node: exponents of the numbers, logarithms of deviations, and the distance.
+  static constexpr std::size_t channels = 2 * ColorFit::most_numbers + 1;
 
   /// Two places across and the brightness.
   [[nodiscard]] std::array<float, 3> place(const std::array<float, 3>& color) const;
@@ -69,8 +70,7 @@ class SkinColorTable {
   float brightness_deviation_ = 0.0f, mean_brightness_ = 0.0f;
   std::array<std::array<float, 3>, 2> axes_ = {};  ///< [axis][channel], to standard deviations
   std::array<std::size_t, 3> nodes_ = {};          ///< along axes and brightness
-  std::size_t channels_ = 0;   ///< coordinates, logarithms of deviations, distance
-  std::vector<float> values_;  ///< [3rd][2nd][1st axis][channel]
+  std::vector<float> values_;                      ///< [3rd][2nd][1st axis][channel]
 };
 
 /// Colors beyond this distance are no skin: of 4392 spectra of nine body areas [Xiao2016] 99.9 %

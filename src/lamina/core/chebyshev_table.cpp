@@ -6,10 +6,13 @@
 #include <numbers>
 #include <utility>
 
+#include "lamina/core/internal/row_sums.h"
+
 namespace lamina {
 namespace {
 
 constexpr double narrowest = 1e-6;  // half a width, so that nothing is divided by none
+static_assert(ChebyshevTable::most_points % detail::summed_columns == 0);
 
 double chebyshev_point(int i, int count) { return std::cos(std::numbers::pi * (i + 0.5) / count); }
 
@@ -71,6 +74,7 @@ ChebyshevTable::ChebyshevTable(const Box& box, const Counts& counts, std::vector
     box_.high[d] = std::max(box.high[d], middle + narrowest);
     coefficients_ = times_along(d, transform(counts[d]), coefficients_, counts_);
   }
+  coefficients_.resize(coefficients_.size() + detail::summed_columns);
 }
 
 double ChebyshevTable::at(const Point& point, Point* derivatives) const {
@@ -83,34 +87,41 @@ double ChebyshevTable::at(const Point& point, Point* derivatives) const {
     chebyshev(std::clamp(x, -1.0, 1.0), counts_[d], value[d].data(),
               derivatives ? slope[d].data() : nullptr);
   }
+  const auto size = [&](std::size_t d) { return static_cast<std::size_t>(counts_[d]); };
+  const std::size_t rows = size(1) * size(2);
+  constexpr std::size_t most_rows = std::size_t{most_points} * most_points;
   double sum = 0.0;
   Point by = {};
-  const double* c = coefficients_.data();
-  for (int k = 0; k < counts_[2]; ++k) {
-    double plane = 0.0, plane_by_0 = 0.0, plane_by_1 = 0.0;
-    for (int j = 0; j < counts_[1]; ++j, c += counts_[0]) {
-      double row = 0.0, row_by_0 = 0.0;
-      for (int i = 0; i < counts_[0]; ++i) row += c[i] * value[0][i];
-      if (derivatives)
-        for (int i = 0; i < counts_[0]; ++i) row_by_0 += c[i] * slope[0][i];
-      plane += row * value[1][j];
-      if (!derivatives) continue;
-      plane_by_0 += row_by_0 * value[1][j];
-      plane_by_1 += row * slope[1][j];
-    }
-    sum += plane * value[2][k];
-    if (!derivatives) continue;
-    by[0] += plane_by_0 * value[2][k];
-    by[1] += plane_by_1 * value[2][k];
-    by[2] += plane * slope[2][k];
+  if (!derivatives) {
+    std::array<double, most_rows> weights;
+    for (std::size_t k = 0, r = 0; k < size(2); ++k)
+      for (std::size_t j = 0; j < size(1); ++j) weights[r++] = value[1][j] * value[2][k];
+    std::array<double, most_points> sums;
+    detail::sum_rows(coefficients_.data(), rows, size(0), weights.data(), sums.data());
+    for (std::size_t i = 0; i < size(0); ++i) sum += sums[i] * value[0][i];
+    return sum;
   }
-  if (derivatives)
-    for (std::size_t d = 0; d < dimensions; ++d) (*derivatives)[d] = by[d] / width[d] * inside[d];
+  std::array<Point, most_rows> weights;  // for the value and slopes along the other variables
+  for (std::size_t k = 0, r = 0; k < size(2); ++k)
+    for (std::size_t j = 0; j < size(1); ++j)
+      weights[r++] = {value[1][j] * value[2][k], slope[1][j] * value[2][k],
+                      value[1][j] * slope[2][k]};
+  std::array<std::array<double, most_points>, 3> sums;
+  detail::sum_rows_by_three(coefficients_.data(), rows, size(0), weights[0].data(), sums[0].data(),
+                            most_points);
+  for (std::size_t i = 0; i < size(0); ++i) {
+    sum += sums[0][i] * value[0][i];
+    by[0] += sums[0][i] * slope[0][i];
+    by[1] += sums[1][i] * value[0][i];
+    by[2] += sums[2][i] * value[0][i];
+  }
+  for (std::size_t d = 0; d < dimensions; ++d) (*derivatives)[d] = by[d] / width[d] * inside[d];
   return sum;
 }
 
 ChebyshevTable ChebyshevTable::over(const Box& box, const Counts& counts) const {
-  std::vector<double> values = coefficients_;
+  std::vector<double> values(coefficients_.begin(),
+                             coefficients_.end() - std::ptrdiff_t{detail::summed_columns});
   Counts size = counts_;
   for (std::size_t d = 0; d < dimensions; ++d) {
     std::vector<double> matrix;  // [point][order]

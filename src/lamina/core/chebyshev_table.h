@@ -45,7 +45,7 @@ class ChebyshevTable {
  private:
   Box box_;
   Counts counts_ = {};
-  std::vector<double> coefficients_;  ///< [3rd][2nd][1st order]
+  std::vector<double> coefficients_;  ///< [3rd][2nd][1st order], and some of 0 behind them
 };
 
 }  // namespace lamina
