@@ -222,7 +222,7 @@ void run_acquire(const AcquireOptions& options) {
   const Lateral lateral = lateral_of(options, capture);
   const bool has_table = lateral == Lateral::none && capture.population && capture.lights.empty() &&
                          capture.reflectance.channel_count() == 3;
-  if (lateral == Lateral::transport || !capture.population) keep_concentrations(capture);
+  if (!has_table) keep_concentrations(capture);
   const Progress progress =
       make_progress("acquiring", has_table ? Keeps::nothing : Keeps::what_there_is);
   const double start = seconds();
