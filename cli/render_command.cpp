@@ -34,7 +34,7 @@ struct RenderCommandOptions {
   std::string scene, output, method, profile, cache, single_scattering;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
-  bool needs_cache = false, resumes = false, denoises = false;
+  bool needs_cache = false, resumes = false, denoises = false, corrects = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -87,6 +87,10 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
     scene.places["render.single_scattering"] = "--single-scattering";
     scene.render.single_scattering =
         *find_enum_value<RenderSettings::SingleScattering>(options.single_scattering);
+  }
+  if (options.corrects) {
+    scene.places["render.correct"] = "--correct";
+    scene.render.is_corrected = true;
   }
   if (!options.profile.empty()) {
     scene.places["render.profile"] = "--profile";
@@ -189,6 +193,12 @@ void run_render(const RenderCommandOptions& options) {
                     light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
                                                100.0 * *light.change)
                                  : "");
+  for (const LightCorrection& correction : s.corrections)
+    sampled += fmt::format(
+        "{}: light corrected by {:.2g} million random walks, {:.2g} % of it; about {:.2g} % of "
+        "error left\n",
+        scene.materials[correction.material].name, 1e-6 * static_cast<double>(correction.walks),
+        100.0 * correction.change, 100.0 * correction.error_left);
   scene.render.method = s.method;  // where it was left open
   std::string skins;
   for (const SkinTotals& totals : skin_totals(scene))
@@ -211,6 +221,11 @@ void run_render(const RenderCommandOptions& options) {
     entry["count"] = light.count;
     if (light.change) entry["change"] = *light.change;
   }
+  for (const LightCorrection& correction : s.corrections)
+    json["corrections"].push_back({{"material", scene.materials[correction.material].name},
+                                   {"walks", correction.walks},
+                                   {"change", correction.change},
+                                   {"error_left", correction.error_left}});
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
@@ -291,6 +306,9 @@ void add_render_command(CLI::App& app) {
           "adds light scattered once below the surface: straight (to the light) or refracted "
           "(by Snell's law)")
       .one_of(names_as_text<RenderSettings::SingleScattering>());
+  command.add_flag("--correct", options->corrects,
+                   "corrects the light of hierarchy and texture_space, which take the surface as "
+                   "flat, by random walks");
   command
       .add_option("--cache", options->cache,
                   "keeps the light that hierarchy samples, or that leaves at the texels of "

@@ -106,6 +106,7 @@ const std::vector<Sample>& render_samples() {
       {"profile", "", R"("profile": "dipole")"},
       {"single_scattering", "", R"("single_scattering": "straight")"},
       {"exit_angle", "", R"("exit_angle": "printed")"},
+      {"correct", "", R"("correct": true)"},
       {"orders", "", R"("orders": "first")"},
       {"factors", "", R"("factors": ["phase"])"},
       {"samples_per_pixel", "", R"("samples_per_pixel": 6)"},

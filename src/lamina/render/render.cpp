@@ -160,6 +160,7 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
   const bool is_prepared = prepare(methods, preparation);
   statistics.light_samples = report.light_samples;
+  statistics.corrections = report.corrections;
   statistics.warnings = report.warnings;
   if (!is_prepared) return false;
 

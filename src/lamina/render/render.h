@@ -17,15 +17,16 @@ struct RenderStatistics {
   std::string why_method;             ///< a phrase, if the scene left it open; else empty
   double expected_cpu_seconds = 0.0;  ///< as it seemed before the work
   double wall_seconds = 0.0;
-  double cpu_seconds = 0.0;                 ///< of all threads of the process while rendering
-  double samples_per_pixel = 0.0;           ///< mean; fewer than asked for after an early stop
-  std::optional<double> relative_noise;     ///< see image/compare.h, of the pixels that show
-                                            ///< nothing but translucent surfaces, or, where there
-                                            ///< are none, nothing but surfaces
-  double peak_memory_mib = 0.0;             ///< of the process so far
-  bool is_complete = true;                  ///< false if progress asked to stop
-  std::vector<LightSamples> light_samples;  ///< of method `hierarchy`
-  std::vector<std::string> warnings;        ///< one line each: texture coordinates that overlap
+  double cpu_seconds = 0.0;                  ///< of all threads of the process while rendering
+  double samples_per_pixel = 0.0;            ///< mean; fewer than asked for after an early stop
+  std::optional<double> relative_noise;      ///< see image/compare.h, of the pixels that show
+                                             ///< nothing but translucent surfaces, or, where there
+                                             ///< are none, nothing but surfaces
+  double peak_memory_mib = 0.0;              ///< of the process so far
+  bool is_complete = true;                   ///< false if progress asked to stop
+  std::vector<LightSamples> light_samples;   ///< of method `hierarchy`
+  std::vector<LightCorrection> corrections;  ///< where RenderSettings::is_corrected
+  std::vector<std::string> warnings;         ///< one line each: texture coordinates that overlap
 };
 
 struct RenderResult {

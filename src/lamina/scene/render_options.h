@@ -49,4 +49,12 @@ struct LightSamples {
                                  ///< square over that of the light. Absent without refinement
 };
 
+/// How random walks corrected the light of a planar method on a material.
+struct LightCorrection {
+  std::uint32_t material = 0;  ///< index into those of the scene
+  std::size_t walks = 0;
+  double change = 0.0;      ///< of the light that leaves: root mean square over that of the light
+  double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of the walks tell
+};
+
 }  // namespace lamina

@@ -261,6 +261,7 @@ struct RenderSettings {
     printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
   };
   ExitAngle exit_angle = ExitAngle::conserving;
+  bool is_corrected = false;  ///< of a planar method: by random walks
   int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
   /// Standard error over brightness below which a part of the picture gets no more samples; what is
   /// darker than a quarter of the mean counts as that bright. 0: all get the same.

@@ -85,7 +85,8 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .keeps_light = true,
       .honours = {"color", "color_use", "thickness", "subsurface.skin.dermis_thickness",
                   "subsurface.ground", "subsurface.layers", "profile", "exit_angle",
-                  "single_scattering", "single_scattering_weight", "single_scattering_blur"},
+                  "single_scattering", "single_scattering_weight", "single_scattering_blur",
+                  "correct"},
       .numbers = hierarchy_numbers},
      {.name = "shadow_map",
       .how = "draws the point of entry in what lights see of the surface, a fast preview",
@@ -104,7 +105,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .needs = "texture coordinates",
       .page = "heterogeneous_skin.md",
       .keeps_light = true,
-      .honours = {"subsurface.maps", "subsurface.layers", "exit_angle"},
+      .honours = {"subsurface.maps", "subsurface.layers", "exit_angle", "correct"},
       .numbers = texture_space_numbers},
      {.name = "random_walk",
       .how = "follows light inside closed meshes, homogeneous or in layers by depth, under smooth "

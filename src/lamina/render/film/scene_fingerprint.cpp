@@ -249,8 +249,9 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(scene.film.width);
   hash.add(scene.film.height);
   add_shared(hash, scene.render, options);
-  const auto& [method, orders, factors, single_scattering, profile, exit_angle, samples_per_pixel,
-               noise, max_bounces, seed, hierarchy, texture_space, shadow_map] = scene.render;
+  const auto& [method, orders, factors, single_scattering, profile, exit_angle, is_corrected,
+               samples_per_pixel, noise, max_bounces, seed, hierarchy, texture_space, shadow_map] =
+      scene.render;
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
   (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);
@@ -258,6 +259,7 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
     hash.add(factor);
   hash.add(single_scattering);
   hash.add(exit_angle);
+  hash.add(is_corrected);
   hash.add(samples_per_pixel);
   hash.add(noise);
   add_numbers(hash, scene.render);

@@ -17,6 +17,7 @@ namespace lamina {
 /// What methods have to say about their preparation.
 struct PreparationReport {
   std::vector<LightSamples> light_samples;
+  std::vector<LightCorrection> corrections;
   std::vector<std::string> warnings;  ///< one line each
 };
 

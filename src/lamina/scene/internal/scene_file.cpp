@@ -156,7 +156,7 @@ RenderSettings decode_render_settings(const JsonInput& value,
                                       const std::vector<SceneMethod>& methods) {
   std::vector<std::string_view> keys = {
       "method", "profile",     "orders", "factors",   "single_scattering", "samples_per_pixel",
-      "noise",  "max_bounces", "seed",   "exit_angle"};
+      "noise",  "max_bounces", "seed",   "exit_angle", "correct"};
   for (const SceneMethod method : methods)
     if (!method->numbers.empty()) keys.push_back(method.name());
   const JsonObject object = value.object(keys);
@@ -178,6 +178,7 @@ RenderSettings decode_render_settings(const JsonInput& value,
     settings.profile = profile->choice<RenderSettings::Profile>();
   if (const auto exit = object.optional("exit_angle"))
     settings.exit_angle = exit->choice<RenderSettings::ExitAngle>();
+  if (const auto correct = object.optional("correct")) settings.is_corrected = correct->boolean();
   if (const auto samples = object.optional("samples_per_pixel"))
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto noise = object.optional("noise"))

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lamina/core/float_pi.h"
+#include "lamina/render/geometry/hemisphere.h"
 
 namespace lamina {
 namespace {
@@ -41,20 +42,6 @@ float pdf_both_sides(float beyond_chance, const Vec3f& wi) {
 }
 
 }  // namespace
-
-Vec3f sample_cosine_hemisphere(Vec2f u) {
-  // Concentric map of the square to the disc: it keeps the strata of the samples compact.
-  const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
-  float r = 0.0f, phi = 0.0f;
-  if (std::abs(a) > std::abs(b)) {
-    r = a;
-    phi = 0.25f * float_pi * (b / a);
-  } else if (b != 0.0f) {
-    r = b;
-    phi = 0.5f * float_pi - 0.25f * float_pi * (a / b);
-  }
-  return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - r * r))};
-}
 
 Vec3f make_visible(const Vec3f& n, const Vec3f& wo) {
   constexpr float least = 0.02f;

@@ -145,7 +145,4 @@ template <int N>
 [[nodiscard]] bool leaves_by_its_side(const SurfacePoint& point, const Vec3f& direction,
                                       const Vec3f& local);
 
-/// A direction around +z with density cos / pi.
-[[nodiscard]] Vec3f sample_cosine_hemisphere(Vec2f u);
-
 }  // namespace lamina

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/render/subsurface/correction/corrected_transport.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/probe/probe_transport.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
@@ -27,8 +28,26 @@ constexpr auto make_by_profile = []<int N>(const MethodContext<N>& c) {
   });
 };
 
+template <int N>
+SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c) {
+  std::shared_ptr<WalkMedia<N>> media;  // of all walks
+  return make_for_each_material(c, [&](std::uint32_t material) {
+    if (!media) media = make_walk_media<N>(c.scene, c.conversion);
+    std::unique_ptr<SubsurfaceMethod<N>> walk = std::make_unique<RandomWalk<N>>(media, material);
+    const auto& surface = std::get<SubsurfaceSurface>(c.scene.scene->materials[material].surface);
+    if (surface.color_use == SubsurfaceSurface::ColorUse::none) return walk;
+    return std::unique_ptr<SubsurfaceMethod<N>>(
+        std::make_unique<ColoredTransport<N>>(c.scene, c.conversion, material, std::move(walk)));
+  });
+}
+
 /// @throws InvalidInput if light scattered once would count twice.
 void require_light_once(const RenderSettings& settings) {
+  if (settings.is_corrected && settings.single_scattering != RenderSettings::SingleScattering::none)
+    throw InvalidInput(
+        "render: corrected light holds what is scattered once, so single_scattering must be "
+        "\"none\", but is \"" +
+        std::string(name_of(settings.single_scattering)) + "\"");
   if (settings.method->uses_profile &&
       settings.profile == RenderSettings::Profile::radiative_transfer &&
       settings.single_scattering != RenderSettings::SingleScattering::none)
@@ -36,6 +55,20 @@ void require_light_once(const RenderSettings& settings) {
         "render: profile \"radiative_transfer\" holds the light scattered once, so "
         "single_scattering must be \"none\", but is \"" +
         std::string(name_of(settings.single_scattering)) + "\"");
+}
+
+/// Puts methods with corrected light in the place of planar ones.
+/// @throws InvalidInput for what random walks do not take
+template <int N>
+void correct(SubsurfaceMethods<N>& planar, const MethodContext<N>& c) try {
+  SubsurfaceMethods<N> walks = make_random_walks(c);
+  for (std::uint32_t m = 0; m < planar.size(); ++m)
+    if (planar[m])
+      planar[m] = std::make_unique<CorrectedTransport<N>>(c.scene, m, std::move(planar[m]),
+                                                          std::move(walks[m]));
+} catch (const InvalidInput& error) {
+  throw InvalidInput("render.correct: random walks cannot follow this light: " +
+                     std::string(error.what()));
 }
 
 const SubsurfaceMethodMaker* find_maker(SceneMethod method, const RenderOptions& options) {
@@ -64,19 +97,8 @@ std::span<const SubsurfaceMethodMaker> subsurface_method_makers() {
            return std::make_unique<TextureSpaceTransport<N>>(c.scene, material, c.is_printed_exit);
          });
        }},
-      {SceneMethod::random_walk, []<int N>(const MethodContext<N>& c) {
-         std::shared_ptr<WalkMedia<N>> media;  // of all walks
-         return make_for_each_material(c, [&](std::uint32_t material) {
-           if (!media) media = make_walk_media<N>(c.scene, c.conversion);
-           std::unique_ptr<SubsurfaceMethod<N>> walk =
-               std::make_unique<RandomWalk<N>>(media, material);
-           const auto& surface =
-               std::get<SubsurfaceSurface>(c.scene.scene->materials[material].surface);
-           if (surface.color_use == SubsurfaceSurface::ColorUse::none) return walk;
-           return std::unique_ptr<SubsurfaceMethod<N>>(std::make_unique<ColoredTransport<N>>(
-               c.scene, c.conversion, material, std::move(walk)));
-         });
-       }}};
+      {SceneMethod::random_walk,
+       []<int N>(const MethodContext<N>& c) { return make_random_walks(c); }}};
   return makers;
 }
 
@@ -93,6 +115,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
   using Make = SubsurfaceMethodMaker::Make<N>;
   SubsurfaceMethods<N> methods =
       std::get<Make>(maker.make)({scene, conversion, make_profile, is_printed});
+  if (settings.is_corrected) correct(methods, {scene, conversion, make_profile, is_printed});
   using Single = RenderSettings::SingleScattering;
   if (settings.single_scattering != Single::none)
     for (std::uint32_t m = 0; m < methods.size(); ++m)

@@ -1,0 +1,73 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lamina/render/subsurface/correction/internal/correction_fit.h"
+#include "lamina/render/subsurface/correction/internal/place_graph.h"
+#include "lamina/render/subsurface/preparation.h"
+#include "lamina/render/subsurface/spacing_field.h"
+#include "lamina/render/subsurface/subsurface_method.h"
+
+namespace lamina {
+
+/// A planar method, corrected by random walks for what a flat profile makes wrong on a curved
+/// surface. At places all over the surface a few walks find the light that leaves; over that of the
+/// planar method it is a ratio that changes slowly along the surface, and linearly with the
+/// direction inside. The planar method is a control variate: its detail stays, and the ratio is
+/// smoothed along the surface as far as the noise of the walks asks for.
+///
+/// Where the planar method has light of a hundredth of the mean and less, the ratio is that to
+/// this hundredth more, so that light which only the walks find is there, too.
+///
+/// Noise-free where the planar method is; the same for all cameras, but half of the walks are those
+/// towards the camera, where the ratio is known best.
+template <int N>
+class CorrectedTransport final : public SubsurfaceMethod<N> {
+ public:
+  using Bands = BandValues<N>;
+
+  /// @param planar  whose light has no noise
+  /// @param walk    of the same material
+  CorrectedTransport(const RenderScene& scene, std::uint32_t material,
+                     std::unique_ptr<SubsurfaceMethod<N>> planar,
+                     std::unique_ptr<SubsurfaceMethod<N>> walk);
+
+  void prepare_reflectance(const Preparation<N>& with) override;
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override;
+  [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
+
+  [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                       PixelSamples& samples) const override;
+  [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override {
+    return planar_->local_reflectance(point);
+  }
+  [[nodiscard]] bool is_sheet(const SurfacePoint& point) const override {
+    return planar_->is_sheet(point);
+  }
+  [[nodiscard]] Bands local_transmittance(const SurfacePoint& point) const override {
+    return planar_->local_transmittance(point);
+  }
+
+ private:
+  using Samples = std::vector<std::vector<WalkedSample<N>>>;  ///< [place][sample]
+
+  /// As many as the pixels that show the material can use.
+  [[nodiscard]] double places_wanted(const Preparation<N>& with) const;
+  /// Close where the surface is seen.
+  [[nodiscard]] SpacingField field_of_places(const Preparation<N>& with) const;
+
+  const RenderScene& scene_;
+  std::uint32_t material_;
+  int bands_;
+  float ior_;  ///< inside over outside, mean of the bands
+  std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;
+  float least_exitance_ = 0.0f;
+  PlaceGraph graph_;
+  AngularShape<N> shape_{};
+  std::vector<DirectionalRatio<N>> ratios_;  ///< [place], over the shape
+};
+
+}  // namespace lamina

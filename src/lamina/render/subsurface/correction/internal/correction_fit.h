@@ -1,0 +1,43 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lamina/render/subsurface/correction/internal/directional_ratio.h"
+#include "lamina/render/subsurface/correction/internal/place_graph.h"
+
+namespace lamina {
+
+/// Light that leaves at a point in a direction: by a random walk, and by a planar method.
+template <int N>
+struct WalkedSample {
+  DirectionTerms terms;
+  BandValues<N> walked, planar;  ///< radiance times the area that the sample stands for
+};
+
+/// How light that leaves differs from that of the planar method, over the surface.
+template <int N>
+struct CorrectionFit {
+  AngularShape<N> shape;                    ///< of all of the surface; the ratios are over it
+  std::vector<DirectionalRatio<N>> ratios;  ///< [place]
+  double change = 0.0;      ///< by the correction: root mean square over the mean light
+  double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of samples tell
+};
+
+/// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place and
+/// band as the samples there ask for: of widths that double the number of places, the one that
+/// predicts best, fitted to either half of the samples, what the other half found around there. A
+/// narrow fit is drawn to the wider one in how it depends on direction.
+///
+/// @param areas    [place], that its samples stand for [mm²]; 0: not counted in `change` and
+///                 `error_left`
+/// @param samples  [place][sample], the same number at each place, even, >= 2; halves are every
+///                 other one
+/// @param bands    of all lanes that count, >= 1
+template <int N>
+[[nodiscard]] CorrectionFit<N> fit_correction(
+    const PlaceGraph& graph, std::span<const float> areas,
+    const std::vector<std::vector<WalkedSample<N>>>& samples, int bands);
+
+}  // namespace lamina

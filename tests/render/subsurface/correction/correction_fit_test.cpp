@@ -1,0 +1,146 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/correction/internal/correction_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "lamina/core/random.h"
+
+namespace lamina {
+namespace {
+
+using Ratio = DirectionalRatio<4>;
+
+/// Places on a lattice of a plane, 1 mm apart.
+std::vector<PlaceGraph::Place> lattice_of_places(int side) {
+  std::vector<PlaceGraph::Place> places;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      places.push_back({{{static_cast<float>(x), static_cast<float>(y), 0.0f}, {0, 0, 1}}, 1.0f});
+  return places;
+}
+
+Vec3f random_direction(Random& random) {
+  const float z = std::sqrt(random.uniform_float()), phi = 6.2831853f * random.uniform_float();
+  const float r = std::sqrt(1.0f - z * z);
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+/// A ratio that changes along x by a wave of 40 mm, and with the direction.
+Ratio true_ratio(const Vec3f& place) {
+  Ratio ratio{};
+  const float wave = 1.2f + 0.3f * std::sin(6.2831853f * place.x / 40.0f);
+  for (int b = 0; b < 4; ++b) {
+    ratio[0][b] = wave - 0.1f * static_cast<float>(b);
+    ratio[1][b] = -0.05f;
+    ratio[2][b] = 0.2f;
+  }
+  return ratio;
+}
+
+/// Samples of that ratio to planar light that changes from place to place.
+std::vector<std::vector<WalkedSample<4>>> noisy_samples(
+    const std::vector<PlaceGraph::Place>& places, int count, float noise) {
+  std::vector<std::vector<WalkedSample<4>>> samples(places.size());
+  Random random(7);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const float light = 1.0f + 0.5f * std::cos(2.0f * places[i].at.position.y);
+    for (int s = 0; s < count; ++s) {
+      const DirectionTerms terms =
+          direction_terms_of(random_direction(random), places[i].at.normal, 1.4f);
+      const auto planar = BandValues<4>::filled(light);
+      BandValues<4> walked = planar * evaluate(true_ratio(places[i].at.position), terms);
+      for (int b = 0; b < 4; ++b)
+        walked[b] *= 1.0f + noise * (2.0f * random.uniform_float() - 1.0f);
+      samples[i].push_back({terms, walked, planar});
+    }
+  }
+  return samples;
+}
+
+TEST(PlaceGraph, SpreadsWithoutLossAndNotAroundAnEdge) {
+  // Two sides of a wall, .1 mm thick.
+  std::vector<PlaceGraph::Place> places = lattice_of_places(12);
+  const std::size_t front = places.size();
+  for (std::size_t i = 0; i < front; ++i) {
+    PlaceGraph::Place behind = places[i];
+    behind.at.position.z = -0.1f;
+    behind.at.normal = {0, 0, -1};
+    places.push_back(behind);
+  }
+  const PlaceGraph graph(places);
+  std::vector<BandValues<4>> values(places.size());
+  values[5] = BandValues<4>::filled(3.0f);
+  for (int step = 0; step < 20; ++step) values = graph.spread(values);
+  double before = 0.0, behind = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    (i < front ? before : behind) += static_cast<double>(values[i][2]);
+  EXPECT_NEAR(before, 3.0, 1e-4);
+  EXPECT_EQ(behind, 0.0);
+  EXPECT_LT(values[5][0], 0.2f);
+  EXPECT_GT(values[front - 1][0], 0.0f);
+}
+
+TEST(PlaceGraph, FindsPlacesThatAreFarApartBesideCloseOnes) {
+  std::vector<PlaceGraph::Place> places = lattice_of_places(6);
+  for (int x = 4; x < 8; ++x)  // 4 mm apart
+    places.push_back({{{4.0f * static_cast<float>(x), 2.0f, 0.0f}, {0, 0, 1}}, 4.0f});
+  const PlaceGraph graph(places);
+  const auto far = graph.weights_at({26, 2, 0}, {0, 0, 1});
+  ASSERT_GT(far.count, 0u);
+  float sum = 0.0f;
+  for (std::size_t k = 0; k < far.count; ++k) {
+    EXPECT_GE(far.point[k], 36u);
+    sum += far.weight[k];
+  }
+  EXPECT_NEAR(sum, 1.0f, 1e-5f);
+}
+
+TEST(FitCorrection, FindsARatioThatSamplesHoldWithoutNoise) {
+  // The same at all places: no width smooths anything away.
+  const auto places = lattice_of_places(10);
+  auto samples = noisy_samples(places, 32, 0.0f);
+  const Ratio expected = true_ratio({10, 0, 0});
+  for (auto& of_place : samples)
+    for (auto& sample : of_place) sample.walked = sample.planar * evaluate(expected, sample.terms);
+  const std::vector<float> areas(places.size(), 1.0f);
+  const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
+  // But for what a shape that takes the mean over azimuths leaves to the rest.
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (const auto& [terms, walked, planar] : samples[i])
+      for (int b = 0; b < 4; ++b)
+        EXPECT_NEAR((planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms))[b],
+                    walked[b], 5e-3f * walked[b]);
+  EXPECT_LT(fit.error_left, 0.03);
+}
+
+// 8 samples of 58 % noise at a place are wrong by 20 %. Smoothing must bring most of that, and the
+// estimate of what is left must be about right.
+TEST(FitCorrection, SmoothsNoiseAndSaysWhatIsLeft) {
+  const auto places = lattice_of_places(40);
+  const auto samples = noisy_samples(places, 8, 1.0f);
+  const std::vector<float> areas(places.size(), 1.0f);
+  const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
+  double squares = 0.0, light = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (const auto& [terms, walked, planar] : samples[i]) {
+      const auto truth = planar * evaluate(true_ratio(places[i].at.position), terms);
+      const auto found = planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms);
+      for (int b = 0; b < 4; ++b) {
+        squares += std::pow(static_cast<double>(found[b] - truth[b]), 2);
+        light += static_cast<double>(truth[b]);
+        ++count;
+      }
+    }
+  const double error = std::sqrt(squares / count) / (light / count);
+  EXPECT_LT(error, 0.06);
+  EXPECT_GT(error, 0.005);
+  EXPECT_NEAR(fit.error_left / error, 1.0, 0.4);
+  EXPECT_NEAR(fit.change, 0.3, 0.1);
+}
+
+}  // namespace
+}  // namespace lamina
