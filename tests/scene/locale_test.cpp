@@ -105,14 +105,14 @@ TEST(Locale, DoesNotChangeWhatIsWritten) {
   });
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "locale_test.ply";
   expect_equal_text("a cloud", [&] {
-    save_irradiance_clouds(clouds(), {}, file);
+    save_irradiance_clouds(clouds(), {}, {}, file);
     return read_file_bytes(file);
   });
 }
 
 TEST(Locale, DoesNotChangeWhatIsRead) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "locale_test.ply";
-  save_irradiance_clouds(clouds(), {}, file);
+  save_irradiance_clouds(clouds(), {}, {}, file);
   const DecimalComma elsewhere;
   const auto read = load_irradiance_clouds(file, {}).clouds;
   ASSERT_EQ(read.size(), 1u);

@@ -50,7 +50,7 @@ constexpr LightFingerprint some_scene{
 TEST(IrradianceCloudFile, IsReadBackAsItWas) {
   const fs::path file = fresh_file("back");
   const std::vector<IrradianceCloud> written = two_clouds();
-  save_irradiance_clouds(written, some_scene, file);
+  save_irradiance_clouds(written, {}, some_scene, file);
   const std::vector<IrradianceCloud> read = load_irradiance_clouds(file, some_scene).clouds;
   ASSERT_EQ(read.size(), written.size());
   for (std::size_t c = 0; c < read.size(); ++c) {
@@ -79,7 +79,7 @@ TEST(IrradianceCloudFile, OfLightThatHasSpreadIsReadBackAsItWas) {
     cloud.reflectance = std::move(cloud.irradiance);
     cloud.irradiance.clear();
   }
-  save_irradiance_clouds(written, some_scene, file);
+  save_irradiance_clouds(written, {}, some_scene, file);
   const std::vector<IrradianceCloud> read = load_irradiance_clouds(file, some_scene).clouds;
   ASSERT_EQ(read.size(), written.size());
   for (std::size_t c = 0; c < read.size(); ++c) {
@@ -91,7 +91,7 @@ TEST(IrradianceCloudFile, OfLightThatHasSpreadIsReadBackAsItWas) {
   }
   // A sheet among them.
   written[1].transmittance = {7, 8, 9, 10};
-  save_irradiance_clouds(written, some_scene, file);
+  save_irradiance_clouds(written, {}, some_scene, file);
   const std::vector<IrradianceCloud> with_sheet = load_irradiance_clouds(file, some_scene).clouds;
   ASSERT_EQ(with_sheet.size(), written.size());
   EXPECT_EQ(with_sheet[0].transmittance, (std::vector<float>{0, 0}));
@@ -99,9 +99,50 @@ TEST(IrradianceCloudFile, OfLightThatHasSpreadIsReadBackAsItWas) {
   EXPECT_EQ(with_sheet[1].reflectance, written[1].reflectance);
 }
 
+LightRatioCloud some_ratios() {
+  LightRatioCloud ratios{.material = 4,
+                         .bands = 2,
+                         .walks = 640,
+                         .change = 0.25,
+                         .error_left = 1.0 / 3.0,
+                         .least_exitance = 0.01f,
+                         .places = {{{1, 2, 3}, {0, 0, 1}, 0.5f}, {{4, 5, 6}, {0, 1, 0}, 1.0f}},
+                         .shape = {1, 2, 3, 4, 5, 6},
+                         .ratios = {}};
+  for (int i = 0; i < 20; ++i) ratios.ratios.push_back(0.1f * static_cast<float>(i));
+  return ratios;
+}
+
+TEST(IrradianceCloudFile, OfRatiosToPlanarLightIsReadBackAsItWas) {
+  const fs::path file = fresh_file("ratios");
+  const LightRatioCloud written = some_ratios();
+  save_irradiance_clouds(two_clouds(), {written}, some_scene, file);
+  const KeptClouds kept = load_irradiance_clouds(file, some_scene);
+  EXPECT_EQ(kept.why_unusable, "");
+  EXPECT_EQ(kept.clouds.size(), 2u);
+  ASSERT_EQ(kept.ratios.size(), 1u);
+  const LightRatioCloud& read = kept.ratios[0];
+  EXPECT_EQ(read.material, written.material);
+  EXPECT_EQ(read.bands, written.bands);
+  EXPECT_EQ(read.walks, written.walks);
+  EXPECT_NEAR(read.change, written.change, 1e-8);
+  EXPECT_NEAR(read.error_left, written.error_left, 1e-8);
+  EXPECT_EQ(read.least_exitance, written.least_exitance);
+  EXPECT_EQ(read.shape, written.shape);
+  EXPECT_EQ(read.ratios, written.ratios);
+  ASSERT_EQ(read.places.size(), 2u);
+  EXPECT_EQ(read.places[1].position, written.places[1].position);
+  EXPECT_EQ(read.places[1].normal, written.places[1].normal);
+  EXPECT_EQ(read.places[1].spacing, 1.0f);
+  // A place too few: what the checksum says does not matter.
+  std::string bytes = read_file_bytes(file);
+  std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - 17 * sizeof(float));
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is damaged");
+}
+
 TEST(IrradianceCloudFile, OfAnotherSceneIsOfNoUseByThePartThatDiffers) {
   const fs::path file = fresh_file("stale");
-  save_irradiance_clouds(two_clouds(), some_scene, file);
+  save_irradiance_clouds(two_clouds(), {}, some_scene, file);
   LightFingerprint other = some_scene;
   other.lights = 7;
   const KeptClouds kept = load_irradiance_clouds(file, other);
@@ -111,13 +152,13 @@ TEST(IrradianceCloudFile, OfAnotherSceneIsOfNoUseByThePartThatDiffers) {
 
 TEST(IrradianceCloudFile, OfAnotherVersionIsOfNoUse) {
   const fs::path file = fresh_file("version");
-  save_irradiance_clouds(two_clouds(), some_scene, file);
+  save_irradiance_clouds(two_clouds(), {}, some_scene, file);
   std::string bytes = read_file_bytes(file);
-  const std::size_t at = bytes.find("version 4,");
+  const std::size_t at = bytes.find("version 5,");
   ASSERT_NE(at, std::string::npos);
   bytes[at + 8] = '2';
   std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 4");
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 5");
 }
 
 // It is not lamina's to overwrite.
@@ -141,7 +182,7 @@ void sign(std::string& bytes) {
 // A header of a hundred kilobytes that promises ten clouds of all points after another.
 TEST(IrradianceCloudFile, ThatPromisesMoreThanItHoldsIsRefusedBeforeMemoryIsTaken) {
   const fs::path file = fresh_file("promises");
-  save_irradiance_clouds(two_clouds(), some_scene, file);
+  save_irradiance_clouds(two_clouds(), {}, some_scene, file);
   std::string bytes = read_file_bytes(file);
   std::string promises;
   for (int i = 0; i < 4000; ++i) promises += "comment cloud 7 90000 0.5\n";
@@ -160,7 +201,7 @@ TEST(IrradianceCloudFile, TakesItsPointsFromTheBudget) {
   std::vector<IrradianceCloud> clouds = two_clouds();
   clouds[1].points.resize(10'000, clouds[1].points[0]);
   clouds[1].irradiance.resize(20'000, 1.0f);
-  save_irradiance_clouds(clouds, some_scene, file);
+  save_irradiance_clouds(clouds, {}, some_scene, file);
   EXPECT_EQ(load_irradiance_clouds(file, some_scene).clouds[1].points.size(), 10'000u);
   try {
     (void)load_irradiance_clouds(file, some_scene, {1 << 20});
@@ -174,7 +215,7 @@ TEST(IrradianceCloudFile, TakesItsPointsFromTheBudget) {
 // Cut anywhere, or with any bit of it changed, a file is of no use: no number of it is taken.
 TEST(IrradianceCloudFile, DamageIsSeenWhereverItIs) {
   const fs::path file = fresh_file("damaged");
-  save_irradiance_clouds(two_clouds(), some_scene, file);
+  save_irradiance_clouds(two_clouds(), {}, some_scene, file);
   const std::string whole = read_file_bytes(file);
   const auto is_taken = [&](const std::string& bytes) {
     std::ofstream(file, std::ios::binary) << bytes;
@@ -201,7 +242,7 @@ TEST(IrradianceCloudFile, NumbersOutOfRangeAreOfNoUse) {
   const auto why = [&](auto&& change) {
     std::vector<IrradianceCloud> clouds = two_clouds();
     change(clouds[1]);
-    save_irradiance_clouds(clouds, some_scene, file);
+    save_irradiance_clouds(clouds, {}, some_scene, file);
     return load_irradiance_clouds(file, some_scene).why_unusable;
   };
   EXPECT_EQ(why([](IrradianceCloud&) {}), "");

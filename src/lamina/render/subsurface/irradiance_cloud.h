@@ -40,4 +40,25 @@ struct IrradianceCloud {
   std::vector<float> transmittance;
 };
 
+/// How the light that leaves a material differs from that of a planar method, all over its surface:
+/// what CorrectedTransport keeps.
+struct LightRatioCloud {
+  static constexpr std::size_t shape_terms = 3, direction_terms = 5;
+  struct Place {
+    Vec3f position;  ///< [mm]
+    Vec3f normal;    ///< unit length
+    float spacing;   ///< of places there [mm]
+  };
+
+  std::uint32_t material = 0;
+  std::size_t bands = 0;
+  std::size_t walks = 0;        ///< that found it
+  double change = 0.0;          ///< as LightCorrection
+  double error_left = 0.0;      ///< the same
+  float least_exitance = 0.0f;  ///< at which the planar light counts at least
+  std::vector<Place> places;
+  std::vector<float> shape;   ///< [term][band], of all of the surface
+  std::vector<float> ratios;  ///< [place][term][band]
+};
+
 }  // namespace lamina

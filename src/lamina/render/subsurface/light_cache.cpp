@@ -21,15 +21,17 @@ void LightCache::say_anew(const std::string& why) const {
 
 void LightCache::load() {
   is_loaded_ = true;
-  KeptClouds kept{.clouds = {}, .why_unusable = "there is no such file"};
+  KeptClouds kept{.clouds = {}, .ratios = {}, .why_unusable = "there is no such file"};
   if (is_there())
     kept = load_irradiance_clouds(options_.cache, light_fingerprint(scene_, options_),
                                   options_.memory);
   is_usable_ = kept.why_unusable.empty();
-  if (is_usable_)
+  if (is_usable_) {
     clouds_ = std::move(kept.clouds);
-  else
+    ratios_ = std::move(kept.ratios);
+  } else {
     say_anew(kept.why_unusable);
+  }
 }
 
 const IrradianceCloud* LightCache::find(
@@ -44,19 +46,33 @@ const IrradianceCloud* LightCache::find(
   return nullptr;
 }
 
-void LightCache::add(IrradianceCloud cloud) {
+const LightRatioCloud* LightCache::find_ratios(std::uint32_t material) {
+  if (!is_wanted()) return nullptr;
+  if (!is_loaded_) load();
+  if (!is_usable_) return nullptr;
+  const auto found = std::ranges::find(ratios_, material, &LightRatioCloud::material);
+  if (found != ratios_.end()) return &*found;
+  say_anew("lacks the correction of a material");
+  return nullptr;
+}
+
+template <class Cloud>
+void LightCache::put(Cloud cloud, std::vector<Cloud>& clouds) {
   if (!is_wanted()) return;
   is_changed_ = true;
-  const auto old = std::ranges::find(clouds_, cloud.material, &IrradianceCloud::material);
-  if (old != clouds_.end())
+  const auto old = std::ranges::find(clouds, cloud.material, &Cloud::material);
+  if (old != clouds.end())
     *old = std::move(cloud);
   else
-    clouds_.push_back(std::move(cloud));
+    clouds.push_back(std::move(cloud));
 }
+
+void LightCache::add(IrradianceCloud cloud) { put(std::move(cloud), clouds_); }
+void LightCache::add(LightRatioCloud ratios) { put(std::move(ratios), ratios_); }
 
 void LightCache::save() const {
   if (is_changed_)
-    save_irradiance_clouds(clouds_, light_fingerprint(scene_, options_), options_.cache);
+    save_irradiance_clouds(clouds_, ratios_, light_fingerprint(scene_, options_), options_.cache);
 }
 
 }  // namespace lamina

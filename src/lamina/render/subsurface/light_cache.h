@@ -32,20 +32,29 @@ class LightCache {
   [[nodiscard]] const IrradianceCloud* find(
       std::uint32_t material, const std::function<std::string(const IrradianceCloud&)>& misfit);
 
+  /// The ratios to planar light of a material, valid until some are added; null if there are none.
+  ///
+  /// @throws as find
+  [[nodiscard]] const LightRatioCloud* find_ratios(std::uint32_t material);
+
   /// Adds light that was sampled anew, for save().
   void add(IrradianceCloud cloud);
+  void add(LightRatioCloud ratios);
 
   /// Writes the file, if one is wanted and light was added. @throws WriteError
   void save() const;
 
  private:
   void load();
+  template <class Cloud>
+  void put(Cloud cloud, std::vector<Cloud>& clouds);
   void say_anew(const std::string& why) const;
 
   const Scene& scene_;
   const RenderOptions& options_;
   bool is_loaded_ = false, is_changed_ = false, is_usable_ = false;
   std::vector<IrradianceCloud> clouds_;
+  std::vector<LightRatioCloud> ratios_;
 };
 
 }  // namespace lamina

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/material.h"
 #include "render/small_scenes.h"
@@ -51,6 +54,43 @@ TEST(CorrectedTransport, BallOfSkinHasTheAlbedoOfPhotons) {
     EXPECT_GT(result.statistics.corrections[0].walks, 10'000u);
     EXPECT_LT(result.statistics.corrections[0].error_left, 0.1);
   }
+}
+
+// Light that is kept without a correction gets one, beside it; then nothing is made anew.
+TEST(CorrectedTransport, IsKeptWithTheLight) {
+  Scene scene = ball_to_correct(1.0);
+  scene.film = {.width = 8, .height = 8};
+  scene.render.hierarchy = {.spacing = 1.0f, .irradiance_samples = 2};
+  RenderOptions options{.cache = std::filesystem::path(testing::TempDir()) / "correction.ply"};
+  std::filesystem::remove(options.cache);
+  scene.render.is_corrected = false;
+  const Image planar = render(scene, options).image;
+  scene.render.is_corrected = true;
+  std::vector<std::string> notices;
+  options.on_notice = [&](const std::string& line) {
+    if (line.find("anew") != std::string::npos) notices.push_back(line);
+  };
+  const RenderResult made = render(scene, options);
+  EXPECT_EQ(notices.size(), 1u);
+  options.needs_cache = true;
+  const RenderResult kept = render(scene, options);
+  EXPECT_EQ(notices.size(), 1u);
+  EXPECT_EQ(made.image.pixels, kept.image.pixels);
+  EXPECT_EQ(made.statistics.corrections[0].walks, kept.statistics.corrections[0].walks);
+  scene.render.is_corrected = false;
+  EXPECT_EQ(render(scene, options).image.pixels, planar.pixels);
+}
+
+// Whoever computes it, and however many.
+TEST(CorrectedTransport, IsTheSameByAnyNumberOfThreads) {
+  Scene scene = ball_to_correct(1.0);
+  scene.film = {.width = 8, .height = 8};
+  scene.render.hierarchy = {.spacing = 1.0f, .irradiance_samples = 2};
+  const Image many = render(scene).image;
+  set_thread_count(1);
+  const Image one = render(scene).image;
+  set_thread_count(0);
+  EXPECT_EQ(one.pixels, many.pixels);
 }
 
 TEST(CorrectedTransport, RefusesWhatRandomWalksCannotFollow) {

@@ -110,7 +110,7 @@ TEST(FitCorrection, FindsARatioThatSamplesHoldWithoutNoise) {
   const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
   // But for what a shape that takes the mean over azimuths leaves to the rest.
   for (std::size_t i = 0; i < places.size(); ++i)
-    for (const auto& [terms, walked, planar] : samples[i])
+    for (const auto& [terms, walked, planar, weight] : samples[i])
       for (int b = 0; b < 4; ++b)
         EXPECT_NEAR((planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms))[b],
                     walked[b], 5e-3f * walked[b]);
@@ -126,7 +126,7 @@ TEST(FitCorrection, SmoothsNoiseAndSaysWhatIsLeft) {
   const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
   double squares = 0.0, light = 0.0, count = 0.0;
   for (std::size_t i = 0; i < places.size(); ++i)
-    for (const auto& [terms, walked, planar] : samples[i]) {
+    for (const auto& [terms, walked, planar, weight] : samples[i]) {
       const auto truth = planar * evaluate(true_ratio(places[i].at.position), terms);
       const auto found = planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms);
       for (int b = 0; b < 4; ++b) {

@@ -290,7 +290,7 @@ TEST(TextureSpace, KeptLightOfOtherTexelsIsRefused) {
   const LightFingerprint light = light_fingerprint(scene, {});
   std::vector<IrradianceCloud> clouds = load_irradiance_clouds(file, light).clouds;
   clouds.at(0).points.at(0).position.x += 0.2f;
-  save_irradiance_clouds(clouds, light, file);
+  save_irradiance_clouds(clouds, {}, light, file);
   try {
     (void)render(scene, {.cache = file});
     FAIL() << "it was taken";

@@ -19,7 +19,7 @@ namespace {
 /// Estimates of the light that leaves at a place, each at a point of its own; walks of an estimate.
 constexpr int samples_of_place = 16, walks_of_sample = 4;
 /// Of places where the surface is seen.
-constexpr double most_places = 12000.0, least_places = 100.0;
+constexpr double most_places = 12000.0, least_places = 1000.0;
 /// Estimates to a pixel are of use.
 constexpr double samples_of_pixel = 4.0;
 /// Of the mean light of the planar method, at least as much as its light counts.
@@ -66,6 +66,7 @@ void CorrectedTransport<N>::prepare_reflectance(const Preparation<N>& with) {
 
 template <int N>
 double CorrectedTransport<N>::places_wanted(const Preparation<N>& with) const {
+  if (with.cache.is_wanted()) return most_places;
   const double between = static_cast<double>(with.seen.pixels_between);
   const double pixels = between * between * static_cast<double>(with.seen.points[material_].size());
   return std::clamp(pixels * samples_of_pixel / samples_of_place, least_places, most_places);
@@ -77,7 +78,7 @@ SpacingField CorrectedTransport<N>::field_of_places(const Preparation<N>& with) 
   const double wanted = places_wanted(with);
   std::vector<Vec3f> seen;
   for (const SurfacePoint& point : with.seen.points[material_]) seen.push_back(point.position);
-  if (seen.empty())
+  if (seen.empty() || with.cache.is_wanted())
     return SpacingField(static_cast<float>(std::sqrt(surface_area(meshes, material_) / wanted)));
   const float margin = 2.0f * with.seen.pixels_between * with.seen.pixel_size(material_);
   auto spacing = static_cast<float>(std::sqrt(with.seen.area(material_) / wanted));
@@ -98,7 +99,43 @@ SubsurfaceCost CorrectedTransport<N>::expected_cost(const Preparation<N>& with) 
 
 template <int N>
 bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
-  if (!planar_->prepare(with) || !walk_->prepare(with)) return false;
+  if (!planar_->prepare(with)) return false;
+  if (const LightRatioCloud* kept = with.cache.find_ratios(material_)) {
+    use(*kept, with.report);
+    return true;
+  }
+  if (!walk_->prepare(with)) return false;
+  std::optional<LightRatioCloud> found = find_ratios(with);
+  if (!found) return false;
+  use(*found, with.report);
+  if (!found->places.empty()) with.cache.add(*std::move(found));
+  return true;
+}
+
+template <int N>
+void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport& report) {
+  if (cloud.places.empty()) return;
+  std::vector<PlaceGraph::Place> places;
+  for (const auto& [position, normal, spacing] : cloud.places)
+    places.push_back({{position, normal}, spacing});
+  graph_ = PlaceGraph(places);
+  least_exitance_ = cloud.least_exitance;
+  auto number = cloud.shape.begin();
+  for (Bands& term : shape_)
+    for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  ratios_.resize(places.size());
+  number = cloud.ratios.begin();
+  for (DirectionalRatio<N>& ratio : ratios_)
+    for (Bands& term : ratio)
+      for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  report.corrections.push_back({.material = material_,
+                                .walks = cloud.walks,
+                                .change = cloud.change,
+                                .error_left = cloud.error_left});
+}
+
+template <int N>
+std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
   const Scene& scene = *scene_.scene;
   const SpacingField field = field_of_places(with);
   const auto levels = make_surface_cells(scene.meshes, material_, field, scene.render.seed);
@@ -118,9 +155,10 @@ bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
       areas.push_back(level == 0 ? cell.area : 0.0f);
     }
 
-  Samples samples(cells.size());
+  std::vector<std::vector<WalkedSample<N>>> samples(cells.size());
   std::vector<std::vector<float>> leaving(cells.size());
   const Vec3f eye = to_float(scene.camera.position);
+  const bool has_eye = !with.cache.is_wanted();
   constexpr std::size_t chunk = 16;
   const auto walk_at = [&](std::size_t i) {
     const auto& [surface, cell, spacing_there] = cells[i];
@@ -134,12 +172,12 @@ bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
       Vec3f direction =
           make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
       // Halves of the samples, by turns, are fitted to each other: both must look the same way.
-      if (s % 4 < 2)
-        if (const Vec3f to_eye = normalize(eye - point.position);
-            dot(to_eye, point.smooth_normal) > 0.0f)
-          direction = to_eye;
+      const Vec3f to_eye = normalize(eye - point.position);
+      const bool is_to_eye = has_eye && s % 4 < 2 && dot(to_eye, point.smooth_normal) > 0.0f;
+      if (is_to_eye) direction = to_eye;
       const float cosine = dot(direction, point.smooth_normal);
       WalkedSample<N> sample{.terms = direction_terms_of(direction, point.smooth_normal, ior_)};
+      if (has_eye) sample.weight = is_to_eye ? cosine : 0.0f;  // the picture's mean
       float of_exitance = 0.0f;
       if (cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f) {
         const SurfaceBoundary boundary = boundary_at(scene_, point);
@@ -152,7 +190,8 @@ bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
       leaving[i].push_back(of_exitance);
     }
   };
-  if (!parallel_chunks(cells.size(), chunk, walk_at, with.progress)) return false;
+  if (!parallel_chunks(cells.size(), chunk, walk_at, with.progress)) return std::nullopt;
+  walk_.reset();  // memory: nobody walks any more
 
   double planar = 0.0, exitance = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -160,20 +199,26 @@ bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
       for (int b = 0; b < bands_; ++b) planar += static_cast<double>(samples[i][s].planar[b]);
       exitance += static_cast<double>(leaving[i][s]) * bands_;
     }
-  if (!(planar > 0.0)) return true;  // no light, and nothing to correct
-  least_exitance_ = least_of_mean * static_cast<float>(planar / exitance);
+  LightRatioCloud found{.material = material_,
+                        .bands = static_cast<std::size_t>(bands_),
+                        .walks = cells.size() * samples_of_place * walks_of_sample};
+  if (!(planar > 0.0)) return found;  // no light, and nothing to correct
+  found.least_exitance = least_of_mean * static_cast<float>(planar / exitance);
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t s = 0; s < samples[i].size(); ++s)
-      samples[i][s].planar += Bands::filled(least_exitance_ * leaving[i][s]);
-  graph_ = PlaceGraph(places);
-  CorrectionFit<N> fit = fit_correction<N>(graph_, areas, samples, bands_);
-  shape_ = fit.shape;
-  ratios_ = std::move(fit.ratios);
-  with.report.corrections.push_back({.material = material_,
-                                     .walks = cells.size() * samples_of_place * walks_of_sample,
-                                     .change = fit.change,
-                                     .error_left = fit.error_left});
-  return true;
+      samples[i][s].planar += Bands::filled(found.least_exitance * leaving[i][s]);
+  const CorrectionFit<N> fit = fit_correction<N>(PlaceGraph(places), areas, samples, bands_);
+  found.change = fit.change;
+  found.error_left = fit.error_left;
+  const auto add_bands = [&](const auto& terms, std::vector<float>& to) {
+    for (const Bands& term : terms) to.insert(to.end(), term.v, term.v + bands_);
+  };
+  add_bands(fit.shape, found.shape);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    found.places.push_back({places[i].at.position, places[i].at.normal, places[i].spacing});
+    add_bands(fit.ratios[i], found.ratios);
+  }
+  return found;
 }
 
 template <int N>

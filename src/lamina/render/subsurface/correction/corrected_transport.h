@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lamina/render/subsurface/correction/internal/correction_fit.h"
@@ -22,8 +23,8 @@ namespace lamina {
 /// Where the planar method has light of a hundredth of the mean and less, the ratio is that to
 /// this hundredth more, so that light which only the walks find is there, too.
 ///
-/// Noise-free where the planar method is; the same for all cameras, but half of the walks are those
-/// towards the camera, where the ratio is known best.
+/// Noise-free where the planar method is. Good for all cameras; but half of the walks are those
+/// towards the one of the picture, for which the ratio is known best, unless it is kept for others.
 template <int N>
 class CorrectedTransport final : public SubsurfaceMethod<N> {
  public:
@@ -52,18 +53,22 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   }
 
  private:
-  using Samples = std::vector<std::vector<WalkedSample<N>>>;  ///< [place][sample]
-
   /// As many as the pixels that show the material can use.
   [[nodiscard]] double places_wanted(const Preparation<N>& with) const;
   /// Close where the surface is seen.
   [[nodiscard]] SpacingField field_of_places(const Preparation<N>& with) const;
 
+  /// Walks, and fits what they find. Without a camera's preference where it is kept for others.
+  /// @return  no places if there is no light; nothing if progress asked to stop
+  [[nodiscard]] std::optional<LightRatioCloud> find_ratios(const Preparation<N>& with);
+  /// Takes ratios that were found. Comes before leaving_radiance.
+  void use(const LightRatioCloud& cloud, PreparationReport& report);
+
   const RenderScene& scene_;
   std::uint32_t material_;
   int bands_;
-  float ior_;  ///< inside over outside, mean of the bands
-  std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;
+  float ior_;                                           ///< inside over outside, mean of the bands
+  std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
   float least_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};

@@ -64,10 +64,25 @@ std::string property_lines(std::size_t bands, BandProperties properties) {
   for (const BandProperty& property : properties)
     for (std::size_t b = 0; b < bands; ++b)
       text += std::string("property float ") + property.name + std::to_string(b) + "\n";
-  return text + "end_header\n";
+  return text;
 }
 
-constexpr int version = 4;  // of what the file means; older ones are made anew
+constexpr std::size_t fixed_numbers_of_ratio = 7;  // before those of its bands
+
+/// The same of places where there are ratios, if any are.
+std::string ratio_lines(std::size_t places, std::size_t bands) {
+  if (places == 0) return {};
+  std::string text = "element ratio " + std::to_string(places) + "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "spacing"})
+    text += std::string("property float ") + name + "\n";
+  for (std::size_t k = 0; k < LightRatioCloud::direction_terms; ++k)
+    for (std::size_t b = 0; b < bands; ++b)
+      text += "property float term_" + std::to_string(k) + '_' + std::to_string(b) + "\n";
+  return text;
+}
+constexpr std::string_view end_of_header = "end_header\n";
+
+constexpr int version = 5;  // of what the file means; older ones are made anew
 const std::string first_words =
     "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
 const std::string no_checksum(16, '0');  // while the checksum of the file is taken
@@ -87,7 +102,8 @@ std::array<std::pair<const char*, std::uint64_t>, 5> parts(const LightFingerprin
            {"settings", f.settings}}};
 }
 
-std::string header(const std::vector<IrradianceCloud>& clouds, const LightFingerprint& made_for) {
+std::string header(const std::vector<IrradianceCloud>& clouds,
+                   const std::vector<LightRatioCloud>& ratios, const LightFingerprint& made_for) {
   PlainTextStream text;
   text.precision(9);
   text << first_words << version << ", lengths in mm\n"
@@ -100,9 +116,19 @@ std::string header(const std::vector<IrradianceCloud>& clouds, const LightFinger
          << '\n';
     count += cloud.points.size();
   }
-  text << "comment bands " << clouds.front().bands << '\n';
+  const std::size_t bands = clouds.front().bands;
+  text << "comment bands " << bands << '\n';
+  std::size_t places = 0;
+  for (const LightRatioCloud& ratio : ratios) {
+    text << "comment ratio " << ratio.material << ' ' << ratio.places.size() << ' ' << ratio.walks
+         << ' ' << ratio.change << ' ' << ratio.error_left << ' ' << ratio.least_exitance;
+    for (const float number : ratio.shape) text << ' ' << number;
+    text << '\n';
+    places += ratio.places.size();
+  }
   text << "element vertex " << count << '\n'
-       << property_lines(clouds.front().bands, properties_of(clouds));
+       << property_lines(bands, properties_of(clouds)) << ratio_lines(places, bands)
+       << end_of_header;
   return text.str();
 }
 
@@ -150,9 +176,42 @@ void check(const CloudPoint& point, float spacing, std::span<const float> of_ban
   for (const float value : of_bands) require(is_at_least_0(value));
 }
 
+/// Takes a ratio's numbers off the comment that has them.
 /// @throws Unusable
-std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerprint& wanted,
-                                          const std::string& name, MemoryBudget memory) {
+LightRatioCloud parse_ratio_comment(std::istringstream& words, std::size_t bands,
+                                    std::size_t& places) {
+  LightRatioCloud ratio{.bands = bands,
+                        .shape = std::vector<float>(LightRatioCloud::shape_terms * bands)};
+  require(words >> ratio.material >> places >> ratio.walks >> ratio.change >> ratio.error_left >>
+              ratio.least_exitance &&
+          places >= 1 && std::isfinite(ratio.change) && std::isfinite(ratio.error_left) &&
+          std::isfinite(ratio.least_exitance) && ratio.least_exitance >= 0.0f);
+  for (float& number : ratio.shape) require(words >> number && std::isfinite(number));
+  return ratio;
+}
+
+/// Takes the places of ratios off the end of a file.
+/// @param counts  [ratio], of its places
+/// @throws Unusable
+void parse_ratios(std::string_view rest, const std::vector<std::size_t>& counts,
+                  std::vector<LightRatioCloud>& ratios) {
+  for (std::size_t c = 0; c < ratios.size(); ++c) {
+    LightRatioCloud& ratio = ratios[c];
+    std::vector<float> v(fixed_numbers_of_ratio + LightRatioCloud::direction_terms * ratio.bands);
+    for (std::size_t i = 0; i < counts[c]; ++i) {
+      std::memcpy(v.data(), rest.data(), v.size() * sizeof(float));
+      rest.remove_prefix(v.size() * sizeof(float));
+      for (const float number : v) require(std::isfinite(number));
+      ratio.places.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]});
+      require(std::abs(length(ratio.places.back().normal) - 1.0f) < 1e-3f && v[6] > 0.0f);
+      ratio.ratios.insert(ratio.ratios.end(), v.begin() + fixed_numbers_of_ratio, v.end());
+    }
+  }
+}
+
+/// @throws Unusable
+KeptClouds parse_clouds(std::string bytes, const LightFingerprint& wanted, const std::string& name,
+                        MemoryBudget memory) {
   Lines lines(bytes);
   std::istringstream words;
   int found_version = 0;
@@ -190,15 +249,29 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
   }
   std::size_t bands = 0;
   require(lines.next("comment bands ", words) && words >> bands && bands >= 1 && bands <= 16);
+  std::vector<LightRatioCloud> ratios;
+  std::vector<std::size_t> places_of;  // [ratio]
+  std::size_t places = 0;
+  while (lines.next("comment ratio ", words)) {
+    ratios.push_back(parse_ratio_comment(words, bands, places_of.emplace_back()));
+    require(places_of.back() <= bytes.size() - places);
+    take_memory(memory, 2 * sizeof(LightRatioCloud), name + ": its header");
+    places += places_of.back();
+  }
+  const std::string end = ratio_lines(places, bands) + std::string(end_of_header);
   const std::string before_properties = "element vertex " + std::to_string(count) + "\n";
   const auto kind = std::ranges::find_if(kinds_of_files, [&](BandProperties properties) {
-    return lines.rest().starts_with(before_properties + property_lines(bands, properties));
+    return lines.rest().starts_with(before_properties + property_lines(bands, properties) + end);
   });
   require(kind != kinds_of_files.end());
-  lines.expect(before_properties + property_lines(bands, *kind));
+  lines.expect(before_properties + property_lines(bands, *kind) + end);
   const std::size_t stride = fixed_numbers + kind->size() * bands;
   std::string_view rest = lines.rest();
-  require(rest.size() == count * stride * sizeof(float));
+  const std::size_t stride_of_ratio =
+      places == 0 ? 0 : fixed_numbers_of_ratio + LightRatioCloud::direction_terms * bands;
+  require(rest.size() == (count * stride + places * stride_of_ratio) * sizeof(float));
+  take_memory(memory, places, 2 * stride_of_ratio * sizeof(float),
+              name + ": " + std::to_string(places) + " places");
   take_memory(memory, count, sizeof(CloudPoint) + 2 * kind->size() * bands * sizeof(float),
               name + ": " + std::to_string(count) + " points");
   std::vector<float> v(stride);
@@ -225,14 +298,16 @@ std::vector<IrradianceCloud> parse_clouds(std::string bytes, const LightFingerpr
       }
     }
   }
-  return clouds;
+  parse_ratios(rest, places_of, ratios);
+  return {.clouds = std::move(clouds), .ratios = std::move(ratios), .why_unusable = {}};
 }
 
 }  // namespace
 
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
+                            const std::vector<LightRatioCloud>& ratios,
                             const LightFingerprint& made_for, const std::filesystem::path& file) {
-  std::string bytes = header(clouds, made_for);
+  std::string bytes = header(clouds, ratios, made_for);
   const BandProperties properties = properties_of(clouds);
   std::vector<float> vertex;
   for (const IrradianceCloud& cloud : clouds)
@@ -259,6 +334,16 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
       }
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
     }
+  for (const LightRatioCloud& ratio : ratios) {
+    const std::size_t numbers = LightRatioCloud::direction_terms * ratio.bands;
+    for (std::size_t i = 0; i < ratio.places.size(); ++i) {
+      const auto& [p, n, spacing] = ratio.places[i];
+      vertex = {p.x, p.y, p.z, n.x, n.y, n.z, spacing};
+      const auto first = ratio.ratios.begin() + static_cast<std::ptrdiff_t>(i * numbers);
+      vertex.insert(vertex.end(), first, first + static_cast<std::ptrdiff_t>(numbers));
+      bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));
+    }
+  }
   const std::string sum = hexadecimal(cloud_checksum(bytes));
   bytes.replace(bytes.find("comment checksum ") + 17, sum.size(), sum);
   write_file_bytes(file, std::as_bytes(std::span(bytes)));
@@ -270,10 +355,9 @@ KeptClouds load_irradiance_clouds(const std::filesystem::path& file, const Light
   if (!bytes.starts_with(first_words))
     throw FileError(file.string() + ": must be a cache of light, but is another file");
   try {
-    return {.clouds = parse_clouds(std::move(bytes), wanted, file.string(), memory),
-            .why_unusable = {}};
+    return parse_clouds(std::move(bytes), wanted, file.string(), memory);
   } catch (const Unusable& unusable) {
-    return {.clouds = {}, .why_unusable = unusable.why};
+    return {.clouds = {}, .ratios = {}, .why_unusable = unusable.why};
   }
 }
 

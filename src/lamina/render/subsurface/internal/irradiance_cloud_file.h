@@ -14,17 +14,21 @@ namespace lamina {
 /// Writes the light on all translucent materials of a scene as one PLY file, binary: a vertex per
 /// sample with x y z [mm], nx ny nz, u v, area [mm²], red green blue (the material's colour),
 /// thickness [mm] (0: thick), material (its index), and of each band irradiance_0 …; of light that
-/// has spread exitance_0 …, reflectance_0 … and, of sheets, transmittance_0 … instead. What it was
-/// made for, and a checksum of all of the file, are said in comments.
+/// has spread exitance_0 …, reflectance_0 … and, of sheets, transmittance_0 … instead. Ratios to
+/// planar light are an element `ratio` of their own. What the file was made for, and a checksum of
+/// all of it, are said in comments.
 ///
 /// @param clouds  at least one, all of the same number of bands, and all spread or none
+/// @param ratios  any number, of the same bands
 /// @throws WriteError
 void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
+                            const std::vector<LightRatioCloud>& ratios,
                             const LightFingerprint& made_for, const std::filesystem::path& file);
 
 /// What such a file holds, or why that is of no use: it may be made anew in its place.
 struct KeptClouds {
   std::vector<IrradianceCloud> clouds;
+  std::vector<LightRatioCloud> ratios;
   std::string why_unusable;  ///< damaged, of another version, made for another scene; else empty
 };
 

@@ -57,7 +57,7 @@ AngularShape<N> fit_shape(const std::vector<std::vector<WalkedSample<N>>>& sampl
     SmallMatrix<count> matrix{};
     SmallVector<count> right{};
     for (const auto& of_place : samples)
-      for (const auto& [terms, walked, planar] : of_place) {
+      for (const auto& [terms, walked, planar, weight] : of_place) {
         const auto m = static_cast<double>(terms[1]);
         const SmallVector<count> powers = {1.0, m, m * m};
         for (std::size_t i = 0; i < count; ++i) {
@@ -70,6 +70,28 @@ AngularShape<N> fit_shape(const std::vector<std::vector<WalkedSample<N>>>& sampl
     for (std::size_t i = 0; i < count; ++i) shape[i][b] = static_cast<float>(found[i]);
   }
   return shape;
+}
+
+/// Scales a fit to the weighted mean of the samples, as far as that is known: by Stein's shrinkage.
+template <int N>
+void keep_mean(const std::vector<std::vector<WalkedSample<N>>>& samples, int bands,
+               CorrectionFit<N>& fit) {
+  BandValues<N> fitted, missing, squares;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    BandValues<N> missing_there;
+    for (const auto& [terms, walked, planar, weight] : samples[i]) {
+      const auto found = planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms);
+      fitted += weight * found;
+      missing_there += weight * (walked - found);
+    }
+    missing += missing_there;
+    squares += missing_there * missing_there;
+  }
+  for (int b = 0; b < bands; ++b) {
+    const float known = 1.0f - squares[b] / (missing[b] * missing[b]);
+    if (!(fitted[b] > 0.0f && known > 0.0f)) continue;
+    for (auto& term : fit.shape) term[b] *= std::max(1.0f + known * missing[b] / fitted[b], 0.0f);
+  }
 }
 
 }  // namespace
@@ -93,7 +115,7 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
   WalkedSums<N> all_walked;
   for (std::size_t i = 0; i < places; ++i) {
     for (std::size_t s = 0; s < samples[i].size(); ++s) {
-      const auto& [terms, of_walk, planar_alone] = samples[i][s];
+      const auto& [terms, of_walk, planar_alone, weight] = samples[i][s];
       const Bands of_planar = evaluate(fit.shape, terms) * planar_alone;
       flat[i] += planar_alone;
       planar[s % 2][i].add(terms, of_planar);
@@ -179,6 +201,7 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
     fit.error_left = std::sqrt(std::max(left - noise, noise) * area) / light;
   }
   fit.ratios = std::move(chosen.whole);
+  keep_mean(samples, bands, fit);
   return fit;
 }
 

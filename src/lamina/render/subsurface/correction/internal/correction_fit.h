@@ -14,6 +14,7 @@ template <int N>
 struct WalkedSample {
   DirectionTerms terms;
   BandValues<N> walked, planar;  ///< radiance times the area that the sample stands for
+  float weight = 1.0f;           ///< in the mean that the fit keeps
 };
 
 /// How light that leaves differs from that of the planar method, over the surface.
@@ -28,7 +29,8 @@ struct CorrectionFit {
 /// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place and
 /// band as the samples there ask for: of widths that double the number of places, the one that
 /// predicts best, fitted to either half of the samples, what the other half found around there. A
-/// narrow fit is drawn to the wider one in how it depends on direction.
+/// narrow fit is drawn to the wider one in how it depends on direction. The whole is scaled so that
+/// the weighted mean of the samples is met.
 ///
 /// @param areas    [place], that its samples stand for [mm²]; 0: not counted in `change` and
 ///                 `error_left`
