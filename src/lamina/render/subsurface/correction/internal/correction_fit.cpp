@@ -11,11 +11,14 @@ namespace lamina {
 namespace {
 
 /// Widths that are tried: 1, 2, 4 … steps of the graph.
-constexpr int widths = 8;
+constexpr int widths = 9;
 constexpr int steps_of_width(int width) { return 1 << width; }
 
 /// Steps by which what a half predicts is averaged.
 constexpr int steps_of_score = 24;
+
+/// Places that all of the surface counts as in that.
+constexpr float places_of_prior = 200.0f;
 
 /// Samples that the wider fit counts as in what a narrow one says of directions.
 constexpr double samples_of_prior = 1000.0;
@@ -94,6 +97,21 @@ void keep_mean(const std::vector<std::vector<WalkedSample<N>>>& samples, int ban
   }
 }
 
+/// Adds what all places together say of a width, for as much as `places_of_prior` of them count: what
+/// few noisy places say alone would often be wrong.
+template <int N>
+void add_score_of_all(const std::vector<PlanarSums<N>>& planar, std::vector<BandValues<N>>& score) {
+  BandValues<N> all, light = BandValues<N>::filled(1e-30f);
+  for (std::size_t i = 0; i < score.size(); ++i) {
+    all += score[i];
+    light += planar[i].of[0];
+  }
+  const float weight = places_of_prior /
+                       static_cast<float>(PlaceGraph::places_reached(steps_of_score));
+  for (std::size_t i = 0; i < score.size(); ++i)
+    score[i] += weight * (planar[i].of[0] / light) * all;
+}
+
 }  // namespace
 
 template <int N>
@@ -154,6 +172,7 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
                     2.0f * at_places.walked[1 - h][i].product(ratio);
       }
     });
+    add_score_of_all(at_places.planar, score);
     for (int step = 0; step < steps_of_score; ++step) score = graph.spread(score);
     const bool is_first = width == widths - 1;
     for (std::size_t i = 0; i < places; ++i)
