@@ -98,8 +98,8 @@ struct SubsurfaceSurface {
   ScalarParameter single_scattering_blur{.value = 0.0f};  ///< of it along the surface, standard
                                                           ///< deviation [mm]
   std::vector<LayerMap> maps;                             ///< for method layered_bsdf
-  std::vector<MaterialMap> material_maps;  ///< of the material's numbers, for texture_space and
-                                           ///< layered_bsdf
+  std::vector<MaterialMap> material_maps;  ///< of the material's numbers, for texture_space,
+                                           ///< layered_bsdf and random_walk
 };
 
 template <>  // "none" is where there is no color

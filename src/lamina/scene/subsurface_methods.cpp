@@ -108,13 +108,13 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .honours = {"subsurface.maps", "subsurface.layers", "exit_angle", "correct"},
       .numbers = texture_space_numbers},
      {.name = "random_walk",
-      .how = "follows light inside closed meshes, homogeneous or in layers by depth, under smooth "
-             "or rough boundaries, from body to body",
+      .how = "follows light inside closed meshes, homogeneous or in layers by depth, which may be "
+             "maps, under smooth or rough boundaries, from body to body",
       .noise = "falls with samples",
       .error = "nothing but noise, inside the model below",
       .needs = "closed meshes",
       .solves_transfer = true,
-      .honours = {"color", "color_use"}}});
+      .honours = {"color", "color_use", "subsurface.maps"}}});
 
 consteval SceneMethod built_in(std::string_view name) {
   return SceneMethod(*std::ranges::find(built_in_methods, name, &SubsurfaceMethodInfo::name));

@@ -29,6 +29,21 @@ void require_one_medium(const Scene& scene, const NestedDielectrics& bodies,
                          "\"; split it");
 }
 
+/// @throws InvalidInput if maps cannot be looked up
+void require_places_of_maps(const Scene& scene, std::uint32_t material) {
+  const auto& surface = std::get<SubsurfaceSurface>(scene.materials[material].surface);
+  if (surface.material_maps.empty()) return;
+  if (surface.color_use == SubsurfaceSurface::ColorUse::invert)
+    throw InvalidInput("material \"" + scene.materials[material].name +
+                       "\": random_walk takes maps of what it is made of, or a color that says "
+                       "what it absorbs, but not both");
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.uvs.empty() && std::ranges::find(mesh.material, material) != mesh.material.end())
+      throw InvalidInput("mesh \"" + mesh.name + "\": the maps of material \"" +
+                         scene.materials[material].name +
+                         "\" need texture coordinates, but it has none");
+}
+
 /// @throws InvalidInput for lights that no path finds through layers
 template <int N>
 void require_lights_with_area(const Scene& scene, const WalkLayers<N>& layers,
@@ -61,6 +76,7 @@ RandomWalk<N>::RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t mat
                                                   1e-30f)) {
   const Scene& scene = *media_->scene().scene;
   require_closed_meshes(scene, material);
+  require_places_of_maps(scene, material);
   if (medium_->is_homogeneous) return;
   require_one_medium(scene, media_->bodies(), material);
   require_lights_with_area(scene, medium_->layers, material);

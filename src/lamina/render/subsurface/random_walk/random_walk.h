@@ -19,8 +19,8 @@ template <int N>
 struct BodyMedium;
 
 /// Random walks over media, the reference for curved objects: volumetric path tracing inside closed
-/// meshes, through layers by depth, through rough boundaries and from body to body. No profile, no
-/// diffusion, no flatness.
+/// meshes, through layers by depth, which may be maps, through rough boundaries and from body to
+/// body. No profile, no diffusion, no flatness.
 ///
 /// Lights, and what is bright in the sky (LightSeen::next_event_share), are sampled by next-event
 /// estimation: from scattering events through a smooth boundary, on the path that Snell's law
@@ -41,7 +41,7 @@ class RandomWalk final : public SubsurfaceMethod<N> {
 
   /// @throws InvalidInput if a mesh of the material is open; if one has several media and the body
   ///         is not homogeneous by itself; for lights without an area over layers of different
-  ///         indices
+  ///         indices; for maps without texture coordinates
   RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t material);
 
   [[nodiscard]] bool prepare(const Preparation<N>& with) override {

@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "lamina/core/lazy_values.h"
+#include "lamina/render/subsurface/depth_layers/node_lattice.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/render/subsurface/random_walk/internal/node_lattice.h"
 
 namespace lamina {
 

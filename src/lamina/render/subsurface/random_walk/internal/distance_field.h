@@ -8,7 +8,7 @@
 
 #include "lamina/core/vec.h"
 #include "lamina/render/geometry/ray_geometry.h"
-#include "lamina/render/subsurface/random_walk/internal/node_lattice.h"
+#include "lamina/render/subsurface/depth_layers/node_lattice.h"
 
 namespace lamina {
 

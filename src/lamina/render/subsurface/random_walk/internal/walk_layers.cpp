@@ -10,6 +10,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/float_pi.h"
+#include "lamina/optics/henyey_greenstein.h"
 #include "lamina/optics/same_ior.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
@@ -20,6 +21,7 @@ namespace lamina {
 namespace {
 
 constexpr float huge = 1e9f;
+constexpr float least_crossing_cosine = 1e-6f;  // at which light crosses a sheet
 
 /// Nothing but an index, in the bands of the scene.
 Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
@@ -48,17 +50,18 @@ Material inside_mesh(const RenderScene& scene, const BandConversion<N>& conversi
   return colored_medium<N>(scene, conversion, material);
 }
 
-std::vector<float> thickness_of_layers(const Material& material) {
-  std::vector<float> thickness;
-  for (std::size_t i = 0; i + 1 < material.layers.size(); ++i)
-    thickness.push_back(static_cast<float>(material.layers[i].thickness));
-  return thickness;
+std::span<const MaterialMap> maps_of(const Scene& scene, std::uint32_t material) {
+  const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[material].surface);
+  if (!surface) return {};
+  return surface->material_maps;
 }
 
 NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
-                        const std::vector<float>& thickness) {
+                        const DepthLayers::Thickness& thickness) {
   const Box box = box_of_material(*scene.scene, material);
-  const float thinnest = thickness.empty() ? 1.0f : *std::ranges::min_element(thickness);
+  float thinnest = thickness.layers.empty() ? 1.0f : std::numeric_limits<float>::infinity();
+  for (const std::vector<float>& layer : thickness.layers)
+    thinnest = std::min(thinnest, *std::ranges::max_element(layer));
   return {box.low, box.high, thinnest, 5e5};
 }
 
@@ -67,36 +70,42 @@ NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion,
                           std::uint32_t material)
-    : WalkLayers(scene, material, inside_mesh<N>(scene, conversion, material)) {}
+    : WalkLayers(scene, material, with_sheets(inside_mesh<N>(scene, conversion, material))) {}
 
 template <int N>
-WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside)
-    : by_depth_(scene.geometry, scene.scene->meshes, material, thickness_of_layers(inside),
-                lattice_for(scene, material, thickness_of_layers(inside))),
-      bands_(static_cast<int>(inside.bands.size())) {
-  Material smooth = inside;  // what the phase functions are taken from has no rough boundaries
-  for (MaterialLayer& layer : smooth.layers) layer.top = {};
+WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material,
+                          const SheetedLayers& sheeted)
+    : maps_(make_layer_maps<N>(sheeted, maps_of(*scene.scene, material))),
+      by_depth_(scene.geometry, scene.scene->meshes, material, maps_.thickness,
+                lattice_for(scene, material, maps_.thickness)),
+      bands_(static_cast<int>(sheeted.layers.bands.size())) {
+  const Material& inside = sheeted.layers;
+  // What the phase functions are taken from has no rough boundaries.
+  Material whole = sheeted.whole, layers = inside;
+  for (Material* smooth : {&whole, &layers})
+    for (MaterialLayer& layer : smooth->layers) layer.top = {};
   std::vector<LayerStack> stacks;
   double ior = 0.0;
   for (std::size_t b = 0; b < inside.bands.size(); ++b) {
-    stacks.push_back(layer_stack(smooth, b));
+    stacks.push_back(layer_stack(layers, b));
     ior += inside.layers[0].ior[b] / inside.ior_above[b] / static_cast<double>(bands_);
     reflectance_[static_cast<int>(b)] =
-        static_cast<float>(material_totals(stacks.back()).reflectance);
+        static_cast<float>(material_totals(layer_stack(whole, b)).reflectance);
   }
   ior_ = static_cast<float>(ior);
   stack_ = make_first_order<N>(stacks);
-  least_extinction_ = Bands::filled(std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < inside.layers.size(); ++i) {
-    const Bands& sigma_t = stack_.layers[i].sigma_t;
-    Layer layer{.medium = make_walk_medium(stack_.layers[i].sigma_s, sigma_t, bands_)};
+    const auto& of_maps = maps_.layers[i];
+    const Bands& least = of_maps.least_extinction;
+    Layer layer{.medium =
+                    make_walk_medium(of_maps.sigma_s.front(), of_maps.sigma_t.front(), bands_)};
     for (const LayerStack& stack : stacks)
       layer.phases.push_back(phase_function(stack.layers()[i]));
     for (const PhaseFunction& phase : layer.phases)
       layer.is_same_phase = layer.is_same_phase && phase == layer.phases[0];
     layer.is_isotropic =
         layer.is_same_phase && layer.phases[0] == PhaseFunction(HenyeyGreenstein{.g = 0.0});
-    layer.least_extinction = *std::min_element(sigma_t.v, sigma_t.v + bands_);
+    layer.least_extinction = *std::min_element(least.v, least.v + bands_);
     layer.top = inside.layers[i].top;
     for (const double of_band : inside.layers[i].ior)
       layer.ior += static_cast<float>(of_band) / static_cast<float>(bands_);
@@ -108,8 +117,7 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
     if (i > 0)
       layer.least_depth =
           layers_[i - 1].least_depth +
-          layers_[i - 1].least_extinction * static_cast<float>(inside.layers[i - 1].thickness);
-    least_extinction_ = min(least_extinction_, sigma_t);
+          layers_[i - 1].least_extinction * (by_depth_.least_top(i) - by_depth_.least_top(i - 1));
     layers_.push_back(std::move(layer));
   }
 }
@@ -117,33 +125,83 @@ WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material, cons
 template <int N>
 float WalkLayers<N>::shortest_free_path() const {
   float most = 1e-6f;
-  for (const Layer& layer : layers_) most = std::max(most, largest(layer.medium.sigma_t));
+  for (const auto& layer : maps_.layers) most = std::max(most, largest(layer.most_extinction));
   return 1.0f / most;
 }
 
 template <int N>
-BandValues<N> WalkLayers<N>::optical_thickness(const Ray& ray, const DepthLayers::Place& start,
-                                               float length) const {
+BandValues<N> WalkLayers<N>::crossing_thickness(std::size_t from, const Crossing& crossing,
+                                                const Vec3f& direction) const {
+  const auto& layer = maps_.layers[std::max(from, crossing.place.layer)];
+  if (!layer.has_sheet()) return {};
+  const float cosine = std::abs(dot(direction, crossing.place.outward));
+  return (1.0f / std::max(cosine, least_crossing_cosine)) *
+         by_depth_.grid().around(crossing.place.uv).mean(layer.sheet);
+}
+
+template <int N>
+BandValues<N> WalkLayers<N>::optical_thickness(const Ray& ray, const Place& start, float length,
+                                               const Place& end) const {
   Bands sum;
-  by_depth_.for_parts(ray, start, length, [&](std::size_t layer, float part) {
-    const bool is_straight = layers_[layer].ior == layers_[start.layer].ior;
-    sum += is_straight ? part * layers_[layer].medium.sigma_t : Bands::filled(huge);
-    return is_straight;
-  });
+  by_depth_.for_parts(
+      ray, start, length, end,
+      [&](const Place& place, float part) {
+        sum += part * extinction(place.layer, start.uv);
+        return true;
+      },
+      [&](std::size_t from, const Crossing& crossing) {
+        const bool refracts = layers_[from].ior != layers_[crossing.place.layer].ior;
+        sum += refracts ? Bands::filled(huge) : crossing_thickness(from, crossing, ray.direction);
+        return !refracts;
+      });
   return sum;
 }
 
 template <int N>
-float WalkLayers<N>::least_optical_depth(const DepthLayers::Place& place) const {
-  const Layer& layer = layers_[place.layer];
-  return layer.least_depth +
-         layer.least_extinction * std::max(place.depth - by_depth_.top(place.layer), 0.0f);
+BandValues<N> WalkLayers<N>::sample_residual(const Ray& ray, const Place& start, float length,
+                                             const Place& end, Random& random) const {
+  Bands ratio = Bands::filled(1.0f);
+  if (!has_maps()) return ratio;
+  float begin = 0.0f;
+  const auto along = [&](const Place& place, float part) {
+    const std::size_t layer = place.layer;
+    const float from = begin;
+    begin += part;
+    if (!is_mapped(layer)) return true;
+    const Bands expected = extinction(layer, start.uv);
+    const float most =
+        largest(maps_.layers[layer].most_extinction - maps_.layers[layer].least_extinction);
+    if (!(most > 0.0f)) return true;
+    for (float t = 0.0f;;) {
+      t -= std::log(1.0f - random.uniform_float()) / most;
+      if (t > part) return true;
+      const Place here = by_depth_.at(ray.origin + (from + t) * ray.direction, place);
+      ratio *= Bands::filled(1.0f) - (1.0f / most) * (extinction(layer, here.uv) - expected);
+    }
+  };
+  by_depth_.for_parts(ray, start, length, end, along,
+                      [&](std::size_t from, const Crossing& crossing) {
+                        return layers_[from].ior == layers_[crossing.place.layer].ior;
+                      });
+  return ratio;
 }
 
 template <int N>
-BandValues<N> WalkLayers<N>::phase(std::size_t layer, float one_minus_cos) const {
-  if (layers_[layer].is_isotropic) return Bands::filled(0.25f / float_pi);
-  return layer_phase(stack_, stack_.layers[layer], Bands::filled(one_minus_cos));
+float WalkLayers<N>::least_optical_depth(const Place& place) const {
+  const Layer& layer = layers_[place.layer];
+  return layer.least_depth +
+         layer.least_extinction * std::max(place.depth - by_depth_.least_top(place.layer), 0.0f);
+}
+
+template <int N>
+BandValues<N> WalkLayers<N>::phase(const Place& place, float one_minus_cos) const {
+  if (const auto& g = maps_.layers[place.layer].g; !g.empty()) {
+    Bands result;
+    for (int b = 0; b < N; ++b) result[b] = henyey_greenstein(g[place.texel][b], one_minus_cos);
+    return result;
+  }
+  if (layers_[place.layer].is_isotropic) return Bands::filled(0.25f / float_pi);
+  return layer_phase(stack_, stack_.layers[place.layer], Bands::filled(one_minus_cos));
 }
 
 template <int N>
@@ -156,20 +214,26 @@ BandValues<N> WalkLayers<N>::mean_cosine(std::size_t layer) const {
 }
 
 template <int N>
-void WalkLayers<N>::sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const {
-  const std::vector<PhaseFunction>& phases = layers_[layer].phases;
-  const bool is_same = layers_[layer].is_same_phase;
+void WalkLayers<N>::sample_phase(const Place& place, WalkPath<N>& path,
+                                 WalkNumbers& numbers) const {
+  const Layer& layer = layers_[place.layer];
+  const auto& g = maps_.layers[place.layer].g;
+  const bool is_same = layer.is_same_phase && g.empty();
   const Vec2f u = numbers.pair();
   const float phi = 2.0f * float_pi * u.y;
-  if (layers_[layer].is_isotropic) {
+  if (layer.is_isotropic && g.empty()) {
     const float z = 1.0f - 2.0f * u.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
     path.ray.direction = {r * std::cos(phi), r * std::sin(phi), z};
     return;
   }
   const int band =
       is_same ? 0 : sample_band(path.throughput, bands_, numbers.stream().uniform_float());
-  const double cosine = sample_cos_theta(phases[static_cast<std::size_t>(band)],
-                                         static_cast<double>(u.x), numbers.stream().uniform());
+  const double second = numbers.stream().uniform();
+  const double cosine =
+      g.empty() ? sample_cos_theta(layer.phases[static_cast<std::size_t>(band)],
+                                   static_cast<double>(u.x), second)
+                : 1.0 - sample_henyey_greenstein(static_cast<double>(g[place.texel][band]),
+                                                 static_cast<double>(u.x));
   const auto cos_theta = static_cast<float>(cosine),
              one_minus_cos = static_cast<float>(1.0 - cosine);
   const float sin_theta = std::sqrt(one_minus_cos * (1.0f + cos_theta));
@@ -177,7 +241,7 @@ void WalkLayers<N>::sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbe
   path.ray.direction =
       normalize(frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta}));
   if (is_same) return;
-  const Bands turned = path.throughput * phase(layer, one_minus_cos);
+  const Bands turned = path.throughput * phase(place, one_minus_cos);
   float before = 0.0f, density = 0.0f;
   for (int b = 0; b < bands_; ++b) {
     before += path.throughput[b];

@@ -9,7 +9,8 @@
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/random_walk/internal/depth_layers.h"
+#include "lamina/render/subsurface/depth_layers/depth_layers.h"
+#include "lamina/render/subsurface/depth_layers/layer_maps.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_path.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
@@ -17,18 +18,45 @@
 namespace lamina {
 
 /// The medium inside the meshes of one translucent or dielectric material: layers by depth, each
-/// with an index of refraction of its own. The last layer fills the rest.
+/// with an index of refraction of its own; thickness, coefficients and absorbing sheets between
+/// layers may be maps. The last layer fills the rest.
 template <int N>
 class WalkLayers {
  public:
   using Bands = BandValues<N>;
+  using Place = DepthLayers::Place;
+  using Crossing = DepthLayers::Crossing;
 
   WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material);
 
   [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
+  /// Of a layer without maps.
   [[nodiscard]] const WalkMedium<N>& medium(std::size_t layer) const {
     return layers_[layer].medium;
   }
+  /// Whether the coefficients of a layer are maps; or of any.
+  [[nodiscard]] bool is_mapped(std::size_t layer) const { return maps_.layers[layer].is_mapped(); }
+  [[nodiscard]] bool has_maps() const { return maps_.is_mapped(); }
+  /// The largest of each band in a layer [1/mm].
+  [[nodiscard]] const Bands& most_extinction(std::size_t layer) const {
+    return maps_.layers[layer].most_extinction;
+  }
+  struct Coefficients {
+    const Bands &sigma_s, &sigma_t;  ///< [1/mm]
+  };
+  /// At the texel of a place.
+  [[nodiscard]] Coefficients coefficients(const Place& place) const {
+    const auto& [sigma_s, sigma_t, g, sheet, most, least] = maps_.layers[place.layer];
+    return {sigma_s[sigma_s.size() > 1 ? place.texel : 0],
+            sigma_t[sigma_t.size() > 1 ? place.texel : 0]};
+  }
+  [[nodiscard]] std::size_t sample_texel(const Place& place, float u) const {
+    return by_depth_.grid().sample(place.uv, u);
+  }
+  /// What a crossing from one layer to the next leaves over, in optical thickness: that of the
+  /// absorbing sheet there, aslant.
+  [[nodiscard]] Bands crossing_thickness(std::size_t from, const Crossing& crossing,
+                                         const Vec3f& direction) const;
   [[nodiscard]] int bands() const { return bands_; }
   [[nodiscard]] float ior() const { return ior_; }  ///< of the first layer over that outside
   [[nodiscard]] float own_ior(std::size_t layer) const { return layers_[layer].ior; }
@@ -40,23 +68,30 @@ class WalkLayers {
   /// Of the flux that enters flat layers.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
-  /// Along a straight segment inside; huge where a boundary of layers refracts.
-  [[nodiscard]] Bands optical_thickness(const Ray& ray, const DepthLayers::Place& start,
-                                        float length) const;
+  /// Along a straight segment inside; huge where a boundary of layers refracts. Coefficients that
+  /// are maps count as those at the texture coordinates of the start.
+  [[nodiscard]] Bands optical_thickness(const Ray& ray, const Place& start, float length,
+                                        const Place& end) const;
+  /// An unbiased estimate of the transmittance of a segment over exp(-optical_thickness), which is
+  /// 1 without maps. Source: residual ratio tracking, [Novak2014] Eq. 12.
+  [[nodiscard]] Bands sample_residual(const Ray& ray, const Place& start, float length,
+                                      const Place& end, Random& random) const;
   /// A lower bound, for the shortest way out in the band where it is least.
-  [[nodiscard]] float least_optical_depth(const DepthLayers::Place& place) const;
+  [[nodiscard]] float least_optical_depth(const Place& place) const;
 
-  /// The least extinction that a band has in any layer [1/mm].
-  [[nodiscard]] float least_extinction(int band) const { return least_extinction_[band]; }
-
-  [[nodiscard]] Bands phase(std::size_t layer, float one_minus_cos) const;
-  [[nodiscard]] Bands mean_cosine(std::size_t layer) const;  ///< of the phase function
+  [[nodiscard]] Bands phase(const Place& place, float one_minus_cos) const;
+  [[nodiscard]] Bands mean_cosine(std::size_t layer) const;  ///< of a layer's phase function
   /// Samples the phase function of a band, each in proportion to its throughput; all bands count by
   /// the density of the mixture.
-  void sample_phase(std::size_t layer, WalkPath<N>& path, WalkNumbers& numbers) const;
+  void sample_phase(const Place& place, WalkPath<N>& path, WalkNumbers& numbers) const;
 
  private:
-  WalkLayers(const RenderScene& scene, std::uint32_t material, const Material& inside);
+  WalkLayers(const RenderScene& scene, std::uint32_t material, const SheetedLayers& sheeted);
+  /// The extinction of a layer at texture coordinates.
+  [[nodiscard]] Bands extinction(std::size_t layer, Vec2f uv) const {
+    const auto& sigma_t = maps_.layers[layer].sigma_t;
+    return sigma_t.size() == 1 ? sigma_t[0] : by_depth_.grid().around(uv).mean(sigma_t);
+  }
 
   struct Layer {
     WalkMedium<N> medium;
@@ -69,10 +104,11 @@ class WalkLayers {
     float least_depth = 0.0f;       ///< optical, of its top in the band where it is least
     float least_extinction = 0.0f;  ///< of the bands [1/mm]
   };
+  LayerMaps<N> maps_;
   DepthLayers by_depth_;
   std::vector<Layer> layers_;
   FirstOrderStack<Bands> stack_;
-  Bands reflectance_, least_extinction_;
+  Bands reflectance_;
   int bands_;
   float ior_ = 0.0f;
 };

@@ -36,7 +36,8 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
       glass(std::get_if<DielectricSurface>(&scene.scene->materials[material].surface)),
       is_rough(is_rough_boundary(layers.boundary(0), layers.ior())),
       has_neighbors(bodies.is_near_others(material)),
-      is_homogeneous(layers.by_depth().count() == 1 && !is_rough && !has_neighbors) {
+      is_homogeneous(layers.by_depth().count() == 1 && !layers.has_maps() && !is_rough &&
+                     !has_neighbors) {
   if (is_homogeneous)
     field = std::make_unique<RadianceField<N>>(interior, next_event, layers.medium(0),
                                                layers.mean_cosine(0));
@@ -54,6 +55,7 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
     if (std::holds_alternative<SubsurfaceSurface>(surface) ||
         (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
       of_material_[i] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, i);
+    has_maps_ = has_maps_ || (of_material_[i] && of_material_[i]->layers.has_maps());
   }
 }
 
@@ -64,9 +66,12 @@ const BodyMedium<N>* WalkMedia<N>::medium_in(const InteriorList& interior) const
 }
 
 template <int N>
-MediaPlace<N> WalkMedia<N>::place(const InteriorList& interior, const Vec3f& position) const {
+MediaPlace<N> WalkMedia<N>::place(const InteriorList& interior, const Vec3f& position,
+                                  const MediaPlace<N>& near) const {
   MediaPlace<N> place{.interior = interior, .medium = medium_in(interior)};
-  if (place.medium) place.depth = place.medium->layers.by_depth().at(position);
+  if (place.medium)
+    place.depth = place.medium->layers.by_depth().at(
+        position, near.medium == place.medium ? near.depth : DepthLayers::Place());
   return place;
 }
 
@@ -102,24 +107,47 @@ typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& ray,
 }
 
 template <int N>
-BandValues<N> WalkMedia<N>::optical_thickness(const Ray& ray, const MediaPlace<N>& start,
-                                              float length) const {
-  if (!start.medium->has_neighbors)
-    return start.medium->layers.optical_thickness(ray, start.depth, length);
+template <class OnBody>
+void WalkMedia<N>::for_bodies(const Ray& ray, const MediaPlace<N>& start, float length,
+                              const OnBody& on_body) const {
+  const auto add = [&](const MediaPlace<N>& here, float begin, float end) {
+    const WalkLayers<N>& layers = here.medium->layers;
+    const Vec3f from = ray.origin + begin * ray.direction, to = ray.origin + end * ray.direction;
+    on_body(layers, Ray{from, ray.direction}, here.depth, end - begin,
+            layers.by_depth().at(to, here.depth));
+  };
+  if (!start.medium->has_neighbors) return add(start, 0.0f, length);
   MediaPlace<N> here = start;
-  Bands sum;
   float begin = 0.0f, t_near = 0.0f;
   for (int i = 0; i < most_bodies; ++i) {
     const Surface surface = next_surface(ray, here, t_near, length);
-    const Vec3f from = ray.origin + begin * ray.direction;
-    sum += here.medium->layers.optical_thickness({from, ray.direction}, here.depth,
-                                                 std::min(surface.hit.distance, length) - begin);
+    add(here, begin, std::min(surface.hit.distance, length));
     if (!surface.passes) break;
     begin = surface.hit.distance;
     t_near = distance_behind(surface.hit, surface.point);
     here = surface.beyond;
   }
+}
+
+template <int N>
+BandValues<N> WalkMedia<N>::optical_thickness(const Ray& ray, const MediaPlace<N>& start,
+                                              float length) const {
+  Bands sum;
+  for_bodies(ray, start, length, [&](const WalkLayers<N>& layers, const auto&... segment) {
+    sum += layers.optical_thickness(segment...);
+  });
   return sum;
+}
+
+template <int N>
+BandValues<N> WalkMedia<N>::sample_residual(const Ray& ray, const MediaPlace<N>& start,
+                                            float length, Random& random) const {
+  Bands ratio = Bands::filled(1.0f);
+  if (has_maps_)
+    for_bodies(ray, start, length, [&](const WalkLayers<N>& layers, const auto&... segment) {
+      ratio *= layers.sample_residual(segment..., random);
+    });
+  return ratio;
 }
 
 template <int N>

@@ -27,7 +27,8 @@ struct BodyMedium {
   const DielectricSurface* glass;  ///< null: translucent
   bool is_rough;                   ///< its boundary to the outside
   bool has_neighbors;              ///< other bodies may touch, overlap or hold its own
-  /// One layer under a smooth boundary, without neighbours: BodyInterior::advance takes paths from
+  /// One layer without maps under a smooth boundary, without neighbours: BodyInterior::advance
+  /// takes paths from
   /// event to event.
   bool is_homogeneous;
   /// Optional, a control variate: absent where it cannot be solved, which is where the medium is
@@ -64,7 +65,9 @@ class WalkMedia {
   }
   /// The medium of the body of highest priority; null outside of all.
   [[nodiscard]] const BodyMedium<N>* medium_in(const InteriorList& interior) const;
-  [[nodiscard]] MediaPlace<N> place(const InteriorList& interior, const Vec3f& position) const;
+  /// @param near  a place beside it: so it is found more quickly
+  [[nodiscard]] MediaPlace<N> place(const InteriorList& interior, const Vec3f& position,
+                                    const MediaPlace<N>& near = MediaPlace<N>()) const;
 
   /// Where a path enters, refracted from the eye; absent if it does not.
   struct Entry {
@@ -85,9 +88,12 @@ class WalkMedia {
   [[nodiscard]] Surface next_surface(const Ray& ray, const MediaPlace<N>& start, float t_near,
                                      float t_far) const;
 
-  /// Along a straight segment through media of one index.
+  /// Along a straight segment through media of one index; as WalkLayers::optical_thickness.
   [[nodiscard]] Bands optical_thickness(const Ray& ray, const MediaPlace<N>& start,
                                         float length) const;
+  /// What maps make of its transmittance; as WalkLayers::sample_residual.
+  [[nodiscard]] Bands sample_residual(const Ray& ray, const MediaPlace<N>& start, float length,
+                                      Random& random) const;
 
   /// Where a ray through media of one index leaves all bodies by a smooth boundary.
   [[nodiscard]] std::optional<BoundaryHit> find_boundary(const Ray& ray,
@@ -99,9 +105,16 @@ class WalkMedia {
                                               const Vec3f& direction) const;
 
  private:
+  /// Cuts a straight segment at the surfaces that light passes in a straight line: calls
+  /// `on_body(layers, ray, start, length, end)` for each body.
+  template <class OnBody>
+  void for_bodies(const Ray& ray, const MediaPlace<N>& start, float length,
+                  const OnBody& on_body) const;
+
   const RenderScene& scene_;
   const BandConversion<N>& conversion_;
   NestedDielectrics bodies_;
+  bool has_maps_ = false;
   std::vector<std::unique_ptr<BodyMedium<N>>> of_material_;  ///< [material]
 };
 

@@ -54,10 +54,12 @@ BandValues<N> Walker<N>::trace() {
         goes_on = scatter();
         break;
       case Step::End::layer:
-        meet_layer(step.layer);
+        meet_layer(step.crossing);
         break;
       case Step::End::surface:
         goes_on = meet_surface(step.surface);
+        break;
+      case Step::End::passed:
         break;
       case Step::End::lost:
         goes_on = false;
@@ -89,7 +91,7 @@ typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N
   // In detail at the first event only: most light comes from there.
   Expectation expected{.field = field.at(path_.ray.origin, is_first, light_)};
   const Bands phase = medium.layers.phase(
-      place_.depth.layer, std::max(1.0f - dot(expected.field.to_light, direction), 0.0f));
+      place_.depth, std::max(1.0f - dot(expected.field.to_light, direction), 0.0f));
   expected.direct = phase * expected.field.direct_fluence;
   const Bands radiance =
       path_.throughput * (expected.direct + field.mean_scattered(expected.field, direction));
@@ -139,7 +141,7 @@ bool Walker<N>::scatter() {
         (1.0f / expected.next_event) * path_.throughput * (sample_direct_light() - expected.direct);
   if (!(random.uniform_float() < expected.continuation)) return false;
   path_.throughput *= 1.0f / expected.continuation;
-  layers.sample_phase(place_.depth.layer, path_, numbers_);
+  layers.sample_phase(place_.depth, path_, numbers_);
   if (field)
     radiance_ +=
         (-1.0f * path_.throughput) * field->scattered_along(expected.field, path_.ray.direction);

@@ -33,11 +33,13 @@ class Walker {
  private:
   using Place = MediaPlace<N>;
   using Surface = typename WalkMedia<N>::Surface;
-  /// What a path comes to: a scattering event, a surface, or a layer of another index.
+  using Crossing = DepthLayers::Crossing;
+  /// What a path comes to: a scattering event, a surface that reflects or refracts it, one that it
+  /// has passed, or a layer of another index.
   struct Step {
-    enum class End { event, surface, layer, lost } end = End::lost;
-    Surface surface;
-    std::size_t layer = 0;
+    enum class End { event, surface, passed, layer, lost } end = End::lost;
+    Surface surface = {};
+    Crossing crossing = {};
   };
 
   // walker.cpp: scattering events. False where the path ends.
@@ -46,11 +48,34 @@ class Walker {
   struct Expectation;
   [[nodiscard]] Expectation add_expectation(const RadianceField<N>& field);
 
-  // walker_steps.cpp: from one event, surface or layer to the next. Samples as
-  // BodyInterior::advance does; at the end `place_` is that of the path's new origin.
+  // walker_steps.cpp: from one event, surface or layer to the next; at the end `place_` is that of
+  // the path's new origin.
+  //
+  // Weighted delta tracking by the largest extinction of a layer: a free path is sampled for one
+  // band, and so is whether light is scattered at its end or passes for maps have less there. All
+  // bands count by the density of their mixture, so that the throughput summed over them never
+  // grows. Sources: [Wilkie2014], [Kutz2017] §5.
   [[nodiscard]] Step advance();
   [[nodiscard]] bool meet_surface(const Surface& surface);
-  void meet_layer(std::size_t next);
+  void meet_layer(const Crossing& crossing);
+  /// Throughput over the density of the mixture of bands of what was sampled.
+  ///
+  /// @param density  of each band
+  /// @return         false: beyond what floats hold
+  [[nodiscard]] bool weigh(const Bands& value, const Bands& density);
+  /// What a path comes to at the end of a free path by the largest extinction of a layer: a
+  /// scattering event, or nothing.
+  ///
+  /// @param passing  transmittance of the free path, but for a factor
+  /// @param most     the largest extinction
+  enum class Collision { real, none, lost };
+  [[nodiscard]] Collision collide(const Bands& passing, const Bands& most);
+  /// The next surface before an end of the path's ray, as far as it is not known.
+  struct Ahead {
+    Surface surface;
+    float clear;  ///< no surface is nearer, but that [mm]
+  };
+  void look_ahead(float end, float free_path, Ahead& ahead) const;
   /// The path has turned at a surface.
   void restart();
 

@@ -32,7 +32,7 @@ template <int N>
 BandValues<N> Walker<N>::scattered_along(const Vec3f& direction, float length) const {
   const Ray& last = path_.last.ray;
   return exp_minus(media_.optical_thickness({last.origin, direction}, last_place_, length)) *
-         last_place_.medium->layers.phase(last_place_.depth.layer,
+         last_place_.medium->layers.phase(last_place_.depth,
                                           one_minus_cos(direction, last.direction));
 }
 
@@ -50,8 +50,11 @@ BandValues<N> Walker<N>::sample_direct_light() {
   medium.next_event.sample_light(
       origin, u_light, {u, random.uniform_float()}, light_,
       [&](const RefractedLight<N>& sample) {
-        const Bands scattered = scattered_along(sample.entry.to_surface, sample.entry.length);
-        found += mis_weight(scattered, sample.pdf) * scattered * sample.unattenuated;
+        const Vec3f& direction = sample.entry.to_surface;
+        const float length = sample.entry.length;
+        const Bands scattered = scattered_along(direction, length);
+        found += mis_weight(scattered, sample.pdf) * scattered * sample.unattenuated *
+                 media_.sample_residual({origin, direction}, last_place_, length, random);
       },
       medium.has_neighbors ? &find_boundary : nullptr);
   return found;

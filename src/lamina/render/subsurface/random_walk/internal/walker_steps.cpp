@@ -8,110 +8,161 @@
 namespace lamina {
 namespace {
 
-constexpr int most_bodies_of_ray = 1000;  // along one ray
+constexpr int most_flights = 100'000;  // from one event or surface to the next
+constexpr float far = 1e9f;
 
 }  // namespace
 
 template <int N>
-typename Walker<N>::Step Walker<N>::advance() {
+bool Walker<N>::weigh(const Bands& value, const Bands& density) {
   const int bands = place_.medium->layers.bands();
-  const Vec2f u = numbers_.pair();
-  const int band = sample_band(path_.throughput, bands, u.x);
-  float left = -std::log(1.0f - u.y);  // optical, in the band
-  Bands extinction;
-  const WalkMedium<N>* scatterer = nullptr;
-  Step step;
-  float begin = 0.0f;  // of the segment in one body
-  float t_near = path_.has_scattered ? 0.0f : least_distance(media_.scene());
-  for (int bodies = 0; bodies < most_bodies_of_ray; ++bodies) {
-    const WalkLayers<N>& layers = place_.medium->layers;
-    const float least = layers.least_extinction(band);
-    const float t_far = least > 0.0f ? begin + 1.001f * left / least : 1e9f;
-    Surface surface;
-    if (!(t_far < path_.clearance)) surface = media_.next_surface(path_.ray, place_, t_near, t_far);
-    if (!surface.hit.is_hit() && !(least > 0.0f)) return {};  // through a hole
-    float end = begin;
-    const std::size_t first = place_.depth.layer;
-    const Ray rest{path_.ray.origin + begin * path_.ray.direction, path_.ray.direction};
-    layers.by_depth().for_parts(rest, place_.depth, std::min(surface.hit.distance, t_far) - begin,
-                                [&](std::size_t layer, float part) {
-                                  if (layers.own_ior(layer) != layers.own_ior(first)) {
-                                    step = {Step::End::layer, {}, layer};
-                                    return false;
-                                  }
-                                  place_.depth.layer = layer;
-                                  const WalkMedium<N>& here = layers.medium(layer);
-                                  const float whole = part * here.sigma_t[band];
-                                  if (left < whole) {
-                                    scatterer = &here;
-                                    part *= left / whole;
-                                  }
-                                  left -= whole;
-                                  end += part;
-                                  extinction += part * here.sigma_t;
-                                  return !scatterer;
-                                });
-    if (scatterer) {
-      path_.ray.origin += end * path_.ray.direction;
-      place_.depth = layers.by_depth().at(path_.ray.origin);
-      path_.clearance = std::max(place_.medium->interior.distance().at(path_.ray.origin), 0.0f);
-      path_.has_scattered = true;
-      step.end = Step::End::event;
-      break;
-    }
-    if (step.end == Step::End::layer) {
-      path_.ray.origin += end * path_.ray.direction;
-      break;
-    }
-    if (!surface.hit.is_hit()) return {};
-    if (!surface.passes) {
-      step = {Step::End::surface, surface};
-      break;
-    }
-    begin = surface.hit.distance;
-    t_near = distance_behind(surface.hit, surface.point);
-    place_ = surface.beyond;
-  }
-
-  // exp(-extinction) of each band; what all share cancels.
-  const float shared = *std::min_element(extinction.v, extinction.v + bands);
-  Bands passing = exp_minus(extinction - Bands::filled(shared)) * path_.throughput;
-  const Bands density = scatterer ? scatterer->sigma_t * passing : passing;
-  if (scatterer) passing *= scatterer->sigma_s;
+  const Bands weighted = path_.throughput * density;
   float throughput = 0.0f, density_of_mixture = 0.0f;
   for (int b = 0; b < bands; ++b) {
     throughput += path_.throughput[b];
-    density_of_mixture += density[b];
+    density_of_mixture += weighted[b];
   }
-  if (!(density_of_mixture > 0.0f)) return {};  // beyond what floats hold
-  path_.throughput = (throughput / density_of_mixture) * passing;
-  return step;
+  if (!(density_of_mixture > 0.0f)) return false;
+  path_.throughput = (throughput / density_of_mixture) * path_.throughput * value;
+  return true;
+}
+
+template <int N>
+void Walker<N>::look_ahead(float end, float free_path, Ahead& ahead) const {
+  if (end < ahead.clear || ahead.surface.hit.is_hit()) return;
+  const DistanceField& distance = place_.medium->interior.distance();
+  const auto around = [&] { return distance.at(path_.ray.origin + end * path_.ray.direction); };
+  if (ahead.clear > 0.0f && end < ahead.clear + std::max(around(), 0.0f)) return;
+  // Where light may pass on, a ray goes further.
+  const float t_far = 1.001f * end + free_path;
+  const float t_near = path_.has_scattered ? 0.0f : least_distance(media_.scene());
+  ahead.surface = media_.next_surface(path_.ray, place_, t_near, t_far);
+  ahead.clear = std::min(ahead.surface.hit.distance, t_far);
+}
+
+template <int N>
+typename Walker<N>::Step Walker<N>::advance() {
+  using End = Step::End;
+  const WalkLayers<N>& layers = place_.medium->layers;
+  const DepthLayers& by_depth = layers.by_depth();
+  const auto point = [&](float t) { return path_.ray.origin + t * path_.ray.direction; };
+  Ahead ahead{{}, path_.clearance};
+  float begin = 0.0f;
+  for (int flights = 0; flights < most_flights; ++flights) {
+    const std::size_t layer = place_.depth.layer;
+    const Bands& most = layers.most_extinction(layer);
+    const Vec2f u = numbers_.pair();
+    const int band = sample_band(path_.throughput, layers.bands(), u.x);
+    const float free_path = most[band] > 0.0f ? 1.0f / most[band] : far;
+    const float drawn = std::min(-std::log(1.0f - u.y) * free_path, far);
+    const bool is_last = layer + 1 == by_depth.count();
+    const float flight = is_last ? drawn : std::min(drawn, by_depth.longest_above());
+    look_ahead(begin + flight, layers.is_mapped(layer) ? 2.0f * free_path : 0.0f, ahead);
+    const Surface& surface = ahead.surface;
+    const bool is_stopped = surface.hit.is_hit() && surface.hit.distance <= begin + flight;
+    if (!is_stopped && flight == far) return {};  // through a hole
+    const float end = is_stopped ? surface.hit.distance : begin + flight;
+    const typename DepthLayers::Place there =
+        is_stopped ? by_depth.at_surface(surface.point.position, surface.hit, place_.depth)
+                   : by_depth.at(point(end), place_.depth);
+    const auto crossing = by_depth.first_crossing({point(begin), path_.ray.direction}, place_.depth,
+                                                  end - begin, there);
+    const float length = crossing ? crossing->distance : end - begin;
+    // exp(-extinction) of each band; what all share cancels.
+    const float least = *std::min_element(most.v, most.v + layers.bands());
+    Bands passing = exp_minus(length * (most - Bands::filled(least)));
+    if (crossing) {
+      if (!weigh(passing, passing)) return {};
+      if (layers.own_ior(layer) != layers.own_ior(crossing->place.layer)) {
+        path_.ray.origin = point(begin + length);
+        return {.end = End::layer, .crossing = *crossing};
+      }
+      path_.throughput *=
+          exp_minus(layers.crossing_thickness(layer, *crossing, path_.ray.direction));
+      place_.depth = crossing->place;
+      begin += length;
+      continue;
+    }
+    place_.depth = there;
+    begin = end;
+    if (is_stopped || flight < drawn) {
+      if (!weigh(passing, passing)) return {};
+      if (!is_stopped) continue;
+      if (!surface.passes) return {.end = End::surface, .surface = surface};
+      path_.ray.origin = surface.point.position;
+      place_ = surface.beyond;
+      path_.has_scattered = false;
+      path_.clearance = 0.0f;
+      return {.end = End::passed};
+    }
+    const Collision collision = collide(passing, most);
+    if (collision == Collision::lost) return {};
+    if (collision == Collision::none) continue;
+    path_.ray.origin = point(begin);
+    path_.clearance = std::max(place_.medium->interior.distance().at(path_.ray.origin), 0.0f);
+    path_.has_scattered = true;
+    return {.end = End::event};
+  }
+  return {};
+}
+
+template <int N>
+typename Walker<N>::Collision Walker<N>::collide(const Bands& passing, const Bands& most) {
+  const WalkLayers<N>& layers = place_.medium->layers;
+  Random& random = numbers_.stream();
+  const bool is_mapped = layers.is_mapped(place_.depth.layer);
+  if (is_mapped) place_.depth.texel = layers.sample_texel(place_.depth, random.uniform_float());
+  const auto [sigma_s, sigma_t] = layers.coefficients(place_.depth);
+  const auto of = [](bool is_held, Collision collision) {
+    return is_held ? collision : Collision::lost;
+  };
+  if (!is_mapped) return of(weigh(passing * sigma_s, passing * sigma_t), Collision::real);
+  if (!weigh(most * passing, most * passing)) return Collision::lost;
+  const Bands per_most = Bands::filled(1.0f) / max(most, Bands::filled(1e-30f));
+  const Bands share = sigma_t * per_most;
+  float throughput = 0.0f, real = 0.0f;
+  for (int b = 0; b < layers.bands(); ++b) {
+    throughput += path_.throughput[b];
+    real += path_.throughput[b] * share[b];
+  }
+  if (random.uniform_float() * throughput < real)
+    return of(weigh(sigma_s * per_most, share), Collision::real);
+  const Bands rest = max(Bands::filled(1.0f) - share, Bands{});
+  return of(weigh(rest, rest), Collision::none);
 }
 
 template <int N>
 void Walker<N>::restart() {
   path_.has_scattered = false;
   path_.clearance = 0.0f;
-  place_ = media_.place(place_.interior, path_.ray.origin);
+  place_ = media_.place(place_.interior, path_.ray.origin, place_);
 }
 
 template <int N>
-void Walker<N>::meet_layer(std::size_t next) {
+void Walker<N>::meet_layer(const Crossing& crossing) {
   const WalkLayers<N>& layers = place_.medium->layers;
-  const Vec3f outward = layers.by_depth().outward(path_.ray.origin);
+  const std::size_t here = place_.depth.layer, next = crossing.place.layer;
+  const std::size_t deeper = std::max(here, next);
+  const Vec3f& outward = crossing.place.outward;
   const SurfacePoint point{.position = path_.ray.origin,
                            .geometric_normal = outward,
                            .smooth_normal = outward,
                            .normal = outward};
-  const std::size_t here = place_.depth.layer, deeper = std::max(here, next);
+  const auto cross_sheet = [&] {
+    path_.throughput *= exp_minus(layers.crossing_thickness(here, crossing, path_.ray.direction));
+  };
   const WalkBoundary boundary = make_walk_boundary(
       point, path_.ray.direction,
       facet_scattering(layers.own_ior(next) / layers.own_ior(here), layers.boundary(deeper)));
   const BoundaryTurn turn = sample_turn(boundary, samples_);
+  // A sheet lies on the boundary, in the upper layer.
+  if (here < next) cross_sheet();
   path_.ray.direction = turn.direction;
   const bool goes_deeper = (turn.passes ? next : here) == deeper;
+  if (!goes_deeper) cross_sheet();
   const float nudge = layers.by_depth().nudge(path_.ray.origin);
   path_.ray.origin += (goes_deeper ? -nudge : nudge) * outward;
+  place_.depth = crossing.place;
   restart();
 }
 
@@ -150,7 +201,7 @@ bool Walker<N>::meet_surface(const Surface& surface) {
 #define LAMINA_INSTANTIATE(N)                             \
   template typename Walker<N>::Step Walker<N>::advance(); \
   template bool Walker<N>::meet_surface(const Surface&);  \
-  template void Walker<N>::meet_layer(std::size_t)
+  template void Walker<N>::meet_layer(const Crossing&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

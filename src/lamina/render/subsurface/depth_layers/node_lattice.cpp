@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/node_lattice.h"
+#include "lamina/render/subsurface/depth_layers/node_lattice.h"
 
 #include <cmath>
 
