@@ -128,9 +128,13 @@ bool keep_nearer(RTCPointQueryFunctionArguments* arguments) {
   const auto& [i0, i1, i2] = mesh.triangles[arguments->primID];
   const Vec3f p{arguments->query->x, arguments->query->y, arguments->query->z};
   const Vec3f &p0 = mesh.positions[i0], &p1 = mesh.positions[i1], &p2 = mesh.positions[i2];
+  // Nothing is nearer than the plane of the triangle, which turns most of them down.
+  const Vec3f normal = cross(p1 - p0, p2 - p0);
+  const float height = dot(normal, p - p0), radius = arguments->query->radius;
+  if (height * height > radius * radius * dot(normal, normal)) return false;
   const Vec2f at = nearest_on_triangle(p, p0, p1, p2);
   const float distance = length((1.0f - at.x - at.y) * p0 + at.x * p1 + at.y * p2 - p);
-  if (!(distance < arguments->query->radius)) return false;
+  if (!(distance < radius)) return false;
   arguments->query->radius = distance * (1.0f - query.slack);
   query.nearest = {.distance = distance,
                    .u = at.x,

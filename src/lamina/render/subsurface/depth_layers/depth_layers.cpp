@@ -95,7 +95,7 @@ DepthLayers::Place DepthLayers::find(const Vec3f& p, const Place& near) const {
     const Node node = node_at(lattice_.nearest(p).node);
     if (node.depth < reach_) known = nearest_of(p, node.mesh, node.triangle);
   }
-  const Hit hit = geometry_.closest_point(p, known.distance, material_, slack);
+  const Hit hit = geometry_.closest_point(p, (1.0f - slack) * known.distance, material_, slack);
   return place_of(p, hit.is_hit() ? hit : known);
 }
 
