@@ -21,7 +21,8 @@ constexpr float slack = 1e-3f;
 }  // namespace
 
 DepthLayers::DepthLayers(const RayGeometry& geometry, const std::vector<Mesh>& meshes,
-                         std::uint32_t material, Thickness thickness, const NodeLattice& lattice)
+                         std::uint32_t material, const Thickness& thickness,
+                         const NodeLattice& lattice)
     : geometry_(geometry),
       meshes_(meshes),
       material_(material),

@@ -28,7 +28,7 @@ class DepthLayers {
   /// @param geometry  of the meshes; both must outlive it
   /// @param lattice   over the meshes
   DepthLayers(const RayGeometry& geometry, const std::vector<Mesh>& meshes, std::uint32_t material,
-              Thickness thickness, const NodeLattice& lattice);
+              const Thickness& thickness, const NodeLattice& lattice);
 
   struct Place {
     std::size_t layer = 0;
