@@ -59,8 +59,6 @@ BandValues<N> Walker<N>::trace() {
       case Step::End::surface:
         goes_on = meet_surface(step.surface);
         break;
-      case Step::End::passed:
-        break;
       case Step::End::lost:
         goes_on = false;
         break;

@@ -34,10 +34,10 @@ class Walker {
   using Place = MediaPlace<N>;
   using Surface = typename WalkMedia<N>::Surface;
   using Crossing = DepthLayers::Crossing;
-  /// What a path comes to: a scattering event, a surface that reflects or refracts it, one that it
-  /// has passed, or a layer of another index.
+  /// What a path comes to: a scattering event, a surface that reflects or refracts it, or a layer
+  /// of another index.
   struct Step {
-    enum class End { event, surface, passed, layer, lost } end = End::lost;
+    enum class End { event, surface, layer, lost } end = End::lost;
     Surface surface = {};
     Crossing crossing = {};
   };
@@ -73,7 +73,8 @@ class Walker {
   /// The next surface before an end of the path's ray, as far as it is not known.
   struct Ahead {
     Surface surface;
-    float clear;  ///< no surface is nearer, but that [mm]
+    float clear;   ///< no surface is nearer, but that [mm]
+    float t_near;  ///< where to look from [mm]
   };
   void look_ahead(float end, float free_path, Ahead& ahead) const;
   /// The path has turned at a surface.

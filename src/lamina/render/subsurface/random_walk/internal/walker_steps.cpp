@@ -35,20 +35,19 @@ void Walker<N>::look_ahead(float end, float free_path, Ahead& ahead) const {
   if (ahead.clear > 0.0f && end < ahead.clear + std::max(around(), 0.0f)) return;
   // Where light may pass on, a ray goes further.
   const float t_far = 1.001f * end + free_path;
-  const float t_near = path_.has_scattered ? 0.0f : least_distance(media_.scene());
-  ahead.surface = media_.next_surface(path_.ray, place_, t_near, t_far);
+  ahead.surface = media_.next_surface(path_.ray, place_, ahead.t_near, t_far);
   ahead.clear = std::min(ahead.surface.hit.distance, t_far);
 }
 
 template <int N>
 typename Walker<N>::Step Walker<N>::advance() {
   using End = Step::End;
-  const WalkLayers<N>& layers = place_.medium->layers;
-  const DepthLayers& by_depth = layers.by_depth();
   const auto point = [&](float t) { return path_.ray.origin + t * path_.ray.direction; };
-  Ahead ahead{{}, path_.clearance};
+  Ahead ahead{{}, path_.clearance, path_.has_scattered ? 0.0f : least_distance(media_.scene())};
   float begin = 0.0f;
   for (int flights = 0; flights < most_flights; ++flights) {
+    const WalkLayers<N>& layers = place_.medium->layers;
+    const DepthLayers& by_depth = layers.by_depth();
     const std::size_t layer = place_.depth.layer;
     const Bands& most = layers.most_extinction(layer);
     const Vec2f u = numbers_.pair();
@@ -89,11 +88,10 @@ typename Walker<N>::Step Walker<N>::advance() {
       if (!weigh(passing, passing)) return {};
       if (!is_stopped) continue;
       if (!surface.passes) return {.end = End::surface, .surface = surface};
-      path_.ray.origin = surface.point.position;
+      // The ray goes on from its last event, which connections to lights start from.
       place_ = surface.beyond;
-      path_.has_scattered = false;
-      path_.clearance = 0.0f;
-      return {.end = End::passed};
+      ahead = {{}, begin, distance_behind(surface.hit, surface.point)};
+      continue;
     }
     const Collision collision = collide(passing, most);
     if (collision == Collision::lost) return {};
