@@ -98,8 +98,8 @@ std::vector<double> smoothness_of(const fs::path& file, std::size_t numbers) {
   if (!fs::exists(file)) return {};
   const JsonDocument document = load_json(file);
   const auto given = document.root().peek("smoothness");
-  if (!given || given->array().size() != numbers) return {};
-  return given->numbers(numbers, at_least(0.0));
+  if (!given || given->array().size() != 2 * numbers) return {};
+  return given->numbers(2 * numbers, at_least(0.0));
 }
 
 double seconds() {

@@ -2,10 +2,11 @@
 // The table of docs/acquire.md, "With lateral transport": what each method makes of a synthetic
 // patch, in how many forward equivalents and seconds.
 //
-//     patch_inversion [SIZE [SAMPLES [METHOD...]]]
+//     patch_inversion [SIZE [SAMPLES [METHOD | noise=SHARE | calibrated]...]]
 //
-// SIZE is the side in texels, a multiple of 16; SAMPLES are those of the standard deviations, of
-// gauss_newton. The cache of the user keeps the tables.
+// SIZE is the side in texels, a multiple of 16; SAMPLES are those of the standard deviations. Noise
+// is .005 of the mean of each image, constants of skin are those of the paper unless "calibrated".
+// The cache of the user keeps the tables.
 #include "lamina/acquire/inversion/patch_inversion.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ void print_course(const InversionResult& result) {
 /// How often a map misses the truth by less than one standard deviation.
 void print_coverage(const SyntheticPatch& patch, const FitParameter& parameter,
                     const NumberMap& found, const Plane& truth) {
-  double covered = 0.0, known = 0.0, deviation = 0.0, squares = 0.0, share = 0.0;
+  double covered = 0.0, known = 0.0, deviation = 0.0, squares = 0.0, share = 0.0, off = 0.0;
   for (std::size_t t = 0; t < truth.values.size(); ++t) {
     if (std::isinf(patch.capture.images[0].deviation.values[t])) continue;
     const double miss = fit_coordinate(parameter, static_cast<double>(found.value.values[t])) -
@@ -70,10 +71,11 @@ void print_coverage(const SyntheticPatch& patch, const FitParameter& parameter,
     covered += std::abs(miss) < expected ? 1.0 : 0.0;
     deviation += expected;
     squares += miss * miss;
+    off += miss / expected;
     share += static_cast<double>(found.prior_share.values[t]);
   }
-  std::printf("  covers %2.0f %%, deviation %.4f, error %.4f, of the prior %.3f",
-              100.0 * covered / known, deviation / known, std::sqrt(squares / known),
+  std::printf("  covers %2.0f %%, deviation %.4f, error %.4f, mean %.2f of it, of the prior %.3f",
+              100.0 * covered / known, deviation / known, std::sqrt(squares / known), off / known,
               share / known);
 }
 
@@ -108,13 +110,19 @@ int main(int count, char** arguments) {
   const int size = count > 1 ? std::atoi(arguments[1]) : 96;
   const int samples = count > 2 ? std::atoi(arguments[2]) : 0;
   std::vector<std::string> methods(arguments + std::min(count, 3), arguments + count);
-  if (methods.empty()) methods = {"per_pixel", "gauss_newton", "lbfgs", "gradient_descent"};
-  const std::optional<DiskCache> cache = user_cache();
-  const SyntheticPatch patch = make_synthetic_patch({.size = size, .cache = cache});
+  SyntheticSetup setup{.size = size, .cache = user_cache()};
   InversionModel model;
   model.skin = with_constants({}, SkinConstants::paper);
+  std::erase_if(methods, [&](const std::string& word) {
+    const bool is_noise = word.starts_with("noise=");
+    if (is_noise) setup.noise = std::atof(word.c_str() + 6);
+    if (word == "calibrated") setup.skin = model.skin = {};
+    return is_noise || word == "calibrated";
+  });
+  if (methods.empty()) methods = {"per_pixel", "gauss_newton", "lbfgs", "gradient_descent"};
+  const SyntheticPatch patch = make_synthetic_patch(setup);
   const Stopwatch of_tables;
-  const InversionTables tables = make_inversion_tables(patch.capture, model, cache);
+  const InversionTables tables = make_inversion_tables(patch.capture, model, setup.cache);
   std::printf("%d x %d texels, %zu bands, %d threads; tables %.1f s\n", size, size,
               patch.capture.images.size(), thread_count(), of_tables.seconds());
   for (const std::string& name : methods) {
@@ -130,7 +138,9 @@ int main(int count, char** arguments) {
     std::printf("%s: %.2f s, %.2f of processors\n", name.c_str(), of_maps.seconds(),
                 of_maps.processor_seconds());
     print_course(result);
-    if (samples > 0 && *method == InversionMethod::gauss_newton) {
+    const bool has_draws =
+        *method == InversionMethod::gauss_newton || *method == InversionMethod::lbfgs;
+    if (samples > 0 && has_draws) {
       // The same again from where it ended, with errors.
       options.deviation_samples = samples;
       options.smoothness = result.smoothness;

@@ -2,7 +2,6 @@
 #include "lamina/acquire/inversion/patch_inversion.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "lamina/acquire/inversion/internal/gradient_methods.h"
 #include "lamina/acquire/inversion/internal/local_fit.h"
 #include "lamina/acquire/inversion/internal/posterior.h"
+#include "lamina/acquire/inversion/internal/smoothness_choice.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 
@@ -20,6 +20,7 @@ namespace lamina {
 namespace {
 
 using detail::InversionCourse;
+using detail::MapSmoothness;
 using detail::PatchLight;
 using detail::PatchObjective;
 using detail::PatchState;
@@ -37,6 +38,8 @@ void check(const PatchCapture& capture, const InversionTables& tables,
           "must be >= 0", options.model_error);
   require(options.most_forwards > 0.0, "most_forwards", "must be > 0", options.most_forwards);
   require(options.tolerance >= 0.0, "tolerance", "must be >= 0", options.tolerance);
+  require(std::isfinite(options.level_error) && options.level_error >= 0.0, "level_error",
+          "must be >= 0", options.level_error);
   require(options.deviation_samples >= 0, "deviation_samples", "must be >= 0",
           options.deviation_samples);
   const std::size_t numbers = tables.numbers.size();
@@ -45,7 +48,8 @@ void check(const PatchCapture& capture, const InversionTables& tables,
       throw InvalidInput(std::string(name) + ": must have one for each of " +
                          std::to_string(numbers) + " numbers, but has " + std::to_string(given));
   };
-  require_all(options.smoothness.size(), "smoothness");
+  require_all(options.smoothness.size() == 2 * numbers ? numbers : options.smoothness.size(),
+              "smoothness");
   for (const double weight : options.smoothness)
     require(std::isfinite(weight) && weight >= 0.0, "smoothness", "must be >= 0", weight);
   require_all(options.start.size(), "start");
@@ -74,21 +78,26 @@ TexelMaps coordinates_of(const std::vector<Plane>& values, const InversionTables
   return result;
 }
 
-/// Weights of smoothness for numbers of skin as they vary over forearms.
-std::vector<double> usual_smoothness(const InversionTables& tables) {
-  static constexpr std::array<std::pair<const char*, double>, 7> usual = {
-      {{"melanin", 10.0},
-       {"melanin_blend", 100.0},
-       {"hemoglobin_epidermis", 30.0},
-       {"hemoglobin_dermis", 100.0},
-       {"carotene", 300.0},
-       {"saturation", 300.0},
-       {"baseline_scale", 300.0}}};
-  std::vector<double> weights;
-  for (const SkinFitNumber& number : tables.numbers)
-    for (const auto& [name, weight] : usual)
-      if (number.parameter.name == name) weights.push_back(weight);
-  return weights;
+/// Whether smoothness is chosen here, and whether maps have edges.
+bool chooses_smoothness(const InversionOptions& options) { return options.smoothness.empty(); }
+bool has_edges(const InversionOptions& options, const InversionTables& tables) {
+  return options.smoothness.size() == 2 * tables.numbers.size();
+}
+
+/// The smoothness to start with on a grid.
+/// @param cost  of the grid: its texels over those of the finest
+std::vector<MapSmoothness> first_smoothness(const InversionOptions& options,
+                                            const InversionTables& tables, double mm_per_texel,
+                                            double cost) {
+  if (chooses_smoothness(options)) return detail::usual_smoothness(tables, mm_per_texel);
+  const std::size_t numbers = tables.numbers.size();
+  std::vector<MapSmoothness> result(numbers);
+  for (std::size_t n = 0; n < numbers; ++n) {
+    result[n].first.weight = options.smoothness[n];
+    if (has_edges(options, tables))
+      result[n].third.weight = options.smoothness[numbers + n] * cost * cost;
+  }
+  return result;
 }
 
 void put_results(const PatchObjective& objective, const InversionCourse& course,
@@ -110,7 +119,10 @@ void put_results(const PatchObjective& objective, const InversionCourse& course,
       if (objective.weights()[i][t] > 0.0f)
         residual.values[t] = capture.images[i].reflected.values[t] - state.images[i][t];
   }
-  result.smoothness = objective.smoothness();
+  for (const MapSmoothness& each : objective.smoothness())
+    result.smoothness.push_back(each.first.weight);
+  for (const MapSmoothness& each : objective.smoothness())
+    result.smoothness.push_back(each.third.weight);
   result.history = course.history;
   result.stop = course.stop;
 }
@@ -127,35 +139,26 @@ struct PatchGrid {
   TexelMaps level;
 };
 
-/// Weights of smoothness that the data ask for. If numbers were as rough at all scales as the prior
-/// of neighbors has it, maps would be most likely with as many texels as the images tell over the
-/// squared differences of neighbors [MacKay1992]; if the differences found are all that there are,
-/// with all texels over them. Skin lies between: the geometric mean. What the images hardly tell
-/// keeps what is usual.
-void choose_smoothness(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
-                       std::uint64_t index) {
-  const auto must_end = [&] { return course.must_end(3.0); };
-  if (must_end()) return;
+/// Takes the smoothness that the data ask for, or edges alone where it is given.
+void choose_smoothness(PatchGrid& grid, InversionCourse& course, const InversionOptions& options) {
+  constexpr double cost_of_draw = 26.0;  // forward equivalents, and of what comes before
   PatchObjective& objective = grid.objective;
   PatchState& best = course.best;
-  best.images = grid.light.images(best.coordinates);
-  objective.linearize(best);
-  const detail::BandBlocks blocks(objective, best.coordinates, grid.level);
-  const detail::PosteriorSample draw =
-      detail::draw_posterior(objective, blocks, options.seed, index, must_end);
-  const std::vector<double> squares = objective.squared_differences(best.coordinates);
-  std::vector<double> weights = objective.smoothness();
-  const std::vector<double> usual = usual_smoothness(objective.tables());
-  constexpr double least = 0.5, most = 100.0;  // of what is usual
-  constexpr double hardly_told = 20.0;         // texels
-  const auto texels = static_cast<double>(best.coordinates[0].size());
-  for (std::size_t n = 0; n < weights.size(); ++n) {
-    const double told = std::clamp(draw.told[n], 1.0, texels);
-    const double asked = std::sqrt(told * texels) / std::max(squares[n], 1e-12);
-    const double share = told / (told + hardly_told);
-    weights[n] = std::clamp(std::pow(asked / usual[n], share), least, most) * usual[n];
+  std::vector<MapSmoothness> smoothness = objective.smoothness();
+  if (chooses_smoothness(options)) {
+    if (course.must_end(cost_of_draw)) return;
+    best.images = grid.light.images(best.coordinates);
+    objective.linearize(best);
+    const detail::BandBlocks blocks(objective, best.coordinates, grid.level);
+    const detail::PosteriorSample draw = detail::draw_posterior(
+        objective, blocks, options.seed, 1, [&] { return course.is_interrupted(); });
+    if (course.stop == InversionStop::interrupted) return;
+    smoothness = detail::likely_smoothness(objective, best.coordinates, draw);
+  } else {
+    for (std::size_t n = 0; n < smoothness.size(); ++n)
+      detail::find_edges(objective.size(), best.coordinates[n], smoothness[n]);
   }
-  objective.set_smoothness(std::move(weights));
+  objective.set_smoothness(std::move(smoothness));
   objective.weigh_again(best);
   course.begin_again();
 }
@@ -163,7 +166,6 @@ void choose_smoothness(PatchGrid& grid, InversionCourse& course, const Inversion
 /// What a coarser grid hands to a finer one.
 struct CoarseSolution {
   TexelMaps coordinates;
-  std::vector<double> smoothness;
   double spent = 0.0;  ///< forward equivalents
 };
 
@@ -181,23 +183,17 @@ CoarseSolution coarse_solution(const PatchCapture& capture, const InversionTable
   const bool is_coarsest = std::min(capture.width, capture.height) < 2 * least_side;
   if (!is_coarsest) start = finer_start(capture, tables, options, progress, cost);
   PatchGrid grid(capture, tables, options, cost, start.spent);
-  if (is_coarsest) {
+  if (is_coarsest)
     start.coordinates = detail::fit_texels(grid.objective, grid.level, options.robust_limit);
-    start.smoothness = options.smoothness.empty() ? usual_smoothness(tables) : options.smoothness;
-  }
-  grid.objective.set_smoothness(start.smoothness);
+  grid.objective.set_smoothness(first_smoothness(options, tables, capture.mm_per_texel, cost));
   InversionOptions own = options;
   own.most_forwards =
       std::min(options.most_forwards, grid.light.forwards() + most_own_forwards * cost);
   own.stops_at_noise = false;
-  own.tolerance = 0.03;
-  InversionCourse course(own, grid.light, progress, grid.objective.state(start.coordinates));
+  PatchState state = grid.objective.state(std::move(start.coordinates));
+  InversionCourse course(own, grid.light, progress, std::move(state));
   detail::run_gauss_newton(grid.objective, grid.level, course);
-  if (is_coarsest && options.smoothness.empty() && course.stop != InversionStop::interrupted) {
-    own.most_forwards += 2.0 * most_own_forwards * cost;
-    choose_smoothness(grid, course, options, 0);
-  }
-  return {std::move(course.best.coordinates), grid.objective.smoothness(), grid.light.forwards()};
+  return {std::move(course.best.coordinates), grid.light.forwards()};
 }
 
 /// The coarser grid's solution on a finer one.
@@ -206,9 +202,6 @@ CoarseSolution finer_start(const PatchCapture& capture, const InversionTables& t
   CoarseSolution start =
       coarse_solution(detail::coarser_capture(capture), tables, options, progress, 0.25 * cost);
   start.coordinates = detail::on_finer(start.coordinates, capture);
-  // Smooth maps differ half as much between texels half as wide; rough ones as much as before.
-  if (options.smoothness.empty())
-    for (double& weight : start.smoothness) weight *= 2.0;
   return start;
 }
 
@@ -245,7 +238,8 @@ void add_drawn_errors(PatchGrid& grid, InversionCourse& course, const InversionO
                         .off);
   result.deviation_forwards = grid.light.forwards() - before;
   if (!draws.empty() && course.stop != InversionStop::interrupted)
-    put_errors(objective, detail::posterior_errors(objective, blocks, draws), result);
+    put_errors(objective, detail::posterior_errors(objective, blocks, draws, options.level_error),
+               result);
 }
 
 }  // namespace
@@ -257,17 +251,13 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
   const InversionMethod method = options.method;
   const bool is_local = method == InversionMethod::per_pixel;
   const bool is_descent = method == InversionMethod::gradient_descent;
-  const std::size_t numbers = tables.numbers.size();
-  CoarseSolution start{.smoothness = std::vector<double>(numbers, 0.0)};
-  if (!is_local && !is_descent) {
-    if (options.start.empty())
-      start = finer_start(capture, tables, options, progress, 1.0);
-    else
-      start.smoothness = options.smoothness.empty() ? usual_smoothness(tables) : options.smoothness;
-  }
+  CoarseSolution start;
+  if (!is_local && !is_descent && options.start.empty())
+    start = finer_start(capture, tables, options, progress, 1.0);
   if (!options.start.empty()) start.coordinates = coordinates_of(options.start, tables);
   PatchGrid grid(capture, tables, options, 1.0, start.spent);
-  grid.objective.set_smoothness(start.smoothness);
+  if (!is_local && !is_descent)
+    grid.objective.set_smoothness(first_smoothness(options, tables, capture.mm_per_texel, 1.0));
   if (start.coordinates.empty() && is_descent)
     for (const double coordinate : tables.reference)
       start.coordinates.emplace_back(capture.images[0].reflected.values.size(),
@@ -282,20 +272,25 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
   InversionCourse course(options, grid.light, progress, std::move(state));
   if (is_descent) detail::run_gradient_descent(grid.objective, course);
   if (!is_local && !is_descent) {
-    const auto run = [&](int most_steps) {
-      if (method == InversionMethod::lbfgs)
+    const auto run = [&](InversionMethod by, int most_steps) {
+      if (by == InversionMethod::lbfgs)
         detail::run_lbfgs(grid.objective, grid.level, course, most_steps);
       else
         detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
     };
-    if (options.smoothness.empty()) {
-      const int steps = method == InversionMethod::lbfgs ? 10 : 1;
-      constexpr double near_noise = 1.05;  // in standard deviations
-      run(steps);
-      if (course.goes_on() && course.best.in_deviations > near_noise) run(steps);
-      if (course.goes_on()) choose_smoothness(grid, course, options, 1);
+    if (chooses_smoothness(options)) {
+      // Far off gradients alone find no step; nearer, they stand stiff smoothness better than
+      // systems that are cut short.
+      constexpr int steps = 10;
+      constexpr double far = 6.0, near_noise = 1.05;  // in standard deviations
+      if (course.best.in_deviations > far) run(InversionMethod::gauss_newton, 1);
+      if (course.goes_on()) run(InversionMethod::lbfgs, steps);
+      if (course.goes_on() && course.best.in_deviations > near_noise)
+        run(InversionMethod::lbfgs, steps);
     }
-    if (course.goes_on()) run(std::numeric_limits<int>::max());
+    if (course.goes_on() && (chooses_smoothness(options) || has_edges(options, tables)))
+      choose_smoothness(grid, course, options);
+    if (course.goes_on()) run(method, std::numeric_limits<int>::max());
   }
   InversionResult result;
   put_results(grid.objective, course, result);

@@ -15,32 +15,36 @@
 namespace lamina {
 
 enum class InversionMethod {
-  gauss_newton,      ///< all texels together; conjugate gradients for each step
   lbfgs,             ///< all texels together; from gradients alone [NocedalWright2006] §7.2
+  gauss_newton,      ///< all texels together; conjugate gradients for each step
   gradient_descent,  ///< of [Donner2008] §6: differences of a number moved at all texels at once
   per_pixel,         ///< each texel by itself, as if its surroundings were like it
 };
 
 template <>
 inline constexpr auto enum_names<InversionMethod> = std::to_array<EnumName<InversionMethod>>(
-    {{"gauss_newton", InversionMethod::gauss_newton},
-     {"lbfgs", InversionMethod::lbfgs},
+    {{"lbfgs", InversionMethod::lbfgs},
+     {"gauss_newton", InversionMethod::gauss_newton},
      {"gradient_descent", InversionMethod::gradient_descent},
      {"per_pixel", InversionMethod::per_pixel}});
 
 struct InversionOptions {
-  InversionMethod method = InversionMethod::gauss_newton;
+  InversionMethod method = InversionMethod::lbfgs;
   /// How much numbers of neighbors are taken to be alike, [number]: the weight of the squared
   /// difference of the coordinates of two texels side by side, half of it counting beside half of
-  /// the squared residuals in standard deviations. Of numbers that are rough at all scales it does
-  /// not depend on the size of a texel; of smooth ones it goes with its inverse square. Empty:
-  /// chosen by the data
+  /// the squared residuals in standard deviations. With as many again, the weights of squares of
+  /// third derivatives (differences of the sums of a texel's differences to its neighbors), both
+  /// count by less at edges, where maps change as they like. First weights do not depend on the
+  /// size of a texel, third ones go with the inverse of its fourth power. Empty: chosen by the data
   std::vector<double> smoothness;
   /// Residuals beyond so many standard deviations count as straight lines, not as squares (Huber);
   /// 0: all as squares
   double robust_limit = 0.0;
   double model_error =
       0.0;  ///< of the forward model, relative to what is measured: joins the noise
+  /// What standard deviations add for errors of the level of an image that all its texels share,
+  /// relative: of the transport, .0001 to .0026 with three bounces between layers, and of white
+  double level_error = 0.001;
   double most_forwards = 120.0;  ///< forward equivalents: light, change and gradient are one each
   double tolerance = 1e-3;       ///< relative decrease of the objective that ends the steps
   bool stops_at_noise = true;    ///< ends where residuals are at their standard deviations, too
@@ -82,7 +86,7 @@ struct InversionResult {
   std::vector<NumberMap> numbers;
   DenseMatrix correlation;         ///< of the coordinates, mean over texels; empty: not computed
   std::vector<Plane> residual;     ///< [image] measured less predicted; 0 where not known
-  std::vector<double> smoothness;  ///< [number] that was used
+  std::vector<double> smoothness;  ///< first and third weights that were used, [2 * number]
   std::vector<InversionStep> history;
   double deviation_forwards = 0.0;  ///< that standard deviations took
   InversionStop stop = InversionStop::converged;
@@ -92,7 +96,8 @@ struct InversionResult {
 /// in the skin: the maps whose light by DifferentiableTransport meets the photographs, smooth as
 /// far as these allow, by least squares
 ///
-///     1/2 sum of residual² / deviation² + 1/2 sum over numbers of smoothness * differences²
+///     1/2 sum of residual² / deviation²
+///     + 1/2 sum over numbers of smoothness * (derivatives of the map)²
 ///     + 1/2 sum over texels of the prior's squares
 ///
 /// over coordinates of skin_fit_numbers. The prior is that of the population of the tables; without
@@ -100,8 +105,9 @@ struct InversionResult {
 /// to one skin each counts the prior's squares by one over their number, so that the patch as a
 /// whole is drawn from the population; without smoothness each texel is.
 ///
-/// Gauss-Newton steps are solved by conjugate gradients with tangent and gradient of the transport;
-/// their preconditioner is each texel's block of the matrix, if its surroundings were like it.
+/// Steps of gauss_newton are solved by conjugate gradients with tangent and gradient of the
+/// transport; the preconditioner, which lbfgs takes, too, is each texel's block of the matrix for
+/// waves of each octave.
 ///
 /// @param tables  made for this capture, or one with the same wavelengths and angle
 /// @param progress  told the share of most_forwards and what the samples take; asked to stop, the

@@ -92,6 +92,7 @@ BandBlocks::BandBlocks(const PatchObjective& objective, const TexelMaps& coordin
       whole_[n][m] = sum;
     }
   whole_ = cholesky(whole_, numbers_);
+  find_level_shifts(objective, octave.slopes);
   // Noise that moves the images by about as much in each number.
   TexelMaps noise(numbers_, std::vector<float>(texels));
   for (std::size_t n = 0; n < numbers_; ++n) {
@@ -117,16 +118,21 @@ BandBlocks::BandBlocks(const PatchObjective& objective, const TexelMaps& coordin
   for (const std::vector<float>& weights : reached)
     for (std::size_t t = 0; t < texels; ++t)
       if (weights[t] > 0.0f) known[t] = 1.0f;
+  std::vector<MapSmoothness> smoothness = objective.smoothness();
   while (true) {
     const bool is_last = std::min(octave.size.width, octave.size.height) < 2 * least_side;
     const GridSize size = octave.size;
-    decompose(octave, octaves_.size(), measured_shares(octave, changes, expected), objective);
+    decompose(octave, octaves_.size(), measured_shares(octave, changes, expected), objective,
+              smoothness);
     for (std::vector<float>& slopes : octave.slopes)
       for (std::size_t t = 0; t < slopes.size(); ++t) slopes[t] *= std::sqrt(known[t]);
     TexelMaps coarser = is_last ? TexelMaps() : halves(size, octave.slopes);
     octave.slopes.clear();
     octaves_.push_back(std::move(octave));
     if (is_last) break;
+    for (MapSmoothness& each : smoothness)
+      for (std::vector<float>* share : {&each.first.share, &each.third.share})
+        if (!share->empty()) *share = on_half(size, *share);
     octave = {.size = size.half(), .slopes = std::move(coarser), .lower = {}};
     // A texel of which a part is known counts by that part, its slopes by the root of it.
     known = on_half(size, known);
@@ -171,11 +177,41 @@ std::vector<double> BandBlocks::measured_shares(const Octave& octave, const Texe
   return shares;
 }
 
+void BandBlocks::find_level_shifts(const PatchObjective& objective, const TexelMaps& slopes) {
+  const TexelMaps& weights = objective.weights();
+  level_shifts_.assign(numbers_, std::vector<double>(images_, 0.0));
+  TexelMatrix matrix = {};
+  std::vector<TexelNumbers> by_image(images_, TexelNumbers{});
+  double known = 0.0;
+  for (std::size_t i = 0; i < images_; ++i)
+    for (std::size_t t = 0; t < weights[i].size(); ++t) {
+      if (weights[i][t] == 0.0f) continue;
+      known += 1.0 / static_cast<double>(images_);
+      const double share = std::sqrt(static_cast<double>(objective.shares()[i][t]));
+      const double level = share * static_cast<double>(weights[i][t] * objective.measured()[i][t]);
+      for (std::size_t n = 0; n < numbers_; ++n) {
+        const auto slope = static_cast<double>(slopes[i * numbers_ + n][t]);
+        by_image[i][n] += slope * level;
+        for (std::size_t m = 0; m <= n; ++m)
+          matrix[n][m] += slope * static_cast<double>(slopes[i * numbers_ + m][t]);
+      }
+    }
+  for (std::size_t n = 0; n < numbers_; ++n)
+    for (std::size_t m = 0; m <= n; ++m) matrix[n][m] += known * objective.prior_precision()(n, m);
+  const TexelMatrix lower = cholesky(matrix, numbers_);
+  for (std::size_t i = 0; i < images_; ++i) {
+    const TexelNumbers shift = solve_cholesky(lower, numbers_, by_image[i]);
+    for (std::size_t n = 0; n < numbers_; ++n) level_shifts_[n][i] = shift[n];
+  }
+}
+
 void BandBlocks::decompose(Octave& octave, std::size_t number, const std::vector<double>& shares,
-                           const PatchObjective& objective) const {
+                           const PatchObjective& objective,
+                           const std::vector<MapSmoothness>& smoothness) const {
   const std::size_t entries = numbers_ * (numbers_ + 1) / 2;
   // Square of the wave number, of differences of texels of the finest grid.
   const double wave_square = 4.0 * std::pow(0.25, static_cast<double>(number));
+  constexpr double third_power = 4.0;  // by trial: 3 and 4 take fewer steps than .2 to 1
   octave.lower.resize(octave.size.texels() * entries);
   for_chunks(octave.size.texels(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
@@ -183,7 +219,9 @@ void BandBlocks::decompose(Octave& octave, std::size_t number, const std::vector
       for (std::size_t n = 0; n < numbers_; ++n)
         for (std::size_t m = 0; m <= n; ++m) {
           block[n][m] = objective.prior_precision()(n, m);
-          if (m == n) block[n][m] += wave_square * objective.smoothness()[n];
+          if (m == n)
+            block[n][m] += wave_square * smoothness[n].first.at(t) +
+                           third_power * std::pow(wave_square, 3) * smoothness[n].third.at(t);
           for (std::size_t i = 0; i < images_; ++i) {
             const std::size_t a = i * numbers_ + n, b = i * numbers_ + m;
             block[n][m] += shares[a] * shares[b] * static_cast<double>(octave.slopes[a][t]) *

@@ -31,6 +31,11 @@ class BandBlocks {
   [[nodiscard]] TexelMaps solve(const TexelMaps& b) const;
   /// About the diagonal of the inverse, [number].
   [[nodiscard]] TexelMaps inverse_diagonal() const;
+  /// About what each number moves by, at all texels alike, over the relative error of the level of
+  /// each image, [number][image].
+  [[nodiscard]] const std::vector<std::vector<double>>& level_shifts() const {
+    return level_shifts_;
+  }
 
  private:
   /// How images follow numbers, per deviation: [image * numbers + number][texel].
@@ -42,11 +47,15 @@ class BandBlocks {
   /// What is left of waves of an octave: [image * numbers + number].
   [[nodiscard]] std::vector<double> measured_shares(const Octave& octave, const TexelMaps& changes,
                                                     const TexelMaps& noise) const;
+  /// @param smoothness  with shares on the octave's grid
   void decompose(Octave& octave, std::size_t number, const std::vector<double>& shares,
-                 const PatchObjective& objective) const;
+                 const PatchObjective& objective,
+                 const std::vector<MapSmoothness>& smoothness) const;
+  void find_level_shifts(const PatchObjective& objective, const TexelMaps& slopes);
 
   std::size_t numbers_, images_;
   std::vector<Octave> octaves_;
+  std::vector<std::vector<double>> level_shifts_;  ///< [number][image]
   TexelMatrix whole_ = {};  ///< Cholesky's triangle of the same change of all texels
 };
 

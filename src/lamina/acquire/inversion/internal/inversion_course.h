@@ -51,7 +51,7 @@ class InversionCourse {
 
   /// Whether somebody asks to stop.
   bool is_interrupted() {
-    constexpr double of_sample = 28.0;  // forward equivalents of one for standard deviations
+    constexpr double of_sample = 21.0;  // forward equivalents of one for standard deviations
     const double all = options_.most_forwards + of_sample * options_.deviation_samples;
     const double share = std::min(1.0, light_.forwards() / all);
     return !report_progress(progress_, share) && ends(InversionStop::interrupted);

@@ -15,7 +15,7 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
       tables_(tables),
       light_(light),
       robust_limit_(options.robust_limit),
-      smoothness_(tables.numbers.size(), 0.0),
+      smoothness_(tables.numbers.size()),
       prior_precision_(tables.prior_precision) {
   for (const PatchImage& image : capture.images) {
     const Plane& arriving = capture.lights[image.light];
@@ -43,9 +43,11 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
   }
 }
 
-void PatchObjective::set_smoothness(std::vector<double> smoothness) {
+void PatchObjective::set_smoothness(std::vector<MapSmoothness> smoothness) {
   smoothness_ = std::move(smoothness);
-  const bool ties = std::ranges::all_of(smoothness_, [](double weight) { return weight > 0.0; });
+  const bool ties = std::ranges::all_of(smoothness_, [](const MapSmoothness& each) {
+    return each.first.weight > 0.0 || each.third.weight > 0.0;
+  });
   const double texels = std::max(1.0, known_ / static_cast<double>(weights_.size()));
   prior_precision_ = tables_.prior_precision;
   if (ties)
@@ -59,17 +61,6 @@ TexelMaps PatchObjective::off_prior(const TexelMaps& coordinates) const {
   return off;
 }
 
-std::vector<double> PatchObjective::squared_differences(const TexelMaps& maps) const {
-  std::vector<double> sums(maps.size(), 0.0);
-  parallel_for(maps.size(), [&](std::size_t n) {
-    for_neighbors(capture_.width, capture_.height, [&](std::size_t a, std::size_t b) {
-      const auto difference = static_cast<double>(maps[n][a] - maps[n][b]);
-      sums[n] += difference * difference;
-    });
-  });
-  return sums;
-}
-
 double PatchObjective::objective(const PatchState& state) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < weights_.size(); ++i)
@@ -80,8 +71,11 @@ double PatchObjective::objective(const PatchState& state) const {
                  ? robust_limit_ * (size - 0.5 * robust_limit_)
                  : 0.5 * size * size;
     }
-  const std::vector<double> differences = squared_differences(state.coordinates);
-  for (std::size_t n = 0; n < differences.size(); ++n) sum += 0.5 * smoothness_[n] * differences[n];
+  std::vector<double> rough(smoothness_.size());
+  parallel_for(rough.size(), [&](std::size_t n) {
+    rough[n] = roughness(size(), smoothness_[n], state.coordinates[n]);
+  });
+  for (const double value : rough) sum += 0.5 * value;
   const TexelMaps off = off_prior(state.coordinates);
   for (std::size_t a = 0; a < off.size(); ++a)
     for (std::size_t b = 0; b < off.size(); ++b) {
@@ -125,13 +119,7 @@ PatchState PatchObjective::state(TexelMaps coordinates, TexelMaps images) const 
 void PatchObjective::add_prior_matrix(const TexelMaps& change, TexelMaps& sum) const {
   parallel_for(change.size(), [&](std::size_t n) {
     std::vector<float>& to = sum[n];
-    const std::vector<float>& from = change[n];
-    const auto weight = static_cast<float>(smoothness_[n]);
-    for_neighbors(capture_.width, capture_.height, [&](std::size_t a, std::size_t b) {
-      const float flow = weight * (from[a] - from[b]);
-      to[a] += flow;
-      to[b] -= flow;
-    });
+    add_roughness_matrix(size(), smoothness_[n], change[n], to);
     for (std::size_t m = 0; m < change.size(); ++m) {
       const auto precision = static_cast<float>(prior_precision_(n, m));
       if (precision == 0.0f) continue;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lamina/acquire/inversion/internal/map_smoothness.h"
 #include "lamina/acquire/inversion/internal/patch_light.h"
 #include "lamina/acquire/inversion/patch_inversion.h"
 
@@ -23,9 +24,10 @@ class PatchObjective {
   PatchObjective(const PatchCapture& capture, const InversionTables& tables,
                  const InversionOptions& options, PatchLight& light);
 
-  /// Weights of differences, [number].
-  void set_smoothness(std::vector<double> smoothness);
-  [[nodiscard]] const std::vector<double>& smoothness() const { return smoothness_; }
+  /// How smooth maps are, [number].
+  void set_smoothness(std::vector<MapSmoothness> smoothness);
+  [[nodiscard]] const std::vector<MapSmoothness>& smoothness() const { return smoothness_; }
+  [[nodiscard]] GridSize size() const { return {capture_.width, capture_.height}; }
 
   [[nodiscard]] PatchState state(TexelMaps coordinates) const;
   /// The same with images that are known.
@@ -51,8 +53,6 @@ class PatchObjective {
   [[nodiscard]] const TexelMaps& shares() const { return shares_; }
   /// How many numbers of images are known and lit.
   [[nodiscard]] double known() const { return known_; }
-  /// Sums of squared differences of neighbors, [number].
-  [[nodiscard]] std::vector<double> squared_differences(const TexelMaps& maps) const;
   [[nodiscard]] const PatchCapture& capture() const { return capture_; }
   [[nodiscard]] const InversionTables& tables() const { return tables_; }
   [[nodiscard]] PatchLight& light() const { return light_; }
@@ -67,7 +67,7 @@ class PatchObjective {
   const InversionTables& tables_;
   PatchLight& light_;
   double robust_limit_;
-  std::vector<double> smoothness_;
+  std::vector<MapSmoothness> smoothness_;
   DenseMatrix prior_precision_;
   TexelMaps measured_, weights_, shares_;  ///< 0 where not known
   std::vector<double> means_;              ///< of what was measured, [image]

@@ -13,8 +13,9 @@ namespace lamina::detail {
 /// One draw from the Gaussian about a solution whose inverse covariance is the matrix of the
 /// Gauss-Newton steps.
 struct PosteriorSample {
-  TexelMaps off;             ///< from the solution, [number]
-  std::vector<double> told;  ///< [number] about how many texels the images tell, not smoothness
+  TexelMaps off;     ///< from the solution, [number]
+  TexelMaps pushed;  ///< what the noise of the images does to the gradient, [number]: its product
+                     ///< with `off` is about how many texels the images tell, not smoothness
 };
 
 /// Draws by noise of data, smoothness and prior: matrix off = J^T noise + ..., whose covariance is
@@ -36,9 +37,12 @@ struct PosteriorErrors {
 };
 
 /// From draws: the shape of the variance is that of the blocks' inverse, its size in each
-/// neighborhood that of the draws.
+/// neighborhood that of the draws. Levels of whole images, which nothing smooths, add to it.
+///
+/// @param level_error  relative, of each image, that all its texels share
 [[nodiscard]] PosteriorErrors posterior_errors(const PatchObjective& objective,
                                                const BandBlocks& blocks,
-                                               const std::vector<TexelMaps>& draws);
+                                               const std::vector<TexelMaps>& draws,
+                                               double level_error);
 
 }  // namespace lamina::detail
