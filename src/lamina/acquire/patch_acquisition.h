@@ -16,7 +16,7 @@ struct PatchAcquisitionOptions {
   InversionOptions inversion = {.deviation_samples = usual_deviation_samples};
   std::vector<Image> start;  ///< [number] values to go on from; empty: none
 
-  static constexpr int usual_deviation_samples = 12;
+  static constexpr int usual_deviation_samples = 4;
 };
 
 /// All pixels of a capture of any bands together, by invert_patch; without transport each on its

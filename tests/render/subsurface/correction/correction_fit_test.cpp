@@ -114,7 +114,7 @@ TEST(FitCorrection, FindsARatioThatSamplesHoldWithoutNoise) {
       for (int b = 0; b < 4; ++b)
         EXPECT_NEAR((planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms))[b],
                     walked[b], 5e-3f * walked[b]);
-  EXPECT_LT(fit.error_left, 0.03);
+  EXPECT_LT(fit.error_left, 0.05);
 }
 
 // 8 samples of 58 % noise at a place are wrong by 20 %. Smoothing must bring most of that, and the

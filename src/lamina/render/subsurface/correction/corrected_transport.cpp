@@ -12,6 +12,7 @@
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/surface_cells.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {
@@ -32,6 +33,29 @@ double mean_ior(const Material& material) {
   for (std::size_t b = 0; b < material.bands.size(); ++b)
     sum += material.layers.front().ior[b] / material.ior_above[b];
   return sum / static_cast<double>(material.bands.size());
+}
+
+/// What flat layers reflect of diffuse light that has entered.
+double reflectance_of_entered(const LayerStack& layers) {
+  constexpr double accuracy = 1e-4;  // what rough boundaries are good to
+  const SlabTotals totals =
+      adding_doubling(layers, {.is_diffuse = true}, {.accuracy = accuracy}).totals;
+  return totals.diffuse_reflectance / (1.0 - totals.specular_reflectance);
+}
+
+/// That over what it is under smooth boundaries.
+template <int N>
+BandValues<N> effect_of_roughness(const Material& material) {
+  auto effect = BandValues<N>::filled(1.0f);
+  Material smooth = material;
+  for (MaterialLayer& layer : smooth.layers) layer.top = {};
+  const auto is_rough = [](const MaterialLayer& layer) { return layer.top.roughness > 0.0; };
+  if (std::ranges::none_of(material.layers, is_rough)) return effect;
+  for (std::size_t b = 0; b < material.bands.size(); ++b)
+    effect[static_cast<int>(b)] =
+        static_cast<float>(reflectance_of_entered(layer_stack(material, b)) /
+                           reflectance_of_entered(layer_stack(smooth, b)));
+  return effect;
 }
 
 /// The point that a number in [0, 1) stands for, by area.
@@ -56,6 +80,7 @@ CorrectedTransport<N>::CorrectedTransport(const RenderScene& scene, std::uint32_
   const auto& surface = std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
   bands_ = static_cast<int>(surface.material.bands.size());
   ior_ = static_cast<float>(mean_ior(surface.material));
+  of_roughness_ = effect_of_roughness<N>(surface.material);
 }
 
 template <int N>
@@ -184,7 +209,7 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
         const ExitPoint exit{point, boundary, cosine, direction};
         of_exitance = share * exit_distribution(boundary, cosine);
         sample.planar = share * planar_->leaving_radiance(exit, with.light, random);
-        sample.walked = share * walk_->leaving_radiance(exit, with.light, random);
+        sample.walked = share * (of_roughness_ * walk_->leaving_radiance(exit, with.light, random));
       }
       samples[i].push_back(sample);
       leaving[i].push_back(of_exitance);

@@ -20,6 +20,10 @@ namespace lamina {
 /// direction inside. The planar method is a control variate: its detail stays, and the ratio is
 /// smoothed along the surface as far as the noise of the walks asks for.
 ///
+/// Walks take rough boundaries as smooth, which spares most of their noise. What flat layers
+/// reflect of light that has entered, under the rough boundaries over under smooth ones, makes up
+/// for it: some percent.
+///
 /// Where the planar method has light of a hundredth of the mean and less, the ratio is that to
 /// this hundredth more, so that light which only the walks find is there, too.
 ///
@@ -31,7 +35,7 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   using Bands = BandValues<N>;
 
   /// @param planar  whose light has no noise
-  /// @param walk    of the same material
+  /// @param walk    of the same material under smooth boundaries
   CorrectedTransport(const RenderScene& scene, std::uint32_t material,
                      std::unique_ptr<SubsurfaceMethod<N>> planar,
                      std::unique_ptr<SubsurfaceMethod<N>> walk);
@@ -69,6 +73,7 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   int bands_;
   float ior_;                                           ///< inside over outside, mean of the bands
   std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
+  Bands of_roughness_;  ///< what flat rough layers reflect over what smooth ones do
   float least_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};

@@ -29,10 +29,10 @@ constexpr auto make_by_profile = []<int N>(const MethodContext<N>& c) {
 };
 
 template <int N>
-SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c) {
+SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c, bool are_smooth = false) {
   std::shared_ptr<WalkMedia<N>> media;  // of all walks
   return make_for_each_material(c, [&](std::uint32_t material) {
-    if (!media) media = make_walk_media<N>(c.scene, c.conversion);
+    if (!media) media = make_walk_media<N>(c.scene, c.conversion, are_smooth);
     std::unique_ptr<SubsurfaceMethod<N>> walk = std::make_unique<RandomWalk<N>>(media, material);
     const auto& surface = std::get<SubsurfaceSurface>(c.scene.scene->materials[material].surface);
     if (surface.color_use == SubsurfaceSurface::ColorUse::none) return walk;
@@ -61,7 +61,7 @@ void require_light_once(const RenderSettings& settings) {
 /// @throws InvalidInput for what random walks do not take
 template <int N>
 void correct(SubsurfaceMethods<N>& planar, const MethodContext<N>& c) try {
-  SubsurfaceMethods<N> walks = make_random_walks(c);
+  SubsurfaceMethods<N> walks = make_random_walks(c, true);  // CorrectedTransport wants no others
   for (std::uint32_t m = 0; m < planar.size(); ++m)
     if (planar[m])
       planar[m] = std::make_unique<CorrectedTransport<N>>(c.scene, m, std::move(planar[m]),

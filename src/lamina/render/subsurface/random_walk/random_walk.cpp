@@ -62,8 +62,9 @@ void require_lights_with_area(const Scene& scene, const WalkLayers<N>& layers,
 
 template <int N>
 std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
-                                              const BandConversion<N>& conversion) {
-  return std::make_shared<WalkMedia<N>>(scene, conversion);
+                                              const BandConversion<N>& conversion,
+                                              bool are_smooth) {
+  return std::make_shared<WalkMedia<N>>(scene, conversion, are_smooth);
 }
 
 template <int N>
@@ -120,9 +121,9 @@ BandValues<N> RandomWalk<N>::local_reflectance(const SurfacePoint& /*point*/) co
   return medium_->layers.diffuse_reflectance();
 }
 
-#define LAMINA_INSTANTIATE(N)                                                       \
-  template std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene&,        \
-                                                         const BandConversion<N>&); \
+#define LAMINA_INSTANTIATE(N)                                                             \
+  template std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene&,              \
+                                                         const BandConversion<N>&, bool); \
   template class RandomWalk<N>
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);

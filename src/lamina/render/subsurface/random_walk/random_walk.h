@@ -70,8 +70,11 @@ class RandomWalk final : public SubsurfaceMethod<N> {
 };
 
 /// The media inside all closed bodies of a scene, shared by the walks of its materials.
+///
+/// @param are_smooth  all boundaries count as smooth, for walks with less noise
 template <int N>
 [[nodiscard]] std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
-                                                            const BandConversion<N>& conversion);
+                                                            const BandConversion<N>& conversion,
+                                                            bool are_smooth = false);
 
 }  // namespace lamina

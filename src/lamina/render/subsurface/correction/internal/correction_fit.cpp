@@ -20,6 +20,10 @@ constexpr int steps_of_score = 24;
 /// Places that all of the surface counts as in that.
 constexpr float places_of_prior = 200.0f;
 
+/// Steps over which the ratio is taken that a sample may be so many times beyond.
+constexpr int steps_of_outliers = 32;
+constexpr float most_over_ratio = 10.0f;
+
 /// Samples that the wider fit counts as in what a narrow one says of directions.
 constexpr double samples_of_prior = 1000.0;
 
@@ -51,9 +55,37 @@ DirectionalRatio<N> difference(DirectionalRatio<N> a, const DirectionalRatio<N>&
   return a;
 }
 
+template <int N>
+using Samples = std::vector<std::vector<WalkedSample<N>>>;
+
+/// Samples without what single walks bring beyond many times the light around them, which is noise
+/// that no fit could tell from light. It is missed in their mean, to which the fit is scaled.
+template <int N>
+Samples<N> without_outliers(const PlaceGraph& graph, Samples<N> samples) {
+  std::vector<BandValues<N>> walked(samples.size()), planar(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (const WalkedSample<N>& sample : samples[i]) {
+      walked[i] += sample.walked;
+      planar[i] += sample.planar;
+    }
+  for (int step = 0; step < steps_of_outliers; ++step) {
+    walked = graph.spread(walked);
+    planar = graph.spread(planar);
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto ratio =
+        max(walked[i], BandValues<N>{}) / max(planar[i], BandValues<N>::filled(1e-30f));
+    for (WalkedSample<N>& sample : samples[i]) {
+      const auto most = most_over_ratio * ratio * sample.planar;
+      sample.walked = min(max(sample.walked, -1.0f * most), most);
+    }
+  }
+  return samples;
+}
+
 /// The shape that fits all samples best, by the same squares as fit_ratio.
 template <int N>
-AngularShape<N> fit_shape(const std::vector<std::vector<WalkedSample<N>>>& samples, int bands) {
+AngularShape<N> fit_shape(const Samples<N>& samples, int bands) {
   constexpr std::size_t count = 3;
   AngularShape<N> shape{};
   for (int b = 0; b < bands; ++b) {
@@ -77,8 +109,7 @@ AngularShape<N> fit_shape(const std::vector<std::vector<WalkedSample<N>>>& sampl
 
 /// Scales a fit to the weighted mean of the samples, as far as that is known: by Stein's shrinkage.
 template <int N>
-void keep_mean(const std::vector<std::vector<WalkedSample<N>>>& samples, int bands,
-               CorrectionFit<N>& fit) {
+void keep_mean(const Samples<N>& samples, int bands, CorrectionFit<N>& fit) {
   BandValues<N> fitted, missing, squares;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     BandValues<N> missing_there;
@@ -97,8 +128,8 @@ void keep_mean(const std::vector<std::vector<WalkedSample<N>>>& samples, int ban
   }
 }
 
-/// Adds what all places together say of a width, for as much as `places_of_prior` of them count: what
-/// few noisy places say alone would often be wrong.
+/// Adds what all places together say of a width, for as much as `places_of_prior` of them count:
+/// what few noisy places say alone would often be wrong.
 template <int N>
 void add_score_of_all(const std::vector<PlanarSums<N>>& planar, std::vector<BandValues<N>>& score) {
   BandValues<N> all, light = BandValues<N>::filled(1e-30f);
@@ -106,8 +137,8 @@ void add_score_of_all(const std::vector<PlanarSums<N>>& planar, std::vector<Band
     all += score[i];
     light += planar[i].of[0];
   }
-  const float weight = places_of_prior /
-                       static_cast<float>(PlaceGraph::places_reached(steps_of_score));
+  const float weight =
+      places_of_prior / static_cast<float>(PlaceGraph::places_reached(steps_of_score));
   for (std::size_t i = 0; i < score.size(); ++i)
     score[i] += weight * (planar[i].of[0] / light) * all;
 }
@@ -116,11 +147,12 @@ void add_score_of_all(const std::vector<PlanarSums<N>>& planar, std::vector<Band
 
 template <int N>
 CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> areas,
-                                const std::vector<std::vector<WalkedSample<N>>>& samples,
+                                const std::vector<std::vector<WalkedSample<N>>>& all_samples,
                                 int bands) {
   using Bands = BandValues<N>;
-  const std::size_t places = samples.size();
+  const std::size_t places = all_samples.size();
   if (places == 0) return {};
+  const Samples<N> samples = without_outliers<N>(graph, all_samples);
   CorrectionFit<N> fit{.shape = fit_shape(samples, bands)};
   std::array<std::vector<PlanarSums<N>>, 2> planar;  // of the halves at each place
   SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places)};
@@ -129,8 +161,6 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
     at_places.walked[h].resize(places);
   }
   std::vector<Bands> flat(places);
-  PlanarSums<N> all_planar;
-  WalkedSums<N> all_walked;
   for (std::size_t i = 0; i < places; ++i) {
     for (std::size_t s = 0; s < samples[i].size(); ++s) {
       const auto& [terms, of_walk, planar_alone, weight] = samples[i][s];
@@ -138,8 +168,6 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
       flat[i] += planar_alone;
       planar[s % 2][i].add(terms, of_planar);
       at_places.walked[s % 2][i].add(terms, of_walk);
-      all_planar.add(terms, of_planar);
-      all_walked.add(terms, of_walk);
     }
     for (std::size_t h = 0; h < 2; ++h) at_places.planar[i] += planar[h][i];
   }
@@ -149,41 +177,64 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
     for (; steps < steps_of_width(width); ++steps) sums.back().spread(graph);
   }
 
-  // From the widest to the narrowest. The halves' planar light is taken as half of all.
-  const DirectionalRatio<N> pooled = fit_ratio<N>(all_planar, all_walked, bands, 0.0, {});
-  const Ratios<N> all_alike(places, pooled);
-  Fits<N> fits{all_alike, {all_alike, all_alike}}, chosen = fits;
-  std::vector<Bands> best_score(places);
-  for (int width = widths - 1; width >= 0; --width) {
-    const SpreadSums<N>& wide = sums[static_cast<std::size_t>(width)];
-    const double pull = samples_of_prior / (static_cast<double>(samples.front().size()) *
-                                            PlaceGraph::places_reached(steps_of_width(width)));
-    std::vector<Bands> score(places);
+  // From the widest, which is all of the surface, to the narrowest. The halves' planar light is
+  // taken as half of all.
+  PlanarSums<N> all_planar;
+  std::array<WalkedSums<N>, 2> all_walked{};
+  Bands all_light = Bands::filled(1e-30f);
+  for (std::size_t i = 0; i < places; ++i) {
+    all_planar += at_places.planar[i];
+    all_light += at_places.planar[i].of[0];
+    for (std::size_t h = 0; h < 2; ++h) all_walked[h] += at_places.walked[h][i];
+  }
+  const auto fit_both = [&](const PlanarSums<N>& under, const WalkedSums<N>& first,
+                            const WalkedSums<N>& second, double pull,
+                            const DirectionalRatio<N>& prior) {
+    WalkedSums<N> both = first;
+    both += second;
+    return fit_ratio(under, both, bands, pull, prior);
+  };
+  const DirectionalRatio<N> none{};
+  Fits<N> fits{
+      .whole = Ratios<N>(places, fit_both(all_planar, all_walked[0], all_walked[1], 0.0, none))};
+  for (std::size_t h = 0; h < 2; ++h)
+    fits.half[h].assign(places, fit_ratio(all_planar, 2.0f * all_walked[h], bands, 0.0, none));
+  Fits<N> chosen = fits;
+  std::vector<float> best_score(places);
+  for (int width = widths; width >= 0; --width) {
+    const bool is_of_all = width == widths;
+    std::vector<Bands> scores(places);
     constexpr std::size_t chunk = 64;
     parallel_chunks(places, chunk, [&](std::size_t i) {
-      WalkedSums<N> both = wide.walked[0][i];
-      both += wide.walked[1][i];
-      fits.whole[i] = fit_ratio(wide.planar[i], both, bands, pull, fits.whole[i]);
+      if (!is_of_all) {
+        const SpreadSums<N>& wide = sums[static_cast<std::size_t>(width)];
+        const double pull = samples_of_prior / (static_cast<double>(samples.front().size()) *
+                                                PlaceGraph::places_reached(steps_of_width(width)));
+        fits.whole[i] =
+            fit_both(wide.planar[i], wide.walked[0][i], wide.walked[1][i], pull, fits.whole[i]);
+        for (std::size_t h = 0; h < 2; ++h)
+          fits.half[h][i] = fit_ratio(wide.planar[i], 2.0f * wide.walked[h][i], bands, 2.0 * pull,
+                                      fits.half[h][i]);
+      }
+      // The squares that each half leaves of the other, less those that no fit changes.
       for (std::size_t h = 0; h < 2; ++h) {
-        DirectionalRatio<N>& ratio = fits.half[h][i];
-        ratio = fit_ratio(wide.planar[i], 2.0f * wide.walked[h][i], bands, 2.0 * pull, ratio);
-        // The squares that it leaves of the other half, less those that no fit changes.
-        score[i] += planar[1 - h][i].product(ratio, ratio) -
-                    2.0f * at_places.walked[1 - h][i].product(ratio);
+        const DirectionalRatio<N>& ratio = fits.half[h][i];
+        scores[i] += planar[1 - h][i].product(ratio, ratio) -
+                     2.0f * at_places.walked[1 - h][i].product(ratio);
       }
     });
-    add_score_of_all(at_places.planar, score);
-    for (int step = 0; step < steps_of_score; ++step) score = graph.spread(score);
-    const bool is_first = width == widths - 1;
-    for (std::size_t i = 0; i < places; ++i)
-      for (int b = 0; b < bands; ++b) {
-        if (!is_first && !(score[i][b] < best_score[i][b])) continue;
-        best_score[i][b] = score[i][b];
-        for (std::size_t k = 0; k < direction_terms; ++k) {
-          chosen.whole[i][k][b] = fits.whole[i][k][b];
-          for (std::size_t h = 0; h < 2; ++h) chosen.half[h][i][k][b] = fits.half[h][i][k][b];
-        }
-      }
+    add_score_of_all(at_places.planar, scores);
+    for (int step = 0; step < steps_of_score; ++step) scores = graph.spread(scores);
+    for (std::size_t i = 0; i < places; ++i) {
+      // One width for all bands, so that noise has no color; each counts by its light.
+      const Bands over_light = scores[i] / all_light;
+      float score = 0.0f;
+      for (int b = 0; b < bands; ++b) score += over_light[b];
+      if (!is_of_all && !(score < best_score[i])) continue;
+      best_score[i] = score;
+      chosen.whole[i] = fits.whole[i];
+      for (std::size_t h = 0; h < 2; ++h) chosen.half[h][i] = fits.half[h][i];
+    }
   }
 
   // What each half leaves of the other is its error, noise included, less the squares of the truth.
@@ -220,7 +271,7 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
     fit.error_left = std::sqrt(std::max(left - noise, noise) * area) / light;
   }
   fit.ratios = std::move(chosen.whole);
-  keep_mean(samples, bands, fit);
+  keep_mean(all_samples, bands, fit);
   return fit;
 }
 

@@ -26,11 +26,12 @@ struct CorrectionFit {
   double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of samples tell
 };
 
-/// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place and
-/// band as the samples there ask for: of widths that double the number of places, the one that
+/// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place as
+/// the samples there ask for: of widths that double the number of places, the one that
 /// predicts best, fitted to either half of the samples, what the other half found around there. A
 /// narrow fit is drawn to the wider one in how it depends on direction. The whole is scaled so that
-/// the weighted mean of the samples is met.
+/// the weighted mean of the samples is met, as far as it is known; what single walks bring beyond
+/// ten times the light around them counts in that mean alone.
 ///
 /// @param areas    [place], that its samples stand for [mm²]; 0: not counted in `change` and
 ///                 `error_left`

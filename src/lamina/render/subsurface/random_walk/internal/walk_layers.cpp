@@ -43,11 +43,14 @@ Material clear_medium(const Scene& scene, const DielectricSurface& glass) {
 /// The layers of a material as they lie inside a mesh.
 template <int N>
 Material inside_mesh(const RenderScene& scene, const BandConversion<N>& conversion,
-                     std::uint32_t material) {
+                     std::uint32_t material, bool is_smooth) {
   const auto& surface = scene.scene->materials[material].surface;
   if (const auto* glass = std::get_if<DielectricSurface>(&surface))
     return clear_medium(*scene.scene, *glass);
-  return colored_medium<N>(scene, conversion, material);
+  Material medium = colored_medium<N>(scene, conversion, material);
+  if (is_smooth)
+    for (MaterialLayer& layer : medium.layers) layer.top = {};
+  return medium;
 }
 
 std::span<const MaterialMap> maps_of(const Scene& scene, std::uint32_t material) {
@@ -69,8 +72,9 @@ NodeLattice lattice_for(const RenderScene& scene, std::uint32_t material,
 
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion,
-                          std::uint32_t material)
-    : WalkLayers(scene, material, with_sheets(inside_mesh<N>(scene, conversion, material))) {}
+                          std::uint32_t material, bool is_smooth)
+    : WalkLayers(scene, material,
+                 with_sheets(inside_mesh<N>(scene, conversion, material, is_smooth))) {}
 
 template <int N>
 WalkLayers<N>::WalkLayers(const RenderScene& scene, std::uint32_t material,

@@ -27,7 +27,9 @@ class WalkLayers {
   using Place = DepthLayers::Place;
   using Crossing = DepthLayers::Crossing;
 
-  WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material);
+  /// @param is_smooth  its boundaries count as smooth, if it is translucent
+  WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material,
+             bool is_smooth = false);
 
   [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
   /// Of a layer without maps.

@@ -28,8 +28,8 @@ float ior(const MediaPlace<N>& place) {
 
 template <int N>
 BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
-                          const NestedDielectrics& bodies, std::uint32_t material)
-    : layers(scene, conversion, material),
+                          const NestedDielectrics& bodies, std::uint32_t material, bool is_smooth)
+    : layers(scene, conversion, material, is_smooth),
       interior(scene, conversion, material, layers.ior(), layers.bands(),
                layers.shortest_free_path()),
       next_event(interior),
@@ -44,7 +44,8 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
 }
 
 template <int N>
-WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion)
+WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion,
+                        bool are_smooth)
     : scene_(scene),
       conversion_(conversion),
       bodies_(scene),
@@ -54,7 +55,7 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
     // Paths meet dielectrics within or beside translucent bodies only.
     if (std::holds_alternative<SubsurfaceSurface>(surface) ||
         (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
-      of_material_[i] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, i);
+      of_material_[i] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, i, are_smooth);
     has_maps_ = has_maps_ || (of_material_[i] && of_material_[i]->layers.has_maps());
   }
 }

@@ -36,7 +36,7 @@ struct BodyMedium {
   std::unique_ptr<RadianceField<N>> field;
 
   BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
-             const NestedDielectrics& bodies, std::uint32_t material);
+             const NestedDielectrics& bodies, std::uint32_t material, bool is_smooth);
 };
 
 /// Where a path is: in which bodies, in which medium, at which depth.
@@ -53,7 +53,8 @@ class WalkMedia {
  public:
   using Bands = BandValues<N>;
 
-  WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion);
+  /// @param are_smooth  boundaries of translucent materials
+  WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion, bool are_smooth = false);
 
   [[nodiscard]] const NestedDielectrics& bodies() const { return bodies_; }
   [[nodiscard]] const RenderScene& scene() const { return scene_; }
