@@ -11,6 +11,7 @@
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/geometry/hemisphere.h"
+#include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
@@ -27,13 +28,6 @@ constexpr double samples_of_pixel = 4.0;
 constexpr float least_of_mean = 0.01f;
 // Measured on one core of a Zen 4 [CPU s].
 constexpr double seconds_per_walk = 9e-6;
-
-double mean_ior(const Material& material) {
-  double sum = 0.0;
-  for (std::size_t b = 0; b < material.bands.size(); ++b)
-    sum += material.layers.front().ior[b] / material.ior_above[b];
-  return sum / static_cast<double>(material.bands.size());
-}
 
 /// What flat layers reflect of diffuse light that has entered.
 double reflectance_of_entered(const LayerStack& layers) {
@@ -79,7 +73,7 @@ CorrectedTransport<N>::CorrectedTransport(const RenderScene& scene, std::uint32_
     : scene_(scene), material_(material), planar_(std::move(planar)), walk_(std::move(walk)) {
   const auto& surface = std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
   bands_ = static_cast<int>(surface.material.bands.size());
-  ior_ = static_cast<float>(mean_ior(surface.material));
+  ior_ = mean_ior(surface.material);
   of_roughness_ = effect_of_roughness<N>(surface.material);
 }
 

@@ -11,6 +11,7 @@
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/shading/refracted_entry.h"
+#include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/nearby_point.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 
@@ -32,13 +33,6 @@ std::vector<LayerStack> whitest(const SubsurfaceSurface& surface) {
   if (surface.color_use == ColorUse::invert)
     for (LayerStack& stack : stacks) stack = with_absorption(stack, 1e-6);
   return stacks;
-}
-
-float mean_ior(const Material& material) {
-  double sum = 0.0;
-  for (std::size_t b = 0; b < material.bands.size(); ++b)
-    sum += material.layers.front().ior[b] / material.ior_above[b];
-  return static_cast<float>(sum / static_cast<double>(material.bands.size()));
 }
 
 }  // namespace
