@@ -5,14 +5,13 @@
 // so that its peak of memory is its own.
 //
 // usage: hierarchy_scaling [FIGURE.svg]
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
+
+#include "run_apart.h"
 
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_shapes.h"
@@ -46,24 +45,6 @@ Row measure(int tessellation) {
   return row;
 }
 
-/// In a process of its own.
-Row measure_apart(int tessellation) {
-  std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) return {};
-  const pid_t child = fork();
-  if (child == 0) {
-    const Row row = measure(tessellation);
-    const bool is_sent = write(ends[1], &row, sizeof row) == sizeof row;
-    _exit(is_sent ? 0 : 1);
-  }
-  Row row;
-  close(ends[1]);
-  const bool is_read = read(ends[0], &row, sizeof row) == sizeof row;
-  close(ends[0]);
-  waitpid(child, nullptr, 0);
-  return is_read ? row : Row{};
-}
-
 }  // namespace
 }  // namespace lamina
 
@@ -72,7 +53,7 @@ int main(int count, char** arguments) {
   std::vector<double> samples, cpu, memory, line;
   std::printf("%10s %10s %8s %9s\n", "triangles", "samples", "CPU s", "peak MiB");
   for (const int tessellation : {29, 50, 91, 158, 289}) {
-    const Row row = measure_apart(tessellation);
+    const Row row = run_apart([=] { return measure(tessellation); }).value_or(Row{});
     std::printf("%10.0f %10.0f %8.2f %9.0f\n", row.triangles, row.samples, row.cpu_seconds,
                 row.peak_mib);
     std::fflush(stdout);
