@@ -76,11 +76,11 @@ struct InversionStep {
 enum class InversionStop { converged, at_noise, most_forwards, interrupted };
 
 template <>
-inline constexpr auto enum_names<InversionStop> =
-    std::to_array<EnumName<InversionStop>>({{"converged", InversionStop::converged},
-                                            {"at the noise", InversionStop::at_noise},
-                                            {"most forwards", InversionStop::most_forwards},
-                                            {"interrupted", InversionStop::interrupted}});
+inline constexpr auto enum_names<InversionStop> = std::to_array<EnumName<InversionStop>>(
+    {{"converged", InversionStop::converged},
+     {"at the noise", InversionStop::at_noise},
+     {"at the limit of forward models", InversionStop::most_forwards},
+     {"interrupted", InversionStop::interrupted}});
 
 struct InversionResult {
   std::vector<NumberMap> numbers;
