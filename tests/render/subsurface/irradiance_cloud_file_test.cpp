@@ -134,6 +134,12 @@ TEST(IrradianceCloudFile, OfRatiosToPlanarLightIsReadBackAsItWas) {
   EXPECT_EQ(read.places[1].position, written.places[1].position);
   EXPECT_EQ(read.places[1].normal, written.places[1].normal);
   EXPECT_EQ(read.places[1].spacing, 1.0f);
+  // Places of a spacing that no surface has.
+  LightRatioCloud absurd = written;
+  absurd.places[0].spacing = 1e-30f;
+  save_irradiance_clouds(two_clouds(), {absurd}, some_scene, file);
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is damaged");
+  save_irradiance_clouds(two_clouds(), {written}, some_scene, file);
   // A place too few: what the checksum says does not matter.
   std::string bytes = read_file_bytes(file);
   std::ofstream(file, std::ios::binary) << bytes.substr(0, bytes.size() - 17 * sizeof(float));

@@ -97,10 +97,13 @@ SpacingField CorrectedTransport<N>::field_of_places(const Preparation<N>& with) 
   const double wanted = places_wanted(with);
   std::vector<Vec3f> seen;
   for (const SurfacePoint& point : with.seen.points[material_]) seen.push_back(point.position);
+  const double area = surface_area(meshes, material_);
   if (seen.empty() || with.cache.is_wanted())
-    return SpacingField(static_cast<float>(std::sqrt(surface_area(meshes, material_) / wanted)));
+    return SpacingField(static_cast<float>(std::sqrt(area / wanted)));
   const float margin = 2.0f * with.seen.pixels_between * with.seen.pixel_size(material_);
-  auto spacing = static_cast<float>(std::sqrt(with.seen.area(material_) / wanted));
+  const double least_area = 1e-8 * area;
+  auto spacing =
+      static_cast<float>(std::sqrt(std::max(with.seen.area(material_), least_area) / wanted));
   for (;; spacing *= 1.1f) {
     SpacingField field(seen, spacing, margin);
     const auto counts = expected_cells(meshes, material_, field);

@@ -17,6 +17,7 @@
 #include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/render/subsurface/spacing_field.h"
 
 namespace lamina {
 namespace {
@@ -198,14 +199,18 @@ void parse_ratios(std::string_view rest, const std::vector<std::size_t>& counts,
   for (std::size_t c = 0; c < ratios.size(); ++c) {
     LightRatioCloud& ratio = ratios[c];
     std::vector<float> v(fixed_numbers_of_ratio + LightRatioCloud::direction_terms * ratio.bands);
+    float least = std::numeric_limits<float>::infinity(), most = 0.0f;
     for (std::size_t i = 0; i < counts[c]; ++i) {
       std::memcpy(v.data(), rest.data(), v.size() * sizeof(float));
       rest.remove_prefix(v.size() * sizeof(float));
+      least = std::min(least, v[6]);
+      most = std::max(most, v[6]);
       for (const float number : v) require(std::isfinite(number));
       ratio.places.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]});
       require(std::abs(length(ratio.places.back().normal) - 1.0f) < 1e-3f && v[6] > 0.0f);
       ratio.ratios.insert(ratio.ratios.end(), v.begin() + fixed_numbers_of_ratio, v.end());
     }
+    require(most <= 1.01f * std::ldexp(least, SpacingField::levels - 1));
   }
 }
 
