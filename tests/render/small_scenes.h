@@ -40,6 +40,30 @@ inline Mesh make_plate(float width, float thickness) {
   return plate;
 }
 
+/// A closed cube around the origin, with sharp edges.
+inline Mesh make_cube(float side) {
+  Mesh cube{.name = "cube"};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float sign : {-1.0f, 1.0f}) {
+      Vec3f n, u, v;
+      n[axis] = sign;
+      u[(axis + 1) % 3] = sign;
+      v[(axis + 2) % 3] = 1.0f;
+      const auto first = static_cast<std::uint32_t>(cube.positions.size());
+      for (const auto& [a, b] :
+           {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
+        cube.positions.push_back(0.5f * side * (n + a * u + b * v));
+        cube.normals.push_back(n);
+        cube.uvs.push_back({0.5f + 0.5f * a, 0.5f + 0.5f * b});
+      }
+      cube.triangles.push_back({first, first + 1, first + 2});
+      cube.triangles.push_back({first, first + 2, first + 3});
+    }
+  cube.material.assign(12, 0);
+  cube.is_closed = true;
+  return cube;
+}
+
 /// A sphere around the origin.
 inline Mesh make_sphere(float radius, int rings = 48, std::uint32_t material = 0) {
   Mesh mesh{.name = "sphere"};

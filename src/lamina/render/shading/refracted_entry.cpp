@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "lamina/optics/fresnel.h"
+
 namespace lamina {
 namespace {
 
@@ -13,15 +15,20 @@ constexpr int most_newton_steps = 10, most_halvings = 2;
 constexpr float miss_tolerance = 1e-4f;  // of the miss, over the path's length
 constexpr float small_step = 0.1f;       // over that length: within a triangle it needs no ray
 
-/// The boundary on the way from inside, if it is what a ray meets first.
-std::optional<BoundaryHit> meet_boundary(const RenderScene& scene, const Vec3f& inside,
-                                         const Vec3f& direction, std::uint32_t material) {
-  const Hit hit = scene.geometry.first_hit({inside, direction}, 0.0f);
+/// What a ray from inside meets, if it is the boundary.
+std::optional<BoundaryHit> boundary_at(const RenderScene& scene, const Hit& hit,
+                                       const Vec3f& direction, std::uint32_t material) {
   if (!hit.is_hit()) return std::nullopt;
   const SurfacePoint point = make_bare_surface_point(scene.scene->meshes, hit);
   if (point.material != material || !(dot(point.geometric_normal, direction) > 0.0f))
     return std::nullopt;
   return BoundaryHit{point, hit};
+}
+
+std::optional<BoundaryHit> meet_boundary(const RenderScene& scene, const Vec3f& inside,
+                                         const Vec3f& direction, std::uint32_t material) {
+  return boundary_at(scene, scene.geometry.first_hit({inside, direction}, 0.0f), direction,
+                     material);
 }
 
 struct Refraction {
@@ -166,6 +173,50 @@ std::optional<RefractedEntry> find_refracted_entry(const RenderScene& scene, con
                                                    const FindBoundary& find_boundary, float ior,
                                                    const LightSample& light, const Vec3f& first) {
   return find_entry_by_newton(scene, inside, ior, light, first, find_boundary);
+}
+
+bool is_flat(const SurfacePoint& point) {
+  return dot(point.smooth_normal, point.geometric_normal) > 0.99999f;
+}
+
+std::optional<RefractedEntry> find_reflected_entry(const RenderScene& scene, const Vec3f& inside,
+                                                   const SurfacePoint& mirror, float ior,
+                                                   const LightSample& light, const Vec3f& first) {
+  const Vec3f n = mirror.geometric_normal;
+  const auto reflect = [&](const Vec3f& v) { return v - 2.0f * dot(v, n) * n; };
+  const float depth = dot(mirror.position - inside, n);
+  const Vec3f image = inside + 2.0f * depth * n;
+  const auto is_mirror = [&](const SurfacePoint& at) {
+    constexpr float most_offset = 1e-3f;
+    return dot(at.geometric_normal, n) > 0.99999f && is_flat(at) &&
+           std::abs(dot(at.position - inside, n) - depth) <=
+               most_offset * depth + least_distance(scene);
+  };
+  const FindBoundary find = [&](const Vec3f& direction) -> std::optional<BoundaryHit> {
+    const auto met = meet_boundary(scene, inside, reflect(direction), mirror.material);
+    if (!met || !is_mirror(met->point)) return std::nullopt;
+    const Hit hit =
+        scene.geometry.first_hit({leave_surface(met->point, direction), direction}, 0.0f);
+    return boundary_at(scene, hit, direction, mirror.material);
+  };
+  LightSample seen = light;
+  if (std::isfinite(light.distance)) {
+    const Vec3f offset = inside + light.distance * light.direction - image;
+    seen.distance = length(offset);
+    seen.direction = normalize(offset);
+  }
+  if (!(dot(seen.direction, n) < 0.0f)) return std::nullopt;
+  auto entry = find_refracted_entry(scene, image, find, ior, seen, first);
+  // The search may have ended where the mirror does not reach.
+  if (!entry || !find(entry->to_surface)) return std::nullopt;
+  if (std::isfinite(light.distance)) {
+    const float nearer = light.distance / seen.distance;
+    entry->geometry_term *= nearer * nearer;
+  }
+  const float cosine = std::abs(dot(entry->to_surface, n));
+  entry->to_surface = reflect(entry->to_surface);
+  entry->reflectance = static_cast<float>(fresnel(std::min(cosine, 1.0f), 1.0f / ior));
+  return entry;
 }
 
 }  // namespace lamina

@@ -25,6 +25,7 @@ struct RefractedEntry {
   float geometry_term = 0.0f;  ///< irradiance across the beam at the given point over that across
                                ///< the beam outside, as the light sample states it for the given
                                ///< point; without what is reflected or absorbed
+  float reflectance = 1.0f;    ///< of a flat surface that reflects the path inside, if any
 };
 
 /// How far from a surface that a ray leaves the next one can be at least [mm]: the rounding of rays
@@ -75,6 +76,18 @@ using FindBoundary = std::function<std::optional<BoundaryHit>(const Vec3f& direc
 /// The same through a boundary that is not the first surface on the way.
 [[nodiscard]] std::optional<RefractedEntry> find_refracted_entry(
     const RenderScene& scene, const Vec3f& inside, const FindBoundary& find_boundary, float ior,
+    const LightSample& light, const Vec3f& first);
+
+/// Whether the boundary is flat at a point, as far as its normals tell.
+[[nodiscard]] bool is_flat(const SurfacePoint& point);
+
+/// The same for a path that a flat part of the boundary reflects once on its way inside: that of
+/// the given point's image in it.
+///
+/// @param mirror  where it is, as met from inside
+/// @param first   from the image: towards where the light enters
+[[nodiscard]] std::optional<RefractedEntry> find_reflected_entry(
+    const RenderScene& scene, const Vec3f& inside, const SurfacePoint& mirror, float ior,
     const LightSample& light, const Vec3f& first);
 
 }  // namespace lamina

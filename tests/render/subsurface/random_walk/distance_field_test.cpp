@@ -71,7 +71,7 @@ TEST(DistanceField, IsNoLongerThanTheDistanceToTheSurface) {
   const std::vector<Mesh> meshes = {make_sphere(3.0f, 64)};
   const RayGeometry geometry(meshes);
   const NodeLattice lattice({-3, -3, -3}, {3, 3, 3}, 0.3f, 1e6);
-  const DistanceField field(geometry, meshes, lattice);
+  const DistanceField field(geometry, meshes, lattice, {{-3, -3, -3}, {3, 3, 3}, 0.6f, 1e6});
   Random random(7);
   double sum = 0.0, sum_of_true = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -84,6 +84,23 @@ TEST(DistanceField, IsNoLongerThanTheDistanceToTheSurface) {
   }
   EXPECT_GT(sum, 0.4 * sum_of_true);  // and long enough to be of use
   EXPECT_GT(dot(field.nearest_normal({0, 0, 2.8f}), Vec3f{0, 0, 1}), 0.98f);
+}
+
+// Both faces are near to an edge, one to the middle of a face, none to the middle of the cube, and
+// those of the nearest come first.
+TEST(DistanceField, KnowsAllThatIsNear) {
+  const std::vector<Mesh> meshes = {make_cube(20.0f)};
+  const RayGeometry geometry(meshes);
+  const Vec3f low{-10, -10, -10}, high{10, 10, 10};
+  const DistanceField field(geometry, meshes, {low, high, 0.3f, 1e6}, {low, high, 0.6f, 1e6});
+  const auto expect = [](const FewNormals& found, std::initializer_list<Vec3f> normals) {
+    ASSERT_EQ(found.count, normals.size());
+    std::size_t i = 0;
+    for (const Vec3f& n : normals) EXPECT_GT(dot(found.at[i++], n), 0.99f);
+  };
+  expect(field.normals_near({0, 0, 9}), {{0, 0, 1}});
+  expect(field.normals_near({8.5f, 0, 9}), {{0, 0, 1}, {1, 0, 0}});
+  expect(field.normals_near({0, 0, 0}), {});
 }
 
 }  // namespace

@@ -257,6 +257,79 @@ TEST(RandomWalk, HasTheSameMeanWhetherPathsLeaveOrStay) {
   }
 }
 
+// A white cube among lamps that shine from all around looks as bright as they, at its corner as
+// elsewhere: no way by which light enters is missed or counted twice, through one face, another, or
+// mirrored inside.
+TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
+  Scene scene = scene_of(make_cube(2.0f), homogeneous({0, 0, 0}, {1, 1, 1}, 0.0, 1.4),
+                         EnvironmentLight{.scale = {0, 0, 0}}, 1);
+  scene.lights.clear();
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-6.0, 6.0}) {
+      Vec3 center, u, v;
+      center[axis] = side;
+      u[(axis + 1) % 3] = 12.0;
+      v[(axis + 2) % 3] = side > 0.0 ? -12.0 : 12.0;
+      scene.lights.push_back(
+          RectangleLight{.center = center, .edge_u = u, .edge_v = v, .radiance = {1, 1, 1}});
+    }
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+  for (const bool is_solved : {false, true}) {
+    if (is_solved) {
+      ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+    }
+    for (const float offset : {0.9f, 0.5f}) {
+      const Hit hit = prepared.geometry.first_hit({{offset, offset, 3}, {0, 0, -1}}, 0.0f);
+      const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
+      const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
+      const double entering = 1.0 - fresnel(1.0, 1.4);
+      double sum = 0.0, squares = 0.0;
+      constexpr int count = 2048;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        PixelSamples samples(11, i, 0);
+        const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[0]);
+        sum += value;
+        squares += value * value;
+      }
+      const double mean = sum / count, error = std::sqrt((squares / count - mean * mean) / count);
+      EXPECT_NEAR(mean, entering, 3.5 * error);
+      EXPECT_LT(error, 0.01);
+    }
+  }
+}
+
+// Beside an edge light comes through two faces and by reflection. None of that is left to paths
+// that meet the lamp by chance: they are worth hundreds of others.
+TEST(RandomWalk, HasNoFirefliesAtAnEdge) {
+  const Scene scene =
+      scene_of(make_cube(20.0f), homogeneous({0.05, 0.1, 0.2}, {1, 1, 1}, 0.0, 1.4),
+               RectangleLight{.center = {30, 0, 20},
+                              .edge_u = {0, 4, 0},
+                              .edge_v = {2.22, 0, -3.33},
+                              .radiance = {50, 50, 50}},
+               1);
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+  const Hit hit = prepared.geometry.first_hit({{9.5f, 0, 20}, {0, 0, -1}}, 0.0f);
+  const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
+  const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
+  double sum = 0.0, most = 0.0;
+  constexpr int count = 8192;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    PixelSamples samples(11, i, 0);
+    const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[0]);
+    sum += value;
+    most = std::max(most, value);
+  }
+  EXPECT_LT(most, 10.0 * sum / count);
+}
+
 TEST(RandomWalk, StopsPreparingWhenAsked) {
   const Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.1, 0.1}, {2, 2, 2}, 0.0, 1.3),
                                PointLight{.position = {0, 0, 9}}, 1);

@@ -88,7 +88,8 @@ BodyInterior<N>::BodyInterior(const RenderScene& scene, const BandConversion<N>&
         return std::holds_alternative<EnvironmentLight>(light);
       })) {
   distance_ = std::make_unique<DistanceField>(scene.geometry, scene.scene->meshes,
-                                              lattice(0.7f * free_path, 1e6));
+                                              lattice(0.7f * free_path, 1e6),
+                                              lattice(1.4f * free_path, 1.3e5));
 }
 
 template <int N>
@@ -133,7 +134,8 @@ template <int N>
 void BodyInterior<N>::reflect(WalkPath<N>& path, const SurfacePoint& point, const Hit& hit,
                               Vec2f u) const {
   Vec3f& direction = path.ray.direction;
-  if (is_blocker(point, direction)) {
+  const bool is_blocked = is_blocker(point, direction);
+  if (is_blocked) {
     reflect_diffusely(path, point, hit, u);
   } else {
     const auto reflected = [&](const Vec3f& n) { return direction - 2.0f * dot(direction, n) * n; };
@@ -143,6 +145,7 @@ void BodyInterior<N>::reflect(WalkPath<N>& path, const SurfacePoint& point, cons
         dot(smooth, point.geometric_normal) < 0.0f ? smooth : reflected(point.geometric_normal));
   }
   path.ray.origin = leave_surface(point, direction);
+  path.is_reflected_once = path.has_scattered && !is_blocked;
   path.has_scattered = false;
   path.clearance = 0.0f;
 }
@@ -239,6 +242,7 @@ bool BodyInterior<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, Wa
       path.ray.origin += segment.length * path.ray.direction;
       path.clearance = std::max(distance_->at(path.ray.origin), 0.0f);
       path.has_scattered = true;
+      path.is_reflected_once = false;
       return true;
     }
     const Vec2f u_turn = numbers.pair();

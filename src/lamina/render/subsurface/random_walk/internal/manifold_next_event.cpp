@@ -2,35 +2,44 @@
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 
 namespace lamina {
-namespace {
-
-constexpr float same_exit = 0.02f;  // distance of two exits that are one, over the path to them
-
-}  // namespace
+template <int N>
+std::optional<SurfacePoint> ManifoldNextEvent<N>::meet(const Vec3f& inside, const Vec3f& direction,
+                                                       const Vec3f& n) const {
+  const RenderScene& scene = interior_.scene();
+  const Hit hit = scene.geometry.first_hit({inside, direction}, 0.0f);
+  if (!hit.is_hit()) return std::nullopt;
+  const SurfacePoint point = make_bare_surface_point(scene.scene->meshes, hit);
+  if (differ(point.smooth_normal, n)) return std::nullopt;
+  return point;
+}
 
 template <int N>
 std::optional<typename ManifoldNextEvent<N>::SameConnection>
 ManifoldNextEvent<N>::find_same_connection(const WalkPath<N>& path, const SurfacePoint& exit,
                                            const Ray& outside, const LightSeen& met,
                                            const FindBoundary* find_boundary) const {
-  if (!path.has_scattered) return std::nullopt;
+  if (!path.has_scattered && !path.is_reflected_once) return std::nullopt;
+  const Vec3f& inside = path.last.ray.origin;
   LightSample sample{.direction = outside.direction, .distance = met.distance, .pdf = met.pdf};
   if (std::isfinite(met.distance)) {  // which the last event sees in another direction
-    const Vec3f offset = outside.origin + met.distance * outside.direction - path.ray.origin;
+    const Vec3f offset = outside.origin + met.distance * outside.direction - inside;
     const float distance = length(offset);
     sample = {.direction = offset / distance, .distance = distance, .pdf = 0.0f};
-    interior_.scene().lights.for_lights_seen({path.ray.origin, sample.direction}, 0.0f,
-                                             1.001f * distance, false, [&](const LightSeen& seen) {
+    interior_.scene().lights.for_lights_seen({inside, sample.direction}, 0.0f, 1.001f * distance,
+                                             false, [&](const LightSeen& seen) {
                                                if (seen.distance > 0.999f * distance)
                                                  sample.pdf = seen.pdf;
                                              });
   }
   std::optional<SameConnection> found;
-  for_connections(path.ray.origin, sample, find_boundary, [&](const RefractedEntry& entry) {
-    if (length(entry.point.position - exit.position) <
-        same_exit * entry.length + least_distance(interior_.scene()))
+  const auto compare = [&](const RefractedEntry& entry) {
+    if (is_same_entry(entry.point.position, exit.position, entry.length))
       found = {entry, sample.pdf * interior_.ior() * interior_.ior() / entry.geometry_term};
-  });
+  };
+  if (path.has_scattered)
+    for_connections(inside, sample, find_boundary, compare);
+  else if (finds_reflected_)
+    for_reflected_connections(inside, sample, compare);
   return found;
 }
 

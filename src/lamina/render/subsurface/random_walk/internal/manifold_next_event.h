@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
@@ -13,7 +15,6 @@
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
-
 /// The power heuristic of multiple importance sampling: the MIS weight of the sample of one
 /// technique, where another finds the same light. Both densities per the same measure.
 ///
@@ -40,8 +41,11 @@ class ManifoldNextEvent {
  public:
   using Bands = BandValues<N>;
 
-  explicit ManifoldNextEvent(const BodyInterior<N>& interior)
-      : interior_(interior), has_lights_(interior.scene().lights.has_next_event_light()) {}
+  /// @param finds_reflected  light that the boundary reflects once inside, too: in one medium
+  ManifoldNextEvent(const BodyInterior<N>& interior, bool finds_reflected)
+      : interior_(interior),
+        has_lights_(interior.scene().lights.has_next_event_light()),
+        finds_reflected_(finds_reflected) {}
 
   [[nodiscard]] bool has_lights() const { return has_lights_; }
 
@@ -64,11 +68,40 @@ class ManifoldNextEvent {
                                         const FindBoundary* find_boundary = nullptr) const;
 
  private:
+  /// Whether two entries of paths of about a length are one.
+  [[nodiscard]] bool is_same_entry(const Vec3f& a, const Vec3f& b, float path_length) const {
+    constexpr float same_entry = 0.02f;  // of that length
+    return length(a - b) < same_entry * path_length + least_distance(interior_.scene());
+  }
+  /// What a ray from inside meets, where its normal is about n.
+  [[nodiscard]] std::optional<SurfacePoint> meet(const Vec3f& inside, const Vec3f& direction,
+                                                 const Vec3f& n) const;
+  /// What is found of one kind, so that nothing counts twice.
+  struct Connections {
+    std::array<Vec3f, FewNormals::most * FewNormals::most + 2> entry;
+    std::size_t count = 0;
+  };
+  template <class OnConnection>
+  void add(const std::optional<RefractedEntry>& entry, Connections& found,
+           const OnConnection& on_connection) const {
+    if (!entry) return;
+    const auto known = std::span(found.entry).first(found.count);
+    const Vec3f& position = entry->point.position;
+    if (std::ranges::any_of(
+            known, [&](const Vec3f& k) { return is_same_entry(k, position, entry->length); }))
+      return;
+    found.entry[found.count++] = position;
+    on_connection(*entry);
+  }
   /// Paths from a point of a light to a point inside, through the boundary. Calls
   /// `on_connection(RefractedEntry)` for each that is found, the same ones for the same arguments.
   template <class OnConnection>
   void for_connections(const Vec3f& inside, const LightSample& sample,
                        const FindBoundary* find_boundary, const OnConnection& on_connection) const;
+  /// The same for paths that a flat part of the boundary reflects once inside.
+  template <class OnConnection>
+  void for_reflected_connections(const Vec3f& inside, const LightSample& sample,
+                                 const OnConnection& on_connection) const;
   /// What next-event estimation at the last event finds of the path on which light is met.
   struct SameConnection {
     RefractedEntry entry;
@@ -79,7 +112,7 @@ class ManifoldNextEvent {
       const FindBoundary* find_boundary) const;
 
   const BodyInterior<N>& interior_;
-  bool has_lights_;
+  bool has_lights_, finds_reflected_;
 };
 
 template <int N>
@@ -88,19 +121,48 @@ void ManifoldNextEvent<N>::for_connections(const Vec3f& inside, const LightSampl
                                            const FindBoundary* find_boundary,
                                            const OnConnection& on_connection) const {
   const BodyInterior<N>& body = interior_;
-  const auto connects = [&](const Vec3f& first) {
-    const auto entry = find_boundary ? find_refracted_entry(body.scene(), inside, *find_boundary,
-                                                            body.ior(), sample, first)
-                                     : find_refracted_entry(body.scene(), inside, body.material(),
-                                                            body.ior(), sample, first);
-    if (entry) on_connection(*entry);
-    return entry.has_value();
+  const auto straight = [&](const Vec3f& first) {
+    return find_boundary ? find_refracted_entry(body.scene(), inside, *find_boundary, body.ior(),
+                                                sample, first)
+                         : find_refracted_entry(body.scene(), inside, body.material(), body.ior(),
+                                                sample, first);
   };
-  // Start as if the nearest surface went on flat, which is often close; then straight to the light.
+  Connections found;
+  // Start as if the nearest surface went on flat, which is often close; then as if each did that is
+  // near; or straight to the light.
+  const Vec3f& to_light = sample.direction;
   const Vec3f n = body.distance().nearest_normal(inside);
-  if (dot(n, sample.direction) > 0.0f && connects(refract_inside(sample.direction, n, body.ior())))
-    return;
-  (void)connects(sample.direction);
+  const FewNormals near = body.distance().normals_near(inside);
+  if (dot(n, to_light) > 0.0f)
+    add(straight(refract_inside(to_light, n, body.ior())), found, on_connection);
+  for (std::size_t i = 0; i < near.count; ++i) {
+    if (!(dot(near.at[i], to_light) > 0.0f && differ(near.at[i], n))) continue;
+    const Vec3f first = refract_inside(to_light, near.at[i], body.ior());
+    if (meet(inside, first, near.at[i])) add(straight(first), found, on_connection);
+  }
+  if (found.count == 0) add(straight(to_light), found, on_connection);
+}
+
+template <int N>
+template <class OnConnection>
+void ManifoldNextEvent<N>::for_reflected_connections(const Vec3f& inside, const LightSample& sample,
+                                                     const OnConnection& on_connection) const {
+  const BodyInterior<N>& body = interior_;
+  const Vec3f& to_light = sample.direction;
+  const FewNormals near = body.distance().normals_near(inside);
+  Connections found;
+  for (std::size_t i = 0; i < near.count; ++i) {
+    if (!(dot(near.at[i], to_light) > 0.0f)) continue;
+    const Vec3f first = refract_inside(to_light, near.at[i], body.ior());
+    for (std::size_t m = 0; m < near.count; ++m) {
+      const float cosine = dot(first, near.at[m]);
+      if (!(cosine < 0.0f)) continue;
+      const auto mirror = meet(inside, first - 2.0f * cosine * near.at[m], near.at[m]);
+      if (mirror && is_flat(*mirror) && mirror->material == body.material())
+        add(find_reflected_entry(body.scene(), inside, *mirror, body.ior(), sample, first), found,
+            on_connection);
+    }
+  }
 }
 
 template <int N>
@@ -110,7 +172,7 @@ void ManifoldNextEvent<N>::sample_light(const Vec3f& inside, float u_light, Vec2
                                         const FindBoundary* find_boundary) const {
   const LightSample sample = interior_.scene().lights.sample_light(inside, u_light, u);
   if (!(sample.pdf > 0.0f && sample.next_event_share > 0.0f)) return;
-  for_connections(inside, sample, find_boundary, [&](const RefractedEntry& entry) {
+  const auto add_light = [&](const RefractedEntry& entry) {
     const float ior = interior_.ior();
     const float entering =
         1.0f - static_cast<float>(fresnel(std::min(entry.cos_outside, 1.0f), ior));
@@ -122,10 +184,13 @@ void ManifoldNextEvent<N>::sample_light(const Vec3f& inside, float u_light, Vec2
     const float jacobian = entry.geometry_term / (ior * ior);
     on_light(RefractedLight<N>{
         .entry = entry,
-        .unattenuated = (sample.next_event_share * entering * jacobian / sample.pdf) * clear *
-                        interior_.conversion().from_rgb(sample.radiance),
+        .unattenuated =
+            (sample.next_event_share * entering * entry.reflectance * jacobian / sample.pdf) *
+            clear * interior_.conversion().from_rgb(sample.radiance),
         .pdf = sample.is_delta ? std::numeric_limits<float>::infinity() : sample.pdf / jacobian});
-  });
+  };
+  for_connections(inside, sample, find_boundary, add_light);
+  if (finds_reflected_) for_reflected_connections(inside, sample, add_light);
 }
 
 template <int N>

@@ -106,8 +106,8 @@ ProbeHits NestedDielectrics::coincident_hits(const SurfacePoint& point,
                                              const Vec3f& direction) const {
   const Vec3f& p = point.position;
   const float size = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), 1e-3f});
-  const float half =
-      coincident * size / std::max(std::abs(dot(point.geometric_normal, direction)), least_body_cosine);
+  const float half = coincident * size /
+                     std::max(std::abs(dot(point.geometric_normal, direction)), least_body_cosine);
   ProbeHits hits;
   scene_.geometry.all_hits({p - half * direction, direction}, 2.0f * half, std::nullopt, hits);
   return hits;

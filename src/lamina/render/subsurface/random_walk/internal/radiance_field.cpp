@@ -196,6 +196,7 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
                        .throughput = Bands::filled(1.0f),
                        .has_scattered = true,
                        .clearance = std::max(interior_.distance().at(start), 0.0f)};
+      path.last.ray = path.ray;
       const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
         PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
         links.given[k] += leaving.throughput *

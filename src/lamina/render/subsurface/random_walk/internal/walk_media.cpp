@@ -32,12 +32,12 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
     : layers(scene, conversion, material, is_smooth),
       interior(scene, conversion, material, layers.ior(), layers.bands(),
                layers.shortest_free_path()),
-      next_event(interior),
       glass(std::get_if<DielectricSurface>(&scene.scene->materials[material].surface)),
       is_rough(is_rough_boundary(layers.boundary(0), layers.ior())),
       has_neighbors(bodies.is_near_others(material)),
       is_homogeneous(layers.by_depth().count() == 1 && !layers.has_maps() && !is_rough &&
-                     !has_neighbors) {
+                     !has_neighbors),
+      next_event(interior, is_homogeneous) {
   if (is_homogeneous)
     field = std::make_unique<RadianceField<N>>(interior, next_event, layers.medium(0),
                                                layers.mean_cosine(0));

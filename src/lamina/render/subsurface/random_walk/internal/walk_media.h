@@ -23,7 +23,6 @@ template <int N>
 struct BodyMedium {
   WalkLayers<N> layers;
   BodyInterior<N> interior;
-  ManifoldNextEvent<N> next_event;
   const DielectricSurface* glass;  ///< null: translucent
   bool is_rough;                   ///< its boundary to the outside
   bool has_neighbors;              ///< other bodies may touch, overlap or hold its own
@@ -31,6 +30,7 @@ struct BodyMedium {
   /// takes paths from
   /// event to event.
   bool is_homogeneous;
+  ManifoldNextEvent<N> next_event;
   /// Optional, a control variate: absent where it cannot be solved, which is where the medium is
   /// not homogeneous. Paths are the same with it and without, and so is their mean.
   std::unique_ptr<RadianceField<N>> field;

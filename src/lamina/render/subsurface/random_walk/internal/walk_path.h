@@ -38,8 +38,9 @@ template <int N>
 struct WalkPath {
   Ray ray;
   BandValues<N> throughput;
-  bool has_scattered = false;  ///< and met no surface since
-  float clearance = 0.0f;      ///< lower bound of the distance to a surface [mm]
+  bool has_scattered = false;      ///< and met no surface since
+  bool is_reflected_once = false;  ///< by the smooth boundary, since it scattered
+  float clearance = 0.0f;          ///< lower bound of the distance to a surface [mm]
 
   /// The last scattering event, before the path turned there.
   struct Event {

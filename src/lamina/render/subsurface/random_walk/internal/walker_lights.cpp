@@ -53,7 +53,8 @@ BandValues<N> Walker<N>::sample_direct_light() {
         const Vec3f& direction = sample.entry.to_surface;
         const float length = sample.entry.length;
         const Bands scattered = scattered_along(direction, length);
-        found += mis_weight(scattered, sample.pdf) * scattered * sample.unattenuated *
+        found += mis_weight(sample.entry.reflectance * scattered, sample.pdf) * scattered *
+                 sample.unattenuated *
                  media_.sample_residual({origin, direction}, last_place_, length, random);
       },
       medium.has_neighbors ? &find_boundary : nullptr);
@@ -71,7 +72,7 @@ BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>& path, const WalkEx
   return medium.next_event.escaping_radiance(
       path, exit, light_, samples_,
       [&](const RefractedEntry& entry, float pdf) {
-        return mis_weight(scattered_along(entry.to_surface, entry.length), pdf);
+        return mis_weight(entry.reflectance * scattered_along(entry.to_surface, entry.length), pdf);
       },
       medium.has_neighbors ? &find_boundary : nullptr);
 }
