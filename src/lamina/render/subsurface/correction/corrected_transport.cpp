@@ -11,6 +11,7 @@
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/geometry/hemisphere.h"
+#include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -169,11 +170,12 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
   std::vector<Cell> cells;
   std::vector<PlaceGraph::Place> places;
   std::vector<float> areas;
+  const ZonesByCreases zones(scene.meshes, material_, field.spacing(0));
   for (std::size_t level = 0; level < levels.size(); ++level)
     for (const SurfaceCell& cell : levels[level].cells) {
       const float spacing_there = field.spacing(static_cast<int>(level));
       cells.push_back({&levels[level], &cell, spacing_there});
-      places.push_back({{cell.position, cell.normal}, spacing_there});
+      places.push_back({{cell.position, cell.normal}, spacing_there, zones.at(cell.position)});
       areas.push_back(level == 0 ? cell.area : 0.0f);
     }
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr float reach_of_spacing = 1.9f;
 constexpr float step_width = 0.6f;  // over the spacing
+constexpr float zone_width = 0.25f;
 
 int level_of(float spacing, float least) {
   return static_cast<int>(std::lround(std::log2(spacing / least)));
@@ -55,8 +56,10 @@ PlaceGraph::PlaceGraph(std::span<const Place> places) {
     for (std::size_t k = 0; k < near.count; ++k) {
       const std::uint32_t from = places_of_[level][near.point[k]];
       has_itself = has_itself || from == i;
+      const float apart = (places[from].zone - places[i].zone) / zone_width;
       connect(from, near.facing[k] *
-                        std::exp(-0.5f * dot(near.offset[k], near.offset[k]) / (width * width)));
+                        std::exp(-0.5f * (dot(near.offset[k], near.offset[k]) / (width * width) +
+                                          apart * apart)));
     }
     if (!has_itself) connect(static_cast<std::uint32_t>(i), 1.0f);
     first_[i + 1] = from_.size();

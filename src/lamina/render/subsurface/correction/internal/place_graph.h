@@ -17,7 +17,8 @@ class PlaceGraph {
  public:
   struct Place {
     PointGrid::Place at;
-    float spacing;  ///< of places around it [mm], a power of 2 times the least
+    float spacing;      ///< of places around it [mm], a power of 2 times the least
+    float zone = 0.0f;  ///< places of zones that differ by more than .5 hardly mix
   };
 
   PlaceGraph() = default;
