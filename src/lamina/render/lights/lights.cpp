@@ -215,7 +215,23 @@ LightSample Lights::sample_area_light(const AreaLight& area_light, const Vec3f& 
   const Vec3f direction = d / distance;
   const float pdf =
       is_even ? 1.0f / s.solid_angle : pdf_area_light(area_light, position, direction, distance);
-  return {direction, distance, area_light.radiance, pdf, false};
+  return {.direction = direction,
+          .distance = distance,
+          .radiance = area_light.radiance,
+          .pdf = pdf,
+          .normal = area_light.normal};
+}
+
+float Lights::pdf_of_area_light(const Vec3f& position, const Vec3f& direction,
+                                float distance) const {
+  constexpr float slack = 1e-3f;
+  float pdf = 0.0f;
+  for (const AreaLight& area_light : area_lights_)
+    if (const auto seen = intersect_area_light(area_light, {position, direction}, 0.0f,
+                                               (1.0f + slack) * distance);
+        seen && seen->distance > (1.0f - slack) * distance)
+      pdf = seen->pdf;
+  return pdf;
 }
 
 float Lights::pdf_area_light(const AreaLight& area_light, const Vec3f& position,

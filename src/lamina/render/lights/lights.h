@@ -22,6 +22,7 @@ struct LightSample {
   float pdf = 0.0f;       ///< [1/sr], or a probability if is_delta; 0: nothing to be had
   bool is_delta = false;  ///< from one direction only, which sampling of surfaces never finds
   float next_event_share = 1.0f;  ///< as LightSeen has it
+  Vec3f normal;           ///< of an area light there, unit length; 0: of any other
 };
 
 /// A stratum of the numbers by which sample_light chooses: [low, low + size) draws from these
@@ -103,6 +104,11 @@ class Lights {
                          std::numeric_limits<float>::infinity(), next_event_share_of(radiance)});
     }
   }
+
+  /// Density with which sample_light draws, at a position, the point of an area light that is at a
+  /// distance in a direction [1/sr]; 0 if none is there.
+  [[nodiscard]] float pdf_of_area_light(const Vec3f& position, const Vec3f& direction,
+                                        float distance) const;
 
   /// Whether any light is left to next-event estimation from inside, by
   /// LightSeen::next_event_share.

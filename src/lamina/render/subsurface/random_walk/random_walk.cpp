@@ -46,8 +46,10 @@ void require_places_of_maps(const Scene& scene, std::uint32_t material) {
 
 /// @throws InvalidInput for lights that no path finds through layers
 template <int N>
-void require_lights_with_area(const Scene& scene, const WalkLayers<N>& layers,
+void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
                               std::uint32_t material) {
+  if (medium.is_rough) return;  // which sends their light in all directions
+  const WalkLayers<N>& layers = medium.layers;
   const bool has_points = std::ranges::any_of(scene.lights, [](const Light& light) {
     return std::holds_alternative<PointLight>(light) ||
            std::holds_alternative<DirectionalLight>(light);
@@ -55,7 +57,7 @@ void require_lights_with_area(const Scene& scene, const WalkLayers<N>& layers,
   if (has_points && !layers.sees_out(layers.by_depth().count() - 1))
     throw InvalidInput("material \"" + scene.materials[material].name +
                        "\": random_walk does not find point and distant lights through layers of "
-                       "different ior; use rectangles, or one ior");
+                       "different ior; use rectangles, one ior or a rough surface");
 }
 
 }  // namespace
@@ -80,7 +82,7 @@ RandomWalk<N>::RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t mat
   require_places_of_maps(scene, material);
   if (medium_->is_homogeneous) return;
   require_one_medium(scene, media_->bodies(), material);
-  require_lights_with_area(scene, medium_->layers, material);
+  require_lights_with_area(scene, *medium_, material);
 }
 
 template <int N>

@@ -24,12 +24,8 @@ ManifoldNextEvent<N>::find_same_connection(const WalkPath<N>& path, const Surfac
   if (std::isfinite(met.distance)) {  // which the last event sees in another direction
     const Vec3f offset = outside.origin + met.distance * outside.direction - inside;
     const float distance = length(offset);
-    sample = {.direction = offset / distance, .distance = distance, .pdf = 0.0f};
-    interior_.scene().lights.for_lights_seen({inside, sample.direction}, 0.0f, 1.001f * distance,
-                                             false, [&](const LightSeen& seen) {
-                                               if (seen.distance > 0.999f * distance)
-                                                 sample.pdf = seen.pdf;
-                                             });
+    sample = {.direction = offset / distance, .distance = distance};
+    sample.pdf = interior_.scene().lights.pdf_of_area_light(inside, sample.direction, distance);
   }
   std::optional<SameConnection> found;
   const auto compare = [&](const RefractedEntry& entry) {

@@ -42,12 +42,16 @@ struct WalkPath {
   bool is_reflected_once = false;  ///< by the smooth boundary, since it scattered
   float clearance = 0.0f;          ///< lower bound of the distance to a surface [mm]
 
+  /// It comes straight from its last event, but for refraction at boundaries of layers.
+  bool comes_from_event = false;
+
   /// The last scattering event, before the path turned there.
   struct Event {
     Ray ray;
     BandValues<N> throughput;
     float next_event_rate = 0.0f;  ///< of next-event estimation, as MIS weights count it
     float continuation = 1.0f;     ///< probability that the path went on
+    Vec3f turned;                  ///< the direction in which it did
   } last{};
 };
 

@@ -123,23 +123,27 @@ bool Walker<N>::scatter() {
   } else {
     expected.continuation = std::min(largest(path_.throughput), 1.0f);
     // From deep inside next-event estimation finds little, and is rare.
-    if (medium.next_event.has_lights() && !medium.is_rough && layers.sees_out(place_.depth.layer))
+    const bool sees_lights =
+        medium.is_rough ? finds_light_through_facets(medium) : layers.sees_out(place_.depth.layer);
+    if (medium.next_event.has_lights() && sees_lights)
       expected.next_event =
           std::clamp(std::exp(-layers.least_optical_depth(place_.depth)), least_next_event, 1.0f);
   }
   // With a field, MIS counts next-event estimation as if every event did it: where few do, lights
   // must not be left to paths that meet them by chance.
-  path_.last = {path_.ray, path_.throughput, field ? 1.0f : expected.next_event,
-                expected.continuation};
+  path_.last = {
+      path_.ray, path_.throughput, field ? 1.0f : expected.next_event, expected.continuation, {}};
   last_place_ = place_;
 
   Random& random = numbers_.stream();
-  if (random.uniform_float() < expected.next_event)
-    radiance_ +=
-        (1.0f / expected.next_event) * path_.throughput * (sample_direct_light() - expected.direct);
+  if (random.uniform_float() < expected.next_event) {
+    const Bands found = medium.is_rough ? sample_light_through_facets() : sample_direct_light();
+    radiance_ += (1.0f / expected.next_event) * path_.throughput * (found - expected.direct);
+  }
   if (!(random.uniform_float() < expected.continuation)) return false;
   path_.throughput *= 1.0f / expected.continuation;
   layers.sample_phase(place_.depth, path_, numbers_);
+  path_.last.turned = path_.ray.direction;
   if (field)
     radiance_ +=
         (-1.0f * path_.throughput) * field->scattered_along(expected.field, path_.ray.direction);

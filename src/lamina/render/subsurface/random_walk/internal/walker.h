@@ -85,16 +85,49 @@ class Walker {
   [[nodiscard]] Bands sample_direct_light();
   /// Light from outside for a path that leaves by a smooth boundary.
   [[nodiscard]] Bands escaping_radiance(const WalkPath<N>& path, const WalkExit& exit);
-  /// Direct light, refracted into the path at a rough boundary.
-  [[nodiscard]] Bands sample_direct_light(const WalkBoundary& boundary, const SurfacePoint& point);
-  /// Light from outside for a path that leaves by a rough boundary.
-  [[nodiscard]] Bands escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point);
   /// At the last event: the transmittance of a straight segment from there times the phase
   /// function.
   [[nodiscard]] Bands scattered_along(const Vec3f& direction, float length) const;
   /// The MIS weight of next-event estimation at the last event, against paths that go on from
   /// there.
   [[nodiscard]] float mis_weight(const Bands& scattered, float pdf) const;
+
+  /// The density of paths that go on from the last event and come out of a segment, a mean over
+  /// bands in proportion to their throughput.
+  [[nodiscard]] float density_of_paths(const Bands& scattered) const;
+
+  // walker_rough.cpp: the same where the boundary to the outside is rough. Direct light is found
+  // from the last event, through facets that refract it; where a path meets the boundary; and by
+  // paths that leave. All three share by the power heuristic.
+  /// From the last event to the boundary, straight but for refraction by layers.
+  struct WayOut {
+    Surface surface;
+    Vec3f direction;  ///< at the boundary
+    Bands passing;    ///< transmittance
+  };
+  [[nodiscard]] std::optional<WayOut> way_out(const Vec3f& direction) const;
+  /// Density with which `sample_light_through_facets` samples a direction at the last event [1/sr].
+  [[nodiscard]] float pdf_through_facets(const Vec3f& direction, const Vec3f& to_light) const;
+  /// Whether that is done for events in a medium.
+  [[nodiscard]] static bool finds_light_through_facets(const BodyMedium<N>& medium) {
+    return medium.is_rough && !medium.has_neighbors && !medium.layers.has_maps() && !medium.glass;
+  }
+  [[nodiscard]] Bands sample_light_through_facets();
+  /// What a path that meets the boundary needs to share lights with `sample_light_through_facets`.
+  struct Arrival {
+    float density = 0.0f;  ///< of paths that come so; 0: that finds nothing of its light
+  };
+  [[nodiscard]] Arrival arrival() const;
+  /// The density of `sample_light_through_facets` for such a path and a light, per that of the
+  /// light.
+  [[nodiscard]] float density_through_facets(const Arrival& arrival, const SurfacePoint& point,
+                                             const Vec3f& to_light, float distance) const;
+  /// Direct light, refracted into the path where it meets the boundary.
+  [[nodiscard]] Bands sample_direct_light(const WalkBoundary& boundary, const SurfacePoint& point,
+                                          const Arrival& arrival);
+  /// Light from outside for a path that leaves.
+  [[nodiscard]] Bands escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point,
+                                        const Arrival& arrival);
 
   const WalkMedia<N>& media_;
   const LightGatherer<N>& light_;

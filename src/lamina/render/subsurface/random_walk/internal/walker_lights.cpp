@@ -2,7 +2,6 @@
 // How a random walk finds light: next-event estimation, paths that leave, and their MIS weights.
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
@@ -17,6 +16,11 @@ namespace lamina {
 template <int N>
 float Walker<N>::mis_weight(const Bands& scattered, float pdf) const {
   if (!std::isfinite(pdf)) return 1.0f;
+  return power_heuristic(path_.last.next_event_rate * pdf, density_of_paths(scattered));
+}
+
+template <int N>
+float Walker<N>::density_of_paths(const Bands& scattered) const {
   const Bands leaving = scattered * path_.last.throughput;
   const int bands = last_place_.medium->layers.bands();
   float of_paths = 0.0f, throughput = 0.0f;
@@ -24,8 +28,7 @@ float Walker<N>::mis_weight(const Bands& scattered, float pdf) const {
     of_paths += leaving[b];
     throughput += path_.last.throughput[b];
   }
-  of_paths *= path_.last.continuation / throughput;
-  return power_heuristic(path_.last.next_event_rate * pdf, of_paths);
+  return of_paths * path_.last.continuation / throughput;
 }
 
 template <int N>
@@ -77,41 +80,10 @@ BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>& path, const WalkEx
       medium.has_neighbors ? &find_boundary : nullptr);
 }
 
-template <int N>
-BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary& boundary,
-                                             const SurfacePoint& point) {
-  const float u_light = samples_.next_1d();
-  const LightSample sample =
-      media_.scene().lights.sample_light(point.position, u_light, samples_.next_2d());
-  if (!(sample.pdf > 0.0f && sample.next_event_share > 0.0f)) return {};
-  const BoundaryLight through = light_through(boundary, sample.direction, samples_);
-  if (!(through.value > 0.0f)) return {};
-  const float weight = sample.is_delta ? 1.0f : power_heuristic(sample.pdf, through.pdf);
-  return (weight * sample.next_event_share * through.value / sample.pdf) *
-         light_.shadow_transmittance({leave_surface(point, sample.direction), sample.direction},
-                                     0.9999f * sample.distance) *
-         media_.conversion().from_rgb(sample.radiance);
-}
-
-template <int N>
-BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point) {
-  const Ray ray{leave_surface(point, turn.direction), turn.direction};
-  Bands radiance = light_.arriving_radiance(ray, samples_);
-  media_.scene().lights.for_lights_seen(
-      ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
-        if (!(seen.next_event_share > 0.0f)) return;
-        radiance += power_heuristic(turn.pdf, seen.pdf) * seen.next_event_share *
-                    media_.conversion().from_rgb(seen.radiance) *
-                    light_.shadow_transmittance(ray, 0.9999f * seen.distance);
-      });
-  return radiance;
-}
-
-#define LAMINA_INSTANTIATE(N)                                                                      \
-  template BandValues<N> Walker<N>::sample_direct_light();                                         \
-  template BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary&, const SurfacePoint&); \
-  template BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>&, const WalkExit&);        \
-  template BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn&, const SurfacePoint&)
+#define LAMINA_INSTANTIATE(N)                                                               \
+  template BandValues<N> Walker<N>::sample_direct_light();                                  \
+  template BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>&, const WalkExit&); \
+  template float Walker<N>::density_of_paths(const BandValues<N>&) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

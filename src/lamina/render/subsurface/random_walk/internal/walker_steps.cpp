@@ -98,7 +98,7 @@ typename Walker<N>::Step Walker<N>::advance() {
     if (collision == Collision::none) continue;
     path_.ray.origin = point(begin);
     path_.clearance = std::max(place_.medium->interior.distance().at(path_.ray.origin), 0.0f);
-    path_.has_scattered = true;
+    path_.has_scattered = path_.comes_from_event = true;
     return {.end = End::event};
   }
   return {};
@@ -156,6 +156,7 @@ void Walker<N>::meet_layer(const Crossing& crossing) {
   // A sheet lies on the boundary, in the upper layer.
   if (here < next) cross_sheet();
   path_.ray.direction = turn.direction;
+  if (!turn.passes) path_.comes_from_event = false;
   const bool goes_deeper = (turn.passes ? next : here) == deeper;
   if (!goes_deeper) cross_sheet();
   const float nudge = layers.by_depth().nudge(path_.ray.origin);
@@ -177,20 +178,22 @@ bool Walker<N>::meet_surface(const Surface& surface) {
     const WalkBoundary boundary =
         make_walk_boundary(point, direction, media_.boundary(place_, surface, direction));
     const bool is_rough = !is_specular(boundary.scattering.interface);
+    const Arrival from = is_rough && is_outside ? arrival() : Arrival();
     if (is_rough && is_outside && medium.next_event.has_lights())
-      radiance_ += path_.throughput * sample_direct_light(boundary, point);
+      radiance_ += path_.throughput * sample_direct_light(boundary, point, from);
     const BoundaryTurn turn = sample_turn(boundary, samples_);
     if (!(turn.weight > 0.0f)) return false;
     path_.throughput *= turn.weight;
     if (turn.passes && is_outside) {
       radiance_ +=
-          path_.throughput * (is_rough ? escaping_radiance(turn, point)
+          path_.throughput * (is_rough ? escaping_radiance(turn, point, from)
                                        : escaping_radiance(path_, {point, turn.direction}));
       return false;
     }
     path_.ray.direction = turn.direction;
     if (turn.passes) place_.interior = surface.crossing.beyond;
   }
+  path_.comes_from_event = false;
   path_.ray.origin = leave_surface(point, path_.ray.direction);
   restart();
   return true;
