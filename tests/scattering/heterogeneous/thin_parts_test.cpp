@@ -10,8 +10,10 @@
 #include <utility>
 
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/scattering/heterogeneous/internal/facing_cells.h"
+#include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
 
 namespace lamina {
@@ -305,6 +307,92 @@ TEST(ThinParts, FacesOfAWedgeExchangeWhatImageSourcesSay) {
       EXPECT_NEAR(pair.of_distance, 0.0f, 1e-6f);
     }
   }
+}
+
+/// One layer of isotropic scattering, and what ThinBand points to.
+struct PlainBand {
+  MappedStack stack{1.0, {{1.01, 0.0, 1.3, infinite}}, 1.3};
+  std::vector<double> reference;  ///< absorption [1/mm]
+  StackTables tables;
+
+  explicit PlainBand(double sigma_a)
+      : reference{sigma_a},
+        tables(make_stack_tables(stack, OperatorTotals::radiative_transfer_diffuse, reference,
+                                 small_grid())) {}
+};
+
+// Light that comes from one face of an edge of 90° to a place on the other, near the edge: image
+// sources, along a line into the body from where light enters, over four planes where the fluence
+// vanishes.
+TEST(ThinParts, NearAnEdgeLightComesThroughAsImageSourcesSay) {
+  for (const double sigma_a : {0.03, 0.48}) {
+    const PlainBand band(sigma_a);
+    const std::array<ThinBand, 1> bands = {{{.stack = &band.stack,
+                                             .tables = &band.tables,
+                                             .reference = band.reference,
+                                             .sigma_a = {},
+                                             .has_transfer_totals = false}}};
+    const detail::SlabProfiles<4> profiles(bands, {detail::transfer_factors(bands[0])}, 0.0,
+                                           detail::SlabLight::scattered);
+    const Medium medium{sigma_a, 1.01, 0.0, 1.3};
+    const double l = mfp_prime(medium), s = sigma_tr(medium);
+    const double beyond =
+        make_multipole(medium, infinite, detail::last_layer(band.stack).inside, 0.0).z_b_top;
+    const auto cell = [](const Vec3f& position, const Vec3f& normal) {
+      return detail::FacingCell{.position = position, .normal = normal};
+    };
+    for (const double t : {0.3 * l, 0.7 * l, 1.5 * l}) {
+      const detail::FacingCell to = cell({0, static_cast<float>(t), 0}, {-1, 0, 0});
+      double wanted = 0.0, found = 0.0;
+      constexpr int steps = 40;
+      for (int i = 0; i < steps; ++i)
+        for (int k = 0; k < steps; ++k) {  // finer where both are near
+          const auto at = [&](int j) { return 8.0 * l * std::pow((j + 0.5) / steps, 2); };
+          const auto width = [&](int j) { return 16.0 * l * (j + 0.5) / (steps * steps); };
+          const double a = at(i), y = at(k), area = 2.0 * width(i) * width(k);
+          constexpr int depths = 8;
+          for (int n = 0; n < depths; ++n) {
+            const double depth = -l * std::log1p(-(n + 0.5) / depths);
+            for (const auto& [x, sign_x] : {std::pair(a, 1.0), {-2.0 * beyond - a, -1.0}})
+              for (const auto& [z, sign_z] :
+                   {std::pair(depth, 1.0), {-2.0 * beyond - depth, -1.0}}) {
+                const double r = std::sqrt(x * x + (t - z) * (t - z) + y * y);
+                wanted += albedo_prime(medium) / depths * area * sign_x * sign_z * x *
+                          (1.0 + s * r) * std::exp(-s * r) / (4.0 * std::numbers::pi * r * r * r);
+              }
+          }
+          const auto pair = detail::facing_pair(
+              to, cell({static_cast<float>(a), 0, static_cast<float>(y)}, {0, -1, 0}));
+          const auto over_the_edge = static_cast<float>((a + t) * (a + t) + y * y);
+          found += area * static_cast<double>(
+                              (pair.of_slab * profiles.transmittance(pair.thickness, pair.lateral2,
+                                                                     pair.opening) +
+                               profiles.reflectance(over_the_edge))[0]);
+        }
+      EXPECT_NEAR(found, wanted, 0.3 * wanted) << sigma_a << ' ' << t / l;
+    }
+  }
+}
+
+// A sheet so thin that much light crosses it in a straight line: that is no light from below.
+TEST(ThinParts, LightThatGoesStraightThroughIsLeftOut) {
+  const PlainBand band(0.1);
+  const Plate plate = make_plate(64, 0.5f, [](int) { return 1.5f; });
+  const std::vector<float> sigma_a(plate.cells.size(), 0.1f);
+  const std::array<ThinBand, 1> bands = {{{.stack = &band.stack,
+                                           .tables = &band.tables,
+                                           .reference = band.reference,
+                                           .sigma_a = sigma_a}}};
+  const ThinParts<4> thin = make_thin_parts<4>(plate.graph, plate.positions, plate.normals, bands);
+  const CellField<4> up =
+      pass_through(plate.graph, thin, light_below(plate, [](auto) { return 1.0f; }));
+  const AddingDoublingTotals slab =
+      adding_doubling(LayerStack({{.medium = {0.1, 1.01, 0.0, 1.3}, .thickness = 1.5}}, 1.0, 1.0),
+                      {.theta = std::numbers::pi / 6.0});
+  const double entered = 1.0 - slab.totals.specular_reflectance;
+  const double wanted = (slab.totals.transmittance - slab.unscattered_transmittance) / entered;
+  EXPECT_GT(slab.unscattered_transmittance, 0.3 * wanted);
+  EXPECT_NEAR(up[plate.at(32, 32)][0], wanted, 0.04 * wanted);
 }
 
 // Concentric spheres, between which light falls as 1 / r: R / r times what a flat slab lets through

@@ -65,9 +65,9 @@ enum class Ways { all, slabs };
 
 /// What comes through to the cells that take light, of light at all cells.
 template <int N>
-CellField<N> gather(const CellGraph& graph, const typename ThinParts<N>::Geometry& geometry,
-                    CellField<N> light, Ways ways) {
-  const detail::FacingCells& facing = geometry.facing;
+CellField<N> gather(const CellGraph& graph, const detail::FacingCells& facing,
+                    const detail::SlabProfiles<N>& profiles, float coats, CellField<N> light,
+                    Ways ways) {
   CellField<N> of_level = mean_on_level(graph, std::move(light), 0, facing.level);
   const std::size_t takers = of_level.size();
   CellField<N> flux;
@@ -84,10 +84,11 @@ CellField<N> gather(const CellGraph& graph, const typename ThinParts<N>::Geometr
     for (std::size_t k = facing.first[t]; k < facing.first[t + 1]; ++k) {
       const std::uint32_t j = facing.from[k];
       const detail::FacingPair pair = detail::facing_pair(facing.cells[i], facing.cells[j]);
-      BandValues<N> per_area = pair.of_slab * geometry.profiles.transmittance(
-                                                  pair.thickness - geometry.coats, pair.lateral2);
+      BandValues<N> per_area =
+          pair.of_slab *
+          profiles.transmittance(pair.thickness - coats, pair.lateral2, pair.opening);
       if (ways == Ways::all && pair.of_distance > 0.0f)
-        per_area += pair.of_distance * geometry.profiles.reflectance(pair.distance2);
+        per_area += pair.of_distance * profiles.reflectance(pair.distance2);
       sum += flux[j] * per_area;
     }
     through[i] = sum;
@@ -132,8 +133,9 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
     }
   });
   const float width = std::sqrt(graph.levels[geometry.facing.level].typical_area);
+  const auto blur = static_cast<double>(blur_in_spacings * width);
   geometry.profiles =
-      detail::SlabProfiles<N>(bands, factors, static_cast<double>(blur_in_spacings * width));
+      detail::SlabProfiles<N>(bands, factors, blur, detail::SlabLight::scattered);
   for (const MappedLayer& layer : bands.front().stack->layers)
     if (std::isfinite(layer.thickness))
       geometry.coats += 2.0f * static_cast<float>(layer.thickness);
@@ -145,8 +147,9 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
           [](const auto& of_band) { return of_band[of_band.size() / 2].transmittance; }) -
       slabs.begin());
   const std::size_t cells = positions.size();
-  CellField<N> even =
-      gather(graph, geometry, CellField<N>(cells, BandValues<N>::filled(1.0f)), Ways::slabs);
+  const detail::SlabProfiles<N> of_all(bands, factors, blur, detail::SlabLight::all);
+  CellField<N> even = gather(graph, geometry.facing, of_all, geometry.coats,
+                             CellField<N>(cells, BandValues<N>::filled(1.0f)), Ways::slabs);
   ThinParts<N> thin;
   thin.passing.assign(cells, BandValues<N>::filled(1.0f));
   thin.reflectance = thin.passing;
@@ -186,7 +189,8 @@ CellField<N> pass_through(const CellGraph& graph, const ThinParts<N>& thin,
                           const CellField<N>& down) {
   CellField<N> light(down.size());
   for_cells(down.size(), [&](std::size_t i) { light[i] = thin.passing[i] * down[i]; });
-  CellField<N> up = gather(graph, *thin.geometry, std::move(light), Ways::all);
+  const auto& [facing, profiles, coats] = *thin.geometry;
+  CellField<N> up = gather(graph, facing, profiles, coats, std::move(light), Ways::all);
   for_cells(up.size(), [&](std::size_t i) { up[i] *= thin.passing[i]; });
   return up;
 }

@@ -9,6 +9,10 @@
 namespace lamina {
 namespace {
 
+/// Light goes over edges whose normals have at least this scalar product: 115° between them. What
+/// lies beyond sharper ones is another side, as that of a sheet which is thinner than a texel.
+constexpr float sharpest_edge = -0.42f;
+
 struct Offset {
   int x = 0, y = 0;
 };
@@ -52,6 +56,25 @@ Steps steps_of(const Vec3f& across, const Vec3f& up) {
   return steps;
 }
 
+/// The normal of a texel's face, which smoothing does not round, on the side of the smooth one.
+Vec3f face_normal(const AtlasTexel& texel) {
+  const Vec3f normal = cross(texel.across, texel.up);
+  return (dot(normal, texel.normal) < 0.0f ? -1.0f : 1.0f) / length(normal) * normal;
+}
+
+/// The way from a texel to another one, along the surface: over an edge between two plane faces as
+/// if it were unfolded, elsewhere straight.
+Vec3f unfolded_way(const AtlasTexel& from, const AtlasTexel& to) {
+  const Vec3f way = to.position - from.position;
+  const Vec3f n = face_normal(from), m = face_normal(to), edge = cross(n, m);
+  const float sine = length(edge);
+  constexpr float sharp = 0.5f;  // 30°; flatter ones are about as long as they are straight
+  if (sine < sharp) return way;
+  const Vec3f along = edge / sine, over = cross(along, n);
+  const float before = dot(way, m) / sine, behind = -dot(way, n) / sine;
+  return dot(way, along) * along + (before + behind) * over;
+}
+
 }  // namespace
 
 TextureAtlas::Cells TextureAtlas::cells() const {
@@ -66,8 +89,11 @@ TextureAtlas::Cells TextureAtlas::cells() const {
     const float width = length(step);
     std::uint32_t best = no_texel;
     float nearest = 0.8f * width * width;  // not as far from the place as the texel itself
-    neighborhood.for_near(place, 1.2f * width, [&](std::uint32_t k, float distance2) {
-      if (k == from || dot(texels_[k].normal, texel.normal) < 0.2f) return;
+    // Texels on the other face of an edge lie this far from the place before it is unfolded.
+    neighborhood.for_near(place, 1.5f * width, [&](std::uint32_t k, float /*straight*/) {
+      if (k == from || dot(texels_[k].normal, texel.normal) < sharpest_edge) return;
+      const Vec3f beside = unfolded_way(texel, texels_[k]) - step;
+      const float distance2 = dot(beside, beside);
       if (distance2 < nearest || (distance2 == nearest && k < best)) {
         nearest = distance2;
         best = k;
@@ -95,7 +121,7 @@ TextureAtlas::Cells TextureAtlas::cells() const {
           to = beyond(i, step);
           if (to == no_texel) continue;
           // Nearer than a step light flows more easily.
-          const float along = dot(texels_[to].position - texel.position, step);
+          const float along = dot(unfolded_way(texel, texels_[to]), step);
           conductance *= std::clamp(dot(step, step) / std::max(along, 1e-12f), 0.5f, 2.0f);
         }
         links.push_back({std::min(i, to), std::max(i, to), conductance});

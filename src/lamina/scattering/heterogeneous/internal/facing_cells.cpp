@@ -138,6 +138,8 @@ FacingPair facing_pair(const FacingCell& to, const FacingCell& from) {
   const float cosine2 = 1.0f - sine_of_wedge * sine_of_wedge;
   constexpr float slab_over_half_space = 4.2f;  // T over R at the same distance, right across
   const float of_wedge = sine_of_wedge - cosine2 * std::sqrt(cosine2) / slab_over_half_space;
+  const float lengths = std::sqrt(dot(to.normal, to.normal) * dot(from.normal, from.normal));
+  pair.opening = 0.5f * (1.0f + dot(to.normal, from.normal) / std::max(lengths, 1e-6f));
   if (of_wedge > 0.0f) {
     pair.thickness = dot(offset, across) / std::sqrt(length2);
     pair.lateral2 = std::max(distance2 - pair.thickness * pair.thickness, 0.0f);

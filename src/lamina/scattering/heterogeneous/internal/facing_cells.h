@@ -41,6 +41,7 @@ struct FacingPair {
   float thickness = 0.0f;    ///< of the slab [mm]
   float lateral2 = 0.0f;     ///< squared distance along it [mm²]
   float distance2 = 0.0f;    ///< squared distance through the body [mm²]
+  float opening = 0.0f;      ///< squared cosine of half the angle between the normals
   float of_slab = 0.0f;      ///< share of T
   float of_distance = 0.0f;  ///< share of R
 };

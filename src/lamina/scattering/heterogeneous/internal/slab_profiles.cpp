@@ -24,6 +24,13 @@ constexpr float nearest = 0.05f;  // [mm] along the slab
 constexpr float distances_per_octave = 16.0f;
 constexpr std::size_t distance_count = 146;  // up to 27 mm
 
+/// Rows of tables: slabs between parallel faces, the half-space, slabs between faces of an edge.
+constexpr std::size_t half_space_row = slab_count, row_count = 2 * slab_count + 1;
+
+/// Tables of slabs between faces are made for an edge of 90°; sharper ones lie between these and
+/// parallel faces, blunter ones stay at these.
+constexpr float widest_opening = 0.5f;
+
 /// Place of a ratio >= 1 among values at equal ratios.
 float place(float ratio, float per_octave, std::size_t count) {
   return std::min(per_octave * std::log2(ratio), static_cast<float>(count) - 1.001f);
@@ -34,10 +41,24 @@ float place_of_distance(float distance2) {
                distance_count);
 }
 
+/// Reduced mean free path in the last layer [mm].
+double mean_free_path(const ThinBand& band) {
+  const MappedLayer& layer = band.stack->layers.back();
+  return mfp_prime(Medium{band.reference.back(), layer.sigma_s, layer.g, layer.ior});
+}
+
 Multipole slab_of(const SlabLayer& slab, double sigma_a, double thickness) {
   const MappedLayer& layer = slab.layer;
   return make_multipole({sigma_a, layer.sigma_s, layer.g, layer.ior}, thickness, slab.inside,
                         slab.inside);
+}
+
+/// The slab in place of one of a thickness between the faces of an edge of 90° [mm].
+double between_faces(double thickness, double mean_free_path) {
+  constexpr double least = 1.75;  // mean free paths
+  const double squared = thickness * thickness;
+  const double least2 = least * least * mean_free_path * mean_free_path;
+  return std::pow(squared * squared + least2 * least2, 0.25);
 }
 
 /// The layers above the last one by their tables' totals, at their reference absorption.
@@ -63,10 +84,15 @@ double below_coat(const LayerResponse& coat, double returned) {
          (coat.transmission_down * coat.transmission_up + through * coat.reflection_below);
 }
 
+struct TransferSlab {
+  SlabResponse response;
+  double scattered;  ///< share of what is transmitted
+};
+
 /// The slab by radiative transfer: with light alike on both sides of the whole it returns what it
 /// reflects and transmits, with light of opposite sign their difference. Either is a half-space of
 /// that reflectance below one coat.
-SlabResponse transfer_slab(const ThinBand& band, const LayerResponse& coat, double thickness) {
+TransferSlab transfer_slab(const ThinBand& band, const LayerResponse& coat, double thickness) {
   std::vector<Layer> layers;
   const auto add = [&](std::size_t i, double thick) {
     const MappedLayer& layer = band.stack->layers[i];
@@ -83,16 +109,19 @@ SlabResponse transfer_slab(const ThinBand& band, const LayerResponse& coat, doub
     for (std::size_t i = last; i-- > 0;) add(i, band.stack->layers[i].thickness);
   // Even light would get through 3.5 % less, a lamp straight behind 3.5 % more.
   constexpr double theta = std::numbers::pi / 6.0;
-  const SlabTotals totals =
-      adding_doubling(LayerStack(layers, band.stack->ior_above, band.stack->ior_above),
-                      {.theta = theta})
-          .totals;
+  const AddingDoublingTotals found = adding_doubling(
+      LayerStack(layers, band.stack->ior_above, band.stack->ior_above), {.theta = theta});
+  const SlabTotals& totals = found.totals;
   const double entered = 1.0 - totals.specular_reflectance;
   const double reflected = totals.diffuse_reflectance / entered;
   const double transmitted = totals.transmittance / entered;
   const double even = below_coat(coat, reflected + transmitted);
   const double odd = below_coat(coat, reflected - transmitted);
-  return {0.5 * (even - odd), 0.5 * (even + odd)};
+  const double scattered =
+      totals.transmittance > 0.0
+          ? std::max(1.0 - found.unscattered_transmittance / totals.transmittance, 0.0)
+          : 1.0;
+  return {{0.5 * (even - odd), 0.5 * (even + odd)}, scattered};
 }
 
 }  // namespace
@@ -124,7 +153,8 @@ SlabResponse between_slabs(std::span<const SlabResponse> slabs, double thickness
 }
 
 SlabFactors transfer_factors(const ThinBand& band) {
-  SlabFactors factors{.slabs = std::vector<SlabResponse>(slab_count, {1.0, 1.0})};
+  SlabFactors factors{.slabs = std::vector<SlabResponse>(slab_count, {1.0, 1.0}),
+                      .scattered = std::vector<double>(slab_count, 1.0)};
   const LayerResponse coat = coat_of(band);
   // Next to nothing gets through: no way to tell, and no need.
   if (!band.has_transfer_totals || coat.transmission_down * coat.transmission_up < 1e-3)
@@ -132,27 +162,31 @@ SlabFactors transfer_factors(const ThinBand& band) {
   const double sigma_a = band.reference.back();
   const SlabLayer layer = last_layer(*band.stack);
   const double half_space =
-      transfer_slab(band, coat, std::numeric_limits<double>::infinity()).reflectance;
+      transfer_slab(band, coat, std::numeric_limits<double>::infinity()).response.reflectance;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   factors.half_space =
       half_space / response(slab_of(layer, sigma_a, infinity), 0.0).reflection_above;
   const auto factor_at = [&](std::size_t i) {
     const SlabResponse multipole = multipole_slab(layer, sigma_a, slab_thickness(i));
-    const SlabResponse transfer = transfer_slab(band, coat, slab_thickness(i));
+    const auto [transfer, scattered] = transfer_slab(band, coat, slab_thickness(i));
     constexpr double least = 1e-3;  // of the light, a hundred times the error of adding-doubling
-    return SlabResponse{
-        multipole.transmittance > least ? transfer.transmittance / multipole.transmittance : 0.0,
-        transfer.reflectance / half_space / multipole.reflectance};
+    return TransferSlab{
+        {multipole.transmittance > least ? transfer.transmittance / multipole.transmittance : 0.0,
+         transfer.reflectance / half_space / multipole.reflectance},
+        scattered};
   };
   constexpr auto step = static_cast<std::size_t>(slabs_per_octave);
-  SlabResponse low = factor_at(0);
+  TransferSlab low = factor_at(0);
   for (std::size_t i = 0; i < slab_count; i += step) {
-    SlabResponse high = i + step < slab_count ? factor_at(i + step) : low;
-    if (!(high.transmittance > 0.0)) high.transmittance = low.transmittance;
+    TransferSlab high = i + step < slab_count ? factor_at(i + step) : low;
+    if (!(high.response.transmittance > 0.0))
+      high.response.transmittance = low.response.transmittance;
     for (std::size_t k = 0; k < step; ++k) {
       const double f = static_cast<double>(k) / static_cast<double>(step);
-      factors.slabs[i + k] = {std::lerp(low.transmittance, high.transmittance, f),
-                              std::lerp(low.reflectance, high.reflectance, f)};
+      factors.slabs[i + k] = {
+          std::lerp(low.response.transmittance, high.response.transmittance, f),
+          std::lerp(low.response.reflectance, high.response.reflectance, f)};
+      factors.scattered[i + k] = std::lerp(low.scattered, high.scattered, f);
     }
     low = high;
   }
@@ -161,55 +195,73 @@ SlabFactors transfer_factors(const ThinBand& band) {
 
 template <int N>
 SlabProfiles<N>::SlabProfiles(std::span<const ThinBand> bands,
-                              const std::vector<SlabFactors>& factors, double blur)
-    : values_((slab_count + 1) * distance_count) {
+                              const std::vector<SlabFactors>& factors, double blur, SlabLight light)
+    : values_(row_count * distance_count) {
   const HankelPlan plan = make_hankel_plan(
       {.first = static_cast<double>(nearest),
        .last = static_cast<double>(nearest) *
                std::exp2((distance_count - 1.0) / static_cast<double>(distances_per_octave)),
        .size = distance_count});
+  for (const ThinBand& band : bands)
+    longest_ = std::max(longest_, static_cast<float>(mean_free_path(band)));
   parallel_for(bands.size(), [&](std::size_t b) {
     const SlabLayer layer = last_layer(*bands[b].stack);
     const double sigma_a = bands[b].reference.back();
-    constexpr std::size_t rows = slab_count + 1;
-    std::vector<double> spectra(plan.k.size() * rows);
-    for (std::size_t s = 0; s < rows; ++s) {
-      const bool is_slab = s < slab_count;
-      const Multipole slab = slab_of(
-          layer, sigma_a, is_slab ? slab_thickness(s) : std::numeric_limits<double>::infinity());
-      const double factor = is_slab ? factors[b].slabs[s].transmittance : factors[b].half_space;
+    std::vector<double> spectra(plan.k.size() * row_count);
+    for (std::size_t row = 0; row < row_count; ++row) {
+      double thickness = std::numeric_limits<double>::infinity(), factor = factors[b].half_space;
+      if (row < half_space_row) {
+        thickness = slab_thickness(row);
+        factor = factors[b].slabs[row].transmittance;
+        if (light == SlabLight::scattered) factor *= factors[b].scattered[row];
+      } else if (row > half_space_row) {
+        thickness = between_faces(slab_thickness(row - half_space_row - 1),
+                                  mean_free_path(bands[b]));
+        factor = between_slabs(factors[b].slabs, thickness).transmittance;
+      }
+      const Multipole slab = slab_of(layer, sigma_a, thickness);
       for (std::size_t j = 0; j < plan.k.size(); ++j) {
         const double k = plan.k[j];
         const LayerResponse r = response(slab, k);
-        spectra[j * rows + s] = factor * (is_slab ? r.transmission_down : r.reflection_above) *
-                                std::exp(-0.5 * k * k * blur * blur);
+        spectra[j * row_count + row] =
+            factor * (row == half_space_row ? r.reflection_above : r.transmission_down) *
+            std::exp(-0.5 * k * k * blur * blur);
       }
     }
-    const std::vector<double> profiles = inverse_hankel(plan, spectra, rows);
-    for (std::size_t s = 0; s < rows; ++s)
+    const std::vector<double> profiles = inverse_hankel(plan, spectra, row_count);
+    for (std::size_t row = 0; row < row_count; ++row)
       for (std::size_t r = 0; r < distance_count; ++r)
-        values_[s * distance_count + r][static_cast<int>(b)] =
-            static_cast<float>(std::max(profiles[r * rows + s], 0.0));
+        values_[row * distance_count + r][static_cast<int>(b)] =
+            static_cast<float>(std::max(profiles[r * row_count + row], 0.0));
   });
 }
 
 template <int N>
-BandValues<N> SlabProfiles<N>::transmittance(float thickness, float lateral2) const {
-  const float s = place(std::max(thickness / thinnest, 1.0f), slabs_per_octave, slab_count);
-  const float r = place_of_distance(lateral2);
-  const auto i = static_cast<std::size_t>(s), j = static_cast<std::size_t>(r);
-  const float of_s = s - static_cast<float>(i), of_r = r - static_cast<float>(j);
-  const BandValues<N>* low = &values_[i * distance_count + j];
+BandValues<N> SlabProfiles<N>::looked_up(std::size_t first_row, float slab, float distance) const {
+  const auto i = static_cast<std::size_t>(slab), j = static_cast<std::size_t>(distance);
+  const float of_slab = slab - static_cast<float>(i), of_r = distance - static_cast<float>(j);
+  const BandValues<N>* low = &values_[(first_row + i) * distance_count + j];
   const BandValues<N>* high = low + distance_count;
   const BandValues<N> thin = low[0] + of_r * (low[1] - low[0]);
-  return thin + of_s * (high[0] + of_r * (high[1] - high[0]) - thin);
+  return thin + of_slab * (high[0] + of_r * (high[1] - high[0]) - thin);
+}
+
+template <int N>
+BandValues<N> SlabProfiles<N>::transmittance(float thickness, float lateral2, float opening) const {
+  const float slab = place(std::max(thickness / thinnest, 1.0f), slabs_per_octave, slab_count);
+  const float distance = place_of_distance(lateral2);
+  const BandValues<N> parallel = looked_up(0, slab, distance);
+  // Nearly parallel, or so far apart that it makes no difference.
+  if (opening < 0.01f || thickness > 12.0f * longest_) return parallel;
+  const float share = std::min(opening / widest_opening, 1.0f);
+  return parallel + share * (looked_up(half_space_row + 1, slab, distance) - parallel);
 }
 
 template <int N>
 BandValues<N> SlabProfiles<N>::reflectance(float distance2) const {
   const float r = place_of_distance(distance2);
   const auto j = static_cast<std::size_t>(r);
-  const BandValues<N>* at = &values_[slab_count * distance_count + j];
+  const BandValues<N>* at = &values_[half_space_row * distance_count + j];
   return at[0] + (r - static_cast<float>(j)) * (at[1] - at[0]);
 }
 
