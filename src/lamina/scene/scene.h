@@ -210,7 +210,7 @@ struct HierarchySettings {
 struct TextureSpaceSettings {
   float texel = 0.0f;          ///< width of a texel [mm]; 0: from the size of a pixel
   int max_texels = 1'000'000;  ///< of a material, whatever the width
-  int irradiance_samples = 4;  ///< random estimates of the light at each texel that is seen
+  int irradiance_samples = 4;  ///< random estimates of the light at texels that are seen, mean
   int interlayer_bounces =
       2;  ///< times that light comes back from the dermis before the series is closed
   friend bool operator==(const TextureSpaceSettings&, const TextureSpaceSettings&) = default;
@@ -261,7 +261,7 @@ struct RenderSettings {
     printed,     ///< transmittance / pi, [DonnerJensen2005] Eqs. 2 and 25: loses that share twice
   };
   ExitAngle exit_angle = ExitAngle::conserving;
-  bool is_corrected = false;  ///< of a planar method: by random walks
+  bool is_corrected = false;   ///< of a planar method: by random walks
   int samples_per_pixel = 64;  ///< at most, if there is a noise to reach
   /// Standard error over brightness below which a part of the picture gets no more samples; what is
   /// darker than a quarter of the mean counts as that bright. 0: all get the same.

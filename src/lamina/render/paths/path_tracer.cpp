@@ -23,7 +23,7 @@ class PathTracer<N>::Gatherer final : public LightGatherer<N> {
  public:
   Gatherer(const PathTracer& tracer, int bounce) : tracer_(tracer), bounce_(bounce) {}
   Bands entering_irradiance(const SurfacePoint& entry, PixelSamples& samples) const override {
-    return tracer_.entering_irradiance(entry, bounce_, samples);
+    return tracer_.entering_light(entry, bounce_, samples, nullptr).irradiance;
   }
   Bands shadow_transmittance(const Ray& ray, float distance) const override {
     return tracer_.shadow_transmittance(ray, distance);
@@ -46,38 +46,73 @@ BandValues<N> PathTracer<N>::clamp_indirect(Bands light, const PathState<N>& pat
 }
 
 template <int N>
-BandValues<N> PathTracer<N>::entering_irradiance(const SurfacePoint& entry, int bounce,
-                                                 PixelSamples& samples) const {
+EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bounce,
+                                               PixelSamples& samples,
+                                               const SkyIrradiance* sky) const {
   const SurfaceBoundary boundary = boundary_at(world_.scene, entry);
-  Bands irradiance;
+  EnteringLight<N> found;
+  Vec3f of_open_sky;
+  const auto mis_weight = [&](const LightSample& light, float cos_i) {
+    return mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / float_pi);
+  };
   const auto entering = [&](const LightSample& light) {
     const float cos_i = dot(light.direction, entry.normal);
     if (!(cos_i > 0.0f) || !(dot(light.direction, entry.geometric_normal) > 0.0f)) return 0.0f;
-    return cos_i * (1.0f - reflectance(boundary, cos_i)) *
-           mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / float_pi);
+    return cos_i * (1.0f - reflectance(boundary, cos_i)) * mis_weight(light, cos_i);
   };
   // One light of each stratum: whether one is seen would be noise on what another gives.
   for (const LightStratum& stratum : world_.scene.lights.strata()) {
+    const auto weighed = [&](const LightSample& light) {
+      const float cos_i = dot(light.direction, entry.normal);
+      // Below the horizon of the face no light enters, but that of an open sky has it.
+      if (sky && is_sky(light) && cos_i > 0.0f &&
+          !(dot(light.direction, entry.geometric_normal) > 0.0f)) {
+        const Vec3f hidden = (sky->entering(cos_i) * mis_weight(light, cos_i) * stratum.size /
+                              (light.pdf * static_cast<float>(stratum.candidates))) *
+                             light.radiance;
+        of_open_sky += hidden;
+        found.open += hidden.x + hidden.y + hidden.z;
+      }
+      return entering(light);
+    };
     const ResampledLight<N> drawn =
-        resample_light(world_, entry, samples, entering, Dielectrics::transmit, stratum);
+        resample_light(world_, entry, samples, weighed, Dielectrics::transmit, stratum);
     if (drawn.weight > 0.0f)
-      irradiance += drawn.weight * entering(drawn.light) * drawn.transmittance *
-                    world_.conversion.from_rgb(drawn.light.radiance);
+      found.irradiance += drawn.weight * entering(drawn.light) * drawn.transmittance *
+                          world_.conversion.from_rgb(drawn.light.radiance);
+    if (!sky || !(drawn.open_weight > 0.0f) || !is_sky(drawn.light)) continue;
+    const float cos_i = dot(drawn.light.direction, entry.normal);
+    const Vec3f open = (drawn.open_weight * sky->entering(cos_i) * mis_weight(drawn.light, cos_i)) *
+                       drawn.light.radiance;
+    of_open_sky += open;
+    const float brightness = open.x + open.y + open.z;
+    found.open += brightness;
+    found.seen += brightness * largest(drawn.transmittance);
   }
   const Framef frame = make_frame(entry.normal);
   const Vec3f wi = sample_cosine_hemisphere(samples.next_2d());
   const Vec3f direction = frame.to_world(wi);
-  if (wi.z > 0.0f && dot(direction, entry.geometric_normal) > 0.0f) {
-    irradiance += float_pi * (1.0f - reflectance(boundary, wi.z)) *
-                  trace_path({.ray = {leave_surface(entry, direction), direction},
-                              .bounce = bounce + 1,
-                              .pdf = wi.z / float_pi,
-                              .spread = 0.3f,
-                              .footprint = entry.footprint,
-                              .is_scattered = true},
-                             samples);
+  const bool is_above = dot(direction, entry.geometric_normal) > 0.0f;
+  const float pdf = wi.z / float_pi;
+  if (wi.z > 0.0f && is_above) {
+    found.irradiance += float_pi * (1.0f - reflectance(boundary, wi.z)) *
+                        trace_path({.ray = {leave_surface(entry, direction), direction},
+                                    .bounce = bounce + 1,
+                                    .pdf = pdf,
+                                    .spread = 0.3f,
+                                    .footprint = entry.footprint,
+                                    .is_scattered = true},
+                                   samples);
   }
-  return irradiance;
+  if (!sky) return found;
+  if (wi.z > 0.0f)
+    world_.scene.lights.for_sky_seen(direction, [&](const LightSeen& seen) {
+      const float weight = mis_weight_of_surface_sample(world_.options.direct_light, pdf, seen.pdf,
+                                                        light_candidates);
+      of_open_sky += (weight * sky->entering(wi.z) / pdf) * seen.radiance;
+    });
+  found.missed = world_.conversion.from_rgb(sky->at(entry.normal) - of_open_sky);
+  return found;
 }
 
 template <int N>

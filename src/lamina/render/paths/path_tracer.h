@@ -30,7 +30,11 @@ class PathTracer final : public LightGatherer<N> {
   /// Of a point that no path has come to before.
   [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry,
                                           PixelSamples& samples) const override {
-    return entering_irradiance(entry, 0, samples);
+    return entering_light(entry, 0, samples, nullptr).irradiance;
+  }
+  [[nodiscard]] EnteringLight<N> entering_light(const SurfacePoint& entry, PixelSamples& samples,
+                                                const SkyIrradiance& sky) const override {
+    return entering_light(entry, 0, samples, &sky);
   }
   [[nodiscard]] Bands shadow_transmittance(const Ray& ray, float distance) const override {
     return lamina::shadow_transmittance(world_.scene, world_.sheets, ray, distance,
@@ -45,8 +49,10 @@ class PathTracer final : public LightGatherer<N> {
 
   [[nodiscard]] Bands trace_path(PathState<N> path, PixelSamples& samples,
                                  CameraSample* first = nullptr) const;
-  [[nodiscard]] Bands entering_irradiance(const SurfacePoint& entry, int bounce,
-                                          PixelSamples& samples) const;
+  /// @param sky  null: of the light that enters its irradiance alone
+  [[nodiscard]] EnteringLight<N> entering_light(const SurfacePoint& entry, int bounce,
+                                                PixelSamples& samples,
+                                                const SkyIrradiance* sky) const;
   [[nodiscard]] Bands arriving_radiance(const Ray& ray, int bounce, PixelSamples& samples) const {
     return trace_path({.ray = ray,
                        .bounce = bounce + 1,

@@ -7,10 +7,21 @@
 
 #include "lamina/core/low_discrepancy.h"
 #include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/render/lights/sky_irradiance.h"
 #include "lamina/spectrum/band_values.h"
 #include "lamina/surface/surface_point.h"
 
 namespace lamina {
+
+/// Light that enters a surface, by one random estimate, and what is known of its error: how far the
+/// same random numbers are off the light of a sky that nothing hides.
+template <int N>
+struct EnteringLight {
+  BandValues<N> irradiance;
+  BandValues<N> missed;  ///< of the irradiance of an open sky, as it is less as it was found
+  float open = 0.0f;     ///< brightness of the sky where it was sampled, cosine and boundary in it,
+  float seen = 0.0f;     ///< and of what of that was not hidden
+};
 
 /// What methods of subsurface transport ask of the renderer: the light that enters a surface.
 template <int N>
@@ -22,6 +33,14 @@ class LightGatherer {
   /// lights and other surfaces, less what the boundary reflects.
   [[nodiscard]] virtual BandValues<N> entering_irradiance(const SurfacePoint& entry,
                                                           PixelSamples& samples) const = 0;
+
+  /// The same with its error.
+  /// @param sky  for a boundary much like that at the point
+  [[nodiscard]] virtual EnteringLight<N> entering_light(const SurfacePoint& entry,
+                                                        PixelSamples& samples,
+                                                        const SkyIrradiance& /*sky*/) const {
+    return {.irradiance = entering_irradiance(entry, samples)};
+  }
 
   /// Shadow transmittance: the fraction of light that comes straight through between the start of a
   /// ray and a distance along it.

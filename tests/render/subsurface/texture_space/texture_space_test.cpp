@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 #include "lamina/render/subsurface/irradiance_fireflies.h"
+#include "lamina/render/subsurface/texture_space/internal/texel_samples.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/spectrum/band_color.h"
@@ -84,6 +86,44 @@ TEST(TextureAtlas, LinksKnowTheMetricOfTheSurfaceAndCrossItsSeams) {
     });
   };
   EXPECT_NEAR(hill_at({9.95f, 1, 0}), hill_at({-1, 9.95f, 0}), 0.05 * hill_at({-1, 9.95f, 0}));
+}
+
+/// A cube of 10 mm, each face of it a chart of its own.
+Mesh cube_of_charts() {
+  Mesh mesh{.name = "cube"};
+  for (int face = 0; face < 6; ++face) {
+    const float out = face % 2 == 0 ? 5.0f : -5.0f;
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const auto& [s, t] : {std::pair(0.0f, 0.0f), {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}}) {
+      Vec3f position, normal;
+      position[face / 2] = out;
+      position[(face / 2 + 1) % 3] = 2.0f * out * (s - 0.5f);
+      position[(face / 2 + 2) % 3] = 10.0f * (t - 0.5f);
+      normal[face / 2] = out / 5.0f;
+      mesh.positions.push_back(position);
+      mesh.normals.push_back(normal);
+      mesh.uvs.push_back({s + 1.1f * static_cast<float>(face), t});
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  }
+  mesh.material.assign(mesh.triangles.size(), 0);
+  return mesh;
+}
+
+// Light goes over edges of 90° as easily as within a face: one conductance for each step of a texel
+// along all twelve of them.
+TEST(TextureAtlas, LinksGoOverSharpEdges) {
+  for (const float spacing : {0.41f, 0.37f}) {
+    const TextureAtlas atlas({cube_of_charts()}, 0, spacing);
+    const TextureAtlas::Cells cells = atlas.cells();
+    double across = 0.0;
+    for (const CellLink& link : cells.links)
+      if (cells.cells[link.from].chart != cells.cells[link.to].chart)
+        across += static_cast<double>(link.conductance);
+    const double steps = 12.0 * 10.0 / static_cast<double>(spacing);
+    EXPECT_NEAR(across, steps, 0.15 * steps) << spacing;
+  }
 }
 
 TEST(TextureAtlas, RefusesMeshesWithoutCoordinatesOrWithSomeThatOverlap) {
@@ -184,6 +224,79 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
     EXPECT_NEAR(pi / 3.0 * static_cast<double>(image.at(12, 12)[c]), seen * wanted[c],
                 0.01 * wanted[c])
         << c;
+}
+
+// A convex body under a sky of which a part is bright: hardly anything hides it, so what it gives is known.
+TEST(TextureSpace, AnOpenSkyMakesNoNoise) {
+  Scene scene = lit_scene(make_sphere(4.0f, 24), uniform_skin(), 6.0);
+  scene.render.texture_space = {.texel = 0.3f, .irradiance_samples = 2};
+  Image map = make_image(32, 16, {"R", "G", "B"});
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) map.at(x, y)[c] = x / 6 == 1 && y / 3 == 1 ? 20.0f : 0.1f;
+  scene.images = {std::move(map)};
+  scene.lights = {EnvironmentLight{.image = 0}};
+  std::array<Image, 2> image;
+  for (const std::size_t k : {0U, 1U}) {
+    scene.render.seed = k;
+    image[k] = render(scene).image;
+  }
+  const std::size_t green = *channel_index(image[0], "subsurface.G");
+  double squares = 0.0, sum = 0.0;
+  for (int y = 6; y < 18; ++y)
+    for (int x = 6; x < 18; ++x) {
+      const double a = image[0].at(x, y)[green], b = image[1].at(x, y)[green];
+      squares += 0.5 * (a - b) * (a - b);
+      sum += 0.5 * (a + b);
+    }
+  EXPECT_GT(sum / 144.0, 0.05);
+  EXPECT_LT(std::sqrt(squares / 144.0), 0.02 * sum / 144.0);
+}
+
+/// Texels on a square grid, whose light has some deviation from sample to sample.
+template <class Deviation>
+std::vector<TexelSamples<4>> sampled(int size, const Deviation& deviation) {
+  std::vector<TexelSamples<4>> samples(static_cast<std::size_t>(size * size));
+  for (int i = 0; i < size * size; ++i)
+    for (const float sign : {-1.0f, 1.0f})
+      samples[static_cast<std::size_t>(i)].add(
+          {.irradiance = BandValues<4>::filled(1.0f + sign * deviation(i % size))});
+  return samples;
+}
+
+// Where samples differ three times as much three times as many are taken in all; where they do
+// not, and where none may be, no more.
+TEST(TexelSamples, MoreAreTakenWhereTheyDiffer) {
+  constexpr int size = 64;
+  std::vector<GraphCell> cells;
+  std::vector<CellLink> links;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const auto i = static_cast<std::uint32_t>(y * size + x);
+      cells.push_back({{static_cast<float>(x), static_cast<float>(y), 0.0f}, 1.0f, 0, x, y});
+      if (x > 0) links.push_back({i - 1, i, 1.0f});
+      if (y > 0) links.push_back({i - size, i, 1.0f});
+    }
+  const CellGraph graph = make_cell_graph(cells, links, 400.0);
+  std::vector<TexelSamples<4>> samples = sampled(size, [](int x) {
+    return x < 16 ? 0.3f : x < 32 ? 0.1f : 0.0f;
+  });
+  for (int y = 0; y < size; ++y)
+    for (int x = 48; x < size; ++x)
+      samples[static_cast<std::size_t>(y * size + x)].may_have_more = false;
+  const std::vector<float> shares(samples.size());
+  const std::vector<int> more = more_samples<4>(graph, samples, shares, 4.0f);
+  const auto mean = [&](int from, int to) {
+    double sum = 0.0;
+    for (int y = 0; y < size; ++y)
+      for (int x = from; x < to; ++x) sum += more[static_cast<std::size_t>(y * size + x)];
+    return sum / (size * (to - from));
+  };
+  // Four more for each of 48 texels in a row are 192, with the two of each of 32 that have no even
+  // light 256: three parts to one for 16 texels each are 12 and 4.
+  EXPECT_NEAR(mean(0, 16), 10.0, 0.4);
+  EXPECT_NEAR(mean(16, 32), 2.0, 0.4);
+  EXPECT_EQ(mean(32, 64), 0.0);
 }
 
 // Of two lights one is blocked: what the other gives is found without noise, by one sample.

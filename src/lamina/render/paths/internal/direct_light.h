@@ -40,6 +40,7 @@ template <int N>
 struct ResampledLight {
   LightSample light;
   float weight = 0.0f;          ///< on its radiance; 0: nothing to be had
+  float open_weight = 0.0f;     ///< the same if nothing were in its way
   BandValues<N> transmittance;  ///< shadow transmittance: fraction that arrives
 };
 
@@ -94,9 +95,9 @@ template <int N, class Value>
   const Ray ray{leave_surface(point, light.direction), light.direction};
   chosen.transmittance =
       shadow_transmittance(world.scene, world.sheets, ray, 0.9999f * light.distance, dielectrics);
-  if (largest(chosen.transmittance) > 0.0f)
-    chosen.weight =
-        total / (chosen_brightness * chosen_pdf * static_cast<float>(stratum.candidates));
+  chosen.open_weight =
+      total / (chosen_brightness * chosen_pdf * static_cast<float>(stratum.candidates));
+  if (largest(chosen.transmittance) > 0.0f) chosen.weight = chosen.open_weight;
   return chosen;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "lamina/core/error.h"
@@ -12,6 +13,7 @@
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
+#include "lamina/render/subsurface/texture_space/internal/texel_samples.h"
 #include "lamina/skin_patch/material_texels.h"
 
 namespace lamina {
@@ -99,49 +101,95 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
                         .irradiance = std::vector<float>(points * surface_.material.bands.size())};
   const SurfaceMaterial& material = scene_.scene->materials[material_];
   const int full = scene_.scene->render.texture_space.irradiance_samples;
-  constexpr std::size_t chunk = 256;
-  const auto sample = [&](std::size_t i) {
+  std::optional<SkyIrradiance> sky;
+  if (scene_.lights.has_uneven_sky()) {
+    const AtlasTexel& first = texels.front();
+    sky.emplace(scene_.lights, boundary_at(scene_, make_surface_point(meshes,
+                                                                      {.distance = 0.0f,
+                                                                       .u = first.u,
+                                                                       .v = first.v,
+                                                                       .mesh = first.mesh,
+                                                                       .triangle = first.triangle},
+                                                                      spacing_)));
+  }
+  const auto point_at = [&](std::size_t i, Vec2f moved) {
     const bool is_below = i >= texels.size();
-    const std::size_t t = is_below ? i - texels.size() : i;
+    const AtlasTexel& texel = texels[i % texels.size()];
+    // Moved within the plane of its face, as far as that goes.
+    const Vec2f d = barycentric_step(meshes, texel, moved);
+    float u = texel.u + d.x, v = texel.v + d.y;
+    if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
+    SurfacePoint point = make_surface_point(
+        meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
+        spacing_);
+    if (material.bump || material.normal_map)
+      point.normal = bent_normal(scene_.textures, material, point);
+    return is_below ? turned_over(point, true) : point;
+  };
+  std::vector<TexelSamples<N>> found(points);
+  const auto sample = [&](std::size_t i, PixelSamples samples) {
+    const Vec2f place = samples.next_2d();
+    const SurfacePoint point = point_at(i, {place.x - 0.5f, place.y - 0.5f});
+    found[i].add(sky ? light.entering_light(point, samples, *sky)
+                     : EnteringLight<N>{light.entering_irradiance(point, samples)});
+  };
+  constexpr std::size_t chunk = 256;
+  const int first_count = full > 2 ? (full + 1) / 2 : full;
+  const auto sample_evenly = [&](std::size_t i) {
+    const bool is_below = i >= texels.size();
+    const std::size_t t = i % texels.size();
     const AtlasTexel& texel = texels[t];
-    const auto point_at = [&](Vec2f moved) {
-      // Moved within the plane of its face, as far as that goes.
-      const Vec2f d = barycentric_step(meshes, texel, moved);
-      float u = texel.u + d.x, v = texel.v + d.y;
-      if (u < 0.0f || v < 0.0f || u + v > 1.0f) u = texel.u, v = texel.v;
-      SurfacePoint point = make_surface_point(
-          meshes,
-          {.distance = 0.0f, .u = u, .v = v, .mesh = texel.mesh, .triangle = texel.triangle},
-          spacing_);
-      if (material.bump || material.normal_map)
-        point.normal = bent_normal(scene_.textures, material, point);
-      return is_below ? turned_over(point, true) : point;
-    };
-    const SurfacePoint middle = point_at({0.0f, 0.0f});
+    const SurfacePoint middle = point_at(i, {0.0f, 0.0f});
     cloud.points[i] = {.position = texel.position,
                        .normal = middle.normal,
                        .uv = middle.uv,
                        .area = texel.area,
                        .albedo = {1, 1, 1},
                        .thickness = 0.0f};
+    found[i].may_have_more = is_seen.empty() || is_seen[t];
+    if (is_below && !is_sheet_[texel.mesh]) found[i].may_have_more = false;
     if (is_below && !is_sheet_[texel.mesh]) return;
-    const bool is_full = is_seen.empty() || is_seen[t];
-    const int count = is_full ? full : std::max(1, full / fewer_where_hidden);
+    const bool is_full = found[i].may_have_more;
+    const auto count =
+        static_cast<std::uint32_t>(is_full ? first_count : std::max(1, full / fewer_where_hidden));
     const std::uint32_t along = morton(texel.x, texel.y);
-    const std::uint64_t key = seed + (is_below ? 0x3c6ef372u : 0x9d2c5680u);
-    Bands irradiance;
-    for (int s = 0; s < count; ++s) {
-      PixelSamples samples(
-          key, 2 * texel.chart + (is_full ? 0 : 1),
-          along * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(s));
-      const Vec2f place = samples.next_2d();
-      irradiance += light.entering_irradiance(point_at({place.x - 0.5f, place.y - 0.5f}), samples);
-    }
+    for (std::uint32_t s = 0; s < count; ++s)
+      sample(i, PixelSamples(seed + (is_below ? 0x3c6ef372u : 0x9d2c5680u),
+                             2 * texel.chart + (is_full ? 0 : 1), along * count + s));
+  };
+  if (!parallel_chunks(points, chunk, sample_evenly, progress)) return std::nullopt;
+
+  std::vector<float> shares;  // [texel], of the sky
+  const auto of_side = [&](std::size_t side) {
+    return std::span<const TexelSamples<N>>(found).subspan(side * texels.size(), texels.size());
+  };
+  const auto find_shares = [&] {
+    shares.clear();
+    for (std::size_t side = 0; side < side_count(); ++side)
+      std::ranges::copy(sky_shares<N>(graph_.levels.front(), of_side(side)),
+                        std::back_inserter(shares));
+  };
+  find_shares();
+  for (std::size_t side = 0; full > first_count && side < side_count(); ++side) {
+    const std::size_t first = side * texels.size();
+    const std::vector<int> more = more_samples<N>(
+        graph_, of_side(side), std::span<const float>(shares).subspan(first, texels.size()),
+        static_cast<float>(full - first_count));
+    const auto sample_more = [&](std::size_t t) {
+      for (int s = 0; s < more[t]; ++s)
+        sample(first + t, PixelSamples(seed + 0x1b873593u, static_cast<std::uint32_t>(first + t),
+                                       static_cast<std::uint32_t>(s)));
+    };
+    if (!parallel_chunks(texels.size(), chunk, sample_more, progress)) return std::nullopt;
+  }
+  find_shares();
+  for (std::size_t i = 0; i < points; ++i) {
+    if (found[i].count == 0) continue;
+    const Bands sum = found[i].irradiance + shares[i] * found[i].missed;
     for (std::size_t b = 0; b < cloud.bands; ++b)
       cloud.irradiance[i * cloud.bands + b] =
-          irradiance[static_cast<int>(b)] / static_cast<float>(count);
-  };
-  if (!parallel_chunks(points, chunk, sample, progress)) return std::nullopt;
+          sum[static_cast<int>(b)] / static_cast<float>(found[i].count);
+  }
   return cloud;
 }
 
