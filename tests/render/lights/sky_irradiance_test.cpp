@@ -27,7 +27,7 @@ TEST(SkyIrradiance, IsThatOfALinearSky) {
   scene.images = {std::move(map)};
   scene.lights = {EnvironmentLight{.image = 0}, EnvironmentLight{.scale = {0.5f, 0.5f, 0.5f}}};
   const Lights lights(scene, {-1, -1, -1}, {1, 1, 1});
-  EXPECT_TRUE(lights.has_uneven_sky());
+  EXPECT_TRUE(has_uneven_sky(lights));
   const SkyIrradiance sky(lights, {});
   EXPECT_NEAR(sky.entering(0.3f), 0.3f, 1e-6f);
   for (int i = 0; i < 40; ++i) {

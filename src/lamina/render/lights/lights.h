@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -25,11 +24,6 @@ struct LightSample {
   float next_event_share = 1.0f;  ///< as LightSeen has it
   Vec3f normal;           ///< of an area light there, unit length; 0: of any other
 };
-
-/// Whether it is of an environment.
-[[nodiscard]] inline bool is_sky(const LightSample& light) {
-  return !light.is_delta && light.distance == std::numeric_limits<float>::infinity();
-}
 
 /// A stratum of the numbers by which sample_light chooses: [low, low + size) draws from these
 /// lights alone.
@@ -103,24 +97,12 @@ class Lights {
     for (const AreaLight& area_light : area_lights_)
       if (const auto seen = intersect_area_light(area_light, ray, from, limit)) on_light(*seen);
     if (limit < std::numeric_limits<float>::infinity()) return;
-    for (const InfiniteLight& infinite_light : infinite_lights_)
-      if (!is_camera_ray || infinite_light.is_visible)
-        on_light(seen_of(infinite_light, ray.direction));
-  }
-
-  /// The environments alone, where nothing hides them.
-  template <class OnLight>
-  void for_sky_seen(const Vec3f& direction, const OnLight& on_light) const {
-    for (const InfiniteLight& infinite_light : infinite_lights_)
-      on_light(seen_of(infinite_light, direction));
-  }
-
-  /// Whether there is an environment that is brighter in some directions, so that light samples
-  /// are drawn from it.
-  [[nodiscard]] bool has_uneven_sky() const {
-    return std::ranges::any_of(infinite_lights_, [](const InfiniteLight& infinite_light) {
-      return infinite_light.probability > 0.0f && infinite_light.environment.can_be_sampled();
-    });
+    for (const InfiniteLight& infinite_light : infinite_lights_) {
+      if (is_camera_ray && !infinite_light.is_visible) continue;
+      const auto [radiance, pdf] = infinite_light.environment.evaluate(ray.direction);
+      on_light(LightSeen{radiance, pdf * infinite_light.probability,
+                         std::numeric_limits<float>::infinity(), next_event_share_of(radiance)});
+    }
   }
 
   /// Density with which sample_light draws, at a position, the point of an area light that is at a
@@ -154,12 +136,6 @@ class Lights {
     bool is_visible;
     float probability = 0.0f;
   };
-  [[nodiscard]] LightSeen seen_of(const InfiniteLight& infinite_light,
-                                  const Vec3f& direction) const {
-    const auto [radiance, pdf] = infinite_light.environment.evaluate(direction);
-    return {radiance, pdf * infinite_light.probability, std::numeric_limits<float>::infinity(),
-            next_event_share_of(radiance)};
-  }
   /// Of an infinite light.
   [[nodiscard]] float next_event_share_of(const Vec3f& radiance) const;
   [[nodiscard]] std::optional<LightSeen> intersect_area_light(const AreaLight& area_light,

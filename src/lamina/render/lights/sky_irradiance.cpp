@@ -54,7 +54,7 @@ std::vector<SkySample> sky_samples(const Lights& lights) {
     const float phi = 2.0f * float_pi * u.y;
     const Vec3f direction{r * std::cos(phi), r * std::sin(phi), z};
     Vec3f power;
-    lights.for_sky_seen(direction, [&](const LightSeen& seen) {
+    for_sky_seen(lights, direction, [&](const LightSeen& seen) {
       power += seen.radiance / (static_cast<float>(count) * (seen.pdf + even));
     });
     result.push_back({direction, power});
@@ -63,6 +63,18 @@ std::vector<SkySample> sky_samples(const Lights& lights) {
 }
 
 }  // namespace
+
+bool has_uneven_sky(const Lights& lights) {
+  constexpr int tries = 64;  // of a stratum, which may be all lights
+  for (const LightStratum& stratum : lights.strata())
+    for (int i = 0; i < tries; ++i) {
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(tries);
+      const LightSample light =
+          lights.sample_light({}, stratum.low + stratum.size * u, {0.5f, 0.5f});
+      if (light.pdf > 0.0f && is_sky(light)) return true;
+    }
+  return false;
+}
 
 SkyIrradiance::SkyIrradiance(const Lights& lights, const SurfaceBoundary& boundary)
     : irradiance_(static_cast<std::size_t>((side + 1) * (side + 1))) {

@@ -106,7 +106,7 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
   }
   if (!sky) return found;
   if (wi.z > 0.0f)
-    world_.scene.lights.for_sky_seen(direction, [&](const LightSeen& seen) {
+    for_sky_seen(world_.scene.lights, direction, [&](const LightSeen& seen) {
       const float weight = mis_weight_of_surface_sample(world_.options.direct_light, pdf, seen.pdf,
                                                         light_candidates);
       of_open_sky += (weight * sky->entering(wi.z) / pdf) * seen.radiance;

@@ -7,7 +7,7 @@
 
 #include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
-#include "lamina/scattering/heterogeneous/thin_parts.h"
+#include "lamina/scattering/heterogeneous/thin_parts/thin_parts.h"
 
 namespace lamina {
 

@@ -102,7 +102,7 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
   const SurfaceMaterial& material = scene_.scene->materials[material_];
   const int full = scene_.scene->render.texture_space.irradiance_samples;
   std::optional<SkyIrradiance> sky;
-  if (scene_.lights.has_uneven_sky()) {
+  if (has_uneven_sky(scene_.lights)) {
     const AtlasTexel& first = texels.front();
     sky.emplace(scene_.lights, boundary_at(scene_, make_surface_point(meshes,
                                                                       {.distance = 0.0f,

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/thin_parts.h"
+#include "lamina/scattering/heterogeneous/thin_parts/thin_parts.h"
 
 namespace lamina::detail {
 

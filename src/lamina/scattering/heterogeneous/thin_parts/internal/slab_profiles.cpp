@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/slab_profiles.h"
 
 #include <algorithm>
 #include <array>
@@ -183,9 +183,8 @@ SlabFactors transfer_factors(const ThinBand& band) {
       high.response.transmittance = low.response.transmittance;
     for (std::size_t k = 0; k < step; ++k) {
       const double f = static_cast<double>(k) / static_cast<double>(step);
-      factors.slabs[i + k] = {
-          std::lerp(low.response.transmittance, high.response.transmittance, f),
-          std::lerp(low.response.reflectance, high.response.reflectance, f)};
+      factors.slabs[i + k] = {std::lerp(low.response.transmittance, high.response.transmittance, f),
+                              std::lerp(low.response.reflectance, high.response.reflectance, f)};
       factors.scattered[i + k] = std::lerp(low.scattered, high.scattered, f);
     }
     low = high;
@@ -215,8 +214,8 @@ SlabProfiles<N>::SlabProfiles(std::span<const ThinBand> bands,
         factor = factors[b].slabs[row].transmittance;
         if (light == SlabLight::scattered) factor *= factors[b].scattered[row];
       } else if (row > half_space_row) {
-        thickness = between_faces(slab_thickness(row - half_space_row - 1),
-                                  mean_free_path(bands[b]));
+        thickness =
+            between_faces(slab_thickness(row - half_space_row - 1), mean_free_path(bands[b]));
         factor = between_slabs(factors[b].slabs, thickness).transmittance;
       }
       const Multipole slab = slab_of(layer, sigma_a, thickness);

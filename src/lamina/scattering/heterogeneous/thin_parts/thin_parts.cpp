@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/thin_parts.h"
+#include "lamina/scattering/heterogeneous/thin_parts/thin_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/scattering/heterogeneous/blurs/for_cells.h"
-#include "lamina/scattering/heterogeneous/internal/facing_cells.h"
-#include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/facing_cells.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/slab_profiles.h"
 
 namespace lamina {
 
@@ -84,9 +84,8 @@ CellField<N> gather(const CellGraph& graph, const detail::FacingCells& facing,
     for (std::size_t k = facing.first[t]; k < facing.first[t + 1]; ++k) {
       const std::uint32_t j = facing.from[k];
       const detail::FacingPair pair = detail::facing_pair(facing.cells[i], facing.cells[j]);
-      BandValues<N> per_area =
-          pair.of_slab *
-          profiles.transmittance(pair.thickness - coats, pair.lateral2, pair.opening);
+      BandValues<N> per_area = pair.of_slab * profiles.transmittance(pair.thickness - coats,
+                                                                     pair.lateral2, pair.opening);
       if (ways == Ways::all && pair.of_distance > 0.0f)
         per_area += pair.of_distance * profiles.reflectance(pair.distance2);
       sum += flux[j] * per_area;
@@ -134,8 +133,7 @@ ThinParts<N> make_thin_parts(const CellGraph& graph, std::span<const Vec3f> posi
   });
   const float width = std::sqrt(graph.levels[geometry.facing.level].typical_area);
   const auto blur = static_cast<double>(blur_in_spacings * width);
-  geometry.profiles =
-      detail::SlabProfiles<N>(bands, factors, blur, detail::SlabLight::scattered);
+  geometry.profiles = detail::SlabProfiles<N>(bands, factors, blur, detail::SlabLight::scattered);
   for (const MappedLayer& layer : bands.front().stack->layers)
     if (std::isfinite(layer.thickness))
       geometry.coats += 2.0f * static_cast<float>(layer.thickness);

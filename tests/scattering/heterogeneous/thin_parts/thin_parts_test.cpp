@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/thin_parts.h"
+#include "lamina/scattering/heterogeneous/thin_parts/thin_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
-#include "lamina/scattering/heterogeneous/internal/facing_cells.h"
-#include "lamina/scattering/heterogeneous/internal/slab_profiles.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/facing_cells.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/slab_profiles.h"
 
 namespace lamina {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/heterogeneous/internal/facing_cells.h"
+#include "lamina/scattering/heterogeneous/thin_parts/internal/facing_cells.h"
 
 #include <algorithm>
 #include <cassert>
