@@ -226,7 +226,8 @@ TEST(TextureSpace, UniformMapsOnAPlateHaveTheColorOfTheSlab) {
         << c;
 }
 
-// A convex body under a sky of which a part is bright: hardly anything hides it, so what it gives is known.
+// A convex body under a sky of which a part is bright: hardly anything hides it, so what it gives
+// is known.
 TEST(TextureSpace, AnOpenSkyMakesNoNoise) {
   Scene scene = lit_scene(make_sphere(4.0f, 24), uniform_skin(), 6.0);
   scene.render.texture_space = {.texel = 0.3f, .irradiance_samples = 2};
@@ -253,6 +254,19 @@ TEST(TextureSpace, AnOpenSkyMakesNoNoise) {
   EXPECT_LT(std::sqrt(squares / 144.0), 0.02 * sum / 144.0);
 }
 
+CellGraph square_graph(int size) {
+  std::vector<GraphCell> cells;
+  std::vector<CellLink> links;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const auto i = static_cast<std::uint32_t>(y * size + x);
+      cells.push_back({{static_cast<float>(x), static_cast<float>(y), 0.0f}, 1.0f, 0, x, y});
+      if (x > 0) links.push_back({i - 1, i, 1.0f});
+      if (y > 0) links.push_back({i - static_cast<std::uint32_t>(size), i, 1.0f});
+    }
+  return make_cell_graph(cells, links, 400.0);
+}
+
 /// Texels on a square grid, whose light has some deviation from sample to sample.
 template <class Deviation>
 std::vector<TexelSamples<4>> sampled(int size, const Deviation& deviation) {
@@ -268,16 +282,7 @@ std::vector<TexelSamples<4>> sampled(int size, const Deviation& deviation) {
 // not, and where none may be, no more.
 TEST(TexelSamples, MoreAreTakenWhereTheyDiffer) {
   constexpr int size = 64;
-  std::vector<GraphCell> cells;
-  std::vector<CellLink> links;
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const auto i = static_cast<std::uint32_t>(y * size + x);
-      cells.push_back({{static_cast<float>(x), static_cast<float>(y), 0.0f}, 1.0f, 0, x, y});
-      if (x > 0) links.push_back({i - 1, i, 1.0f});
-      if (y > 0) links.push_back({i - size, i, 1.0f});
-    }
-  const CellGraph graph = make_cell_graph(cells, links, 400.0);
+  const CellGraph graph = square_graph(size);
   std::vector<TexelSamples<4>> samples = sampled(size, [](int x) {
     return x < 16 ? 0.3f : x < 32 ? 0.1f : 0.0f;
   });
@@ -297,6 +302,32 @@ TEST(TexelSamples, MoreAreTakenWhereTheyDiffer) {
   EXPECT_NEAR(mean(0, 16), 10.0, 0.4);
   EXPECT_NEAR(mean(16, 32), 2.0, 0.4);
   EXPECT_EQ(mean(32, 64), 0.0);
+}
+
+// One texel found light by a rare path: those around share it. One that is as bright by all of its
+// samples keeps it.
+TEST(TexelSamples, RareLightIsSpreadAndNotLost) {
+  constexpr int size = 32;
+  const CellGraph graph = square_graph(size);
+  std::vector<TexelSamples<4>> samples = sampled(size, [](int) { return 0.01f; });
+  constexpr std::size_t rare = 10 * size + 10, bright = 20 * size + 20;
+  samples[rare].add({.irradiance = BandValues<4>::filled(20.0f)});
+  samples[bright].irradiance *= 4.0f;
+  samples[bright].irradiance2 *= 16.0f;
+  std::vector<BandValues<4>> light;
+  for (const TexelSamples<4>& of : samples)
+    light.push_back((1.0f / static_cast<float>(of.count)) * of.irradiance);
+  const auto sum = [&] {
+    double all = 0.0;
+    for (const BandValues<4>& of : light) all += static_cast<double>(of[0]);
+    return all;
+  };
+  const double before = sum();
+  EXPECT_GT(light[rare][0], 6.0f);
+  spread_rare_light<4>(graph, samples, std::vector<float>(samples.size()), light);
+  EXPECT_LT(light[rare][0], 1.3f);
+  EXPECT_NEAR(light[bright][0], 4.0f, 0.1f);
+  EXPECT_NEAR(sum(), before, 1e-5 * before);
 }
 
 // Of two lights one is blocked: what the other gives is found without noise, by one sample.

@@ -183,13 +183,19 @@ std::optional<IrradianceCloud> TextureSpaceTransport<N>::sample_light(
     if (!parallel_chunks(texels.size(), chunk, sample_more, progress)) return std::nullopt;
   }
   find_shares();
-  for (std::size_t i = 0; i < points; ++i) {
-    if (found[i].count == 0) continue;
-    const Bands sum = found[i].irradiance + shares[i] * found[i].missed;
+  CellField<N> means(points);
+  for (std::size_t i = 0; i < points; ++i)
+    if (found[i].count > 0)
+      means[i] = (1.0f / static_cast<float>(found[i].count)) *
+                 (found[i].irradiance + shares[i] * found[i].missed);
+  for (std::size_t side = 0; side < side_count(); ++side)
+    spread_rare_light<N>(
+        graph_, of_side(side),
+        std::span<const float>(shares).subspan(side * texels.size(), texels.size()),
+        std::span(means).subspan(side * texels.size(), texels.size()));
+  for (std::size_t i = 0; i < points; ++i)
     for (std::size_t b = 0; b < cloud.bands; ++b)
-      cloud.irradiance[i * cloud.bands + b] =
-          sum[static_cast<int>(b)] / static_cast<float>(found[i].count);
-  }
+      cloud.irradiance[i * cloud.bands + b] = means[i][static_cast<int>(b)];
   return cloud;
 }
 

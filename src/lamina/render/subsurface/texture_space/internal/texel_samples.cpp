@@ -146,11 +146,56 @@ std::vector<int> more_samples(const CellGraph& graph, std::span<const TexelSampl
   return in_proportion<N>(samples, deviation, budget);
 }
 
+template <int N>
+void spread_rare_light(const CellGraph& graph, std::span<const TexelSamples<N>> samples,
+                       std::span<const float> shares, std::span<BandValues<N>> light) {
+  constexpr double most_variance = 25.0;  // over that of the texels around
+  constexpr float least_brighter = 1.1f;
+  const CellLevel& cells = graph.levels.front();
+  const std::vector<std::uint32_t> group_of = groups_of(graph);
+  struct Group {
+    double variance = 0.0;  ///< sum of those of means
+    int texels = 0;
+    float area = 0.0f;
+    BandValues<N> rare;
+  };
+  std::vector<Group> groups(group_of.empty() ? 0 : *std::ranges::max_element(group_of) + 1);
+  std::vector<double> variance(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples[i].count < 2) continue;
+    const Spread spread = spread_of(samples[i], static_cast<double>(shares[i]));
+    variance[i] = spread.squares / spread.degrees / samples[i].count;
+    Group& group = groups[group_of[i]];
+    group.variance += variance[i];
+    group.area += cells.area[i];
+    ++group.texels;
+  }
+  std::vector<BandValues<N>> found(light.begin(), light.end());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Group& group = groups[group_of[i]];
+    if (samples[i].count < 2 || group.texels < 2 || cells.first[i] == cells.first[i + 1]) continue;
+    const double of_others = (group.variance - variance[i]) / (group.texels - 1);
+    if (!(variance[i] > most_variance * of_others)) continue;
+    BandValues<N> around;
+    for (std::uint32_t k = cells.first[i]; k < cells.first[i + 1]; ++k)
+      around += found[cells.neighbors[k].cell];
+    around *= 1.0f / static_cast<float>(cells.first[i + 1] - cells.first[i]);
+    if (!(brightness(found[i]) > least_brighter * brightness(around))) continue;
+    light[i] = around;
+    group.rare += cells.area[i] * (found[i] - around);
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (const Group& group = groups[group_of[i]]; samples[i].count >= 2 && group.area > 0.0f)
+      light[i] += (1.0f / group.area) * group.rare;
+}
+
 #define LAMINA_INSTANTIATE(N)                                                                 \
   template struct TexelSamples<N>;                                                            \
   template std::vector<float> sky_shares(const CellLevel&, std::span<const TexelSamples<N>>); \
   template std::vector<int> more_samples(const CellGraph&, std::span<const TexelSamples<N>>,  \
-                                         std::span<const float>, float)
+                                         std::span<const float>, float);                      \
+  template void spread_rare_light(const CellGraph&, std::span<const TexelSamples<N>>,         \
+                                  std::span<const float>, std::span<BandValues<N>>)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);
