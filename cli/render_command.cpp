@@ -226,6 +226,9 @@ void run_render(const RenderCommandOptions& options) {
                                    {"walks", correction.walks},
                                    {"change", correction.change},
                                    {"error_left", correction.error_left}});
+  for (const ProfileUse& use : s.profiles)
+    json["profiles"].push_back(
+        {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
@@ -320,8 +323,9 @@ void add_render_command(CLI::App& app) {
                    "ends with what differs where the light of --cache would have to be made anew");
   command
       .add_option("--profile", options->profile,
-                  "model of the profile of light below surfaces: radiative transfer; diffusion, at "
-                  "once; the dipole, diffusion in a single layer")
+                  "model of the profile of light below surfaces: radiative_transfer, the default, "
+                  "some seconds per material once, then on disk; diffusion, at once, for previews, "
+                  "and the default beside --single-scattering; dipole, diffusion in a single layer")
       .one_of(names_as_text<RenderSettings::Profile>());
   options->exposure_given =
       command.add_option("--exposure", options->exposure, "stops, for the PNG only")

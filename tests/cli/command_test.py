@@ -193,7 +193,7 @@ class FailedWork(unittest.TestCase):
         codes = set()
         for mebibytes in range(60, 1000, 40):
             limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20, mebibytes << 20))
-            result = subprocess.run([LAMINA, "render", os.path.join(SCENES, "sphere_skin.json"), "--samples", "1",
+            result = subprocess.run([LAMINA, "render", os.path.join(SCENES, "sphere_skin.json"), "--samples", "1", "--profile", "diffusion",
                                      "--width", "8", "--height", "8", "--threads", "1", "-o", "memory.png"],
                                     preexec_fn=limit, capture_output=True, text=True)
             codes.add(result.returncode)
@@ -264,7 +264,7 @@ class Stopping(unittest.TestCase):
             with open(good, "w") as file:
                 file.write("the last good one")
             scene = os.path.join(SCENES, "sphere_skin.json")
-            code, seconds, said = self.stop(["render", scene, "--profile", "radiative_transfer", "-o", good], signal.SIGINT)
+            code, seconds, said = self.stop(["render", scene, "-o", good], signal.SIGINT)
             self.assertEqual(code, 130, said)
             self.assertLess(seconds, 1)
             with open(good) as file:
@@ -304,7 +304,7 @@ class Input(unittest.TestCase):
 class Output(unittest.TestCase):
     def test_names_of_pictures(self):
         scene = os.path.join(SCENES, "sphere_skin.json")
-        small = ["--samples", "1", "--width", "8", "--height", "8"]
+        small = ["--samples", "1", "--width", "8", "--height", "8", "--profile", "diffusion"]
         for name, files in (("beauty.0001", ["beauty.0001.exr", "beauty.0001.png"]), ("a.PNG", ["a.PNG"]),
                             ("b.exr", ["b.exr"]), (".", ["sphere_skin.exr", "sphere_skin.png"])):
             with tempfile.TemporaryDirectory() as folder:

@@ -17,7 +17,11 @@ expect() {
   grep -qF -- "$text" output || fail "render $*: no '$text' in: $(cat output)"
 }
 
-scene=$scenes/sphere_skin.json
+# Profiles by diffusion are there at once.
+scene=$folder/given/sphere_skin.json
+mkdir given
+printf '{ "lamina": "scene", "base": "%s", "render": { "profile": "diffusion", "samples_per_pixel": 64 } }' \
+  "$scenes/sphere_skin.json" >"$scene"
 small=(--samples 2 --width 24 --height 16)
 expect 0 'Example:' --help
 
@@ -48,15 +52,15 @@ for name in leaves bust rough_plate; do
 done
 
 # A method that is left open is chosen, one that is named is not; what it takes is said before.
-expect 0 'lamina: method probe (' "$scenes/arm.json" "${small[@]}" -o open.exr --json open.json
+expect 0 'lamina: method probe (' "$scenes/arm.json" "${small[@]}" --profile diffusion -o open.exr --json open.json
 grep -qE 'method probe \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
 for key in '"method": "probe"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
   grep -q "$key" open.json || fail "no $key in the JSON"
 done
-expect 0 'lamina: method hierarchy: about ' "$scenes/arm.json" "${small[@]}" -o named.exr --method hierarchy --json named.json
+expect 0 'lamina: method hierarchy: about ' "$scenes/arm.json" "${small[@]}" --profile diffusion -o named.exr --method hierarchy --json named.json
 grep -q '"method": "hierarchy"' named.json || fail "a method that was named was switched"
 ! grep -q chosen named.json || fail "a method that was named was chosen"
-expect 0 'method hierarchy (its light can be kept)' "$scenes/arm.json" "${small[@]}" -o open.exr --cache open.ply
+expect 0 'method hierarchy (its light can be kept)' "$scenes/arm.json" "${small[@]}" --profile diffusion -o open.exr --cache open.ply
 
 expect 0 '' "$scene" "${small[@]}" -o dipole.exr --profile dipole
 cmp -s sphere_skin.exr dipole.exr && fail "--profile does nothing"
@@ -117,8 +121,8 @@ cat >walk.json <<'END'
   "render": { "method": "layered_bsdf", "samples_per_pixel": 1,
     "orders": "first" } }
 END
-expect 0 'walk.json:8: render.orders: left out, method "hierarchy" does not honour it' walk.json --method hierarchy --json walk_out.json
-grep -q '"band_changes"' walk_out.json && grep -q '"totals": "radiative_transfer"' walk_out.json || fail "bands and skin are not in the JSON"
+expect 0 'walk.json:8: render.orders: left out, method "hierarchy" does not honour it' walk.json --method hierarchy --profile diffusion --json walk_out.json
+grep -q '"band_changes"' walk_out.json && grep -q '"totals": "radiative_transfer"' walk_out.json && grep -q '"profile": "diffusion"' walk_out.json || fail "bands and skin are not in the JSON"
 expect 0 'material "ring": RGB turned into the 8 wavelengths of the scene; colors differ by up to' walk.json
 expect 0 'ear: skin with the constants "calibrated", totals by radiative transfer' walk.json
 expect 2 '--profile: method "random_walk" does not honour it' walk.json --method random_walk --profile dipole

@@ -33,6 +33,8 @@ SMALL = {
     "bsdf": {"--step": "45"},
     "render": {"--width": "12", "--height": "9", "--samples": "1"},
 }
+# Scenes that are rendered by a profile where no method is named; here by one that is there at once.
+OF_PROFILES = ("arm.json", "bumpy.json", "sphere_skin.json", "candle.json", "pebble.json")
 # A command that has one of these words is not run, because:
 NOT_RUN = {
     "demo/": "demo.sh fetches the head, 89 MB",
@@ -126,6 +128,9 @@ def smaller(words):
         numbers = {"--photons": "500"}
     if "--domain" in rest:
         numbers = {}
+    takes_profile = method in ("probe", "hierarchy", "shadow_map") or not method and rest[0].endswith(OF_PROFILES)
+    if subcommand == "render" and takes_profile and "--profile" not in rest and not any("random_walk" in word for word in rest):
+        numbers["--profile"] = "diffusion"
     if subcommand == "reproduce" and "full" in rest:  # hours, where ./demo.sh has fetched the head
         rest = [*rest, "--list"]
     if "rough_transmission" in rest and method in ("", "analytic") and "--compare" not in rest:

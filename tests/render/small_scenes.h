@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -142,6 +143,12 @@ inline Material half_space(std::vector<double> sigma_a, double sigma_s, double i
       {layer_of(std::move(sigma_a), {sigma_s, sigma_s, sigma_s}, 0.0, infinite, ior)});
 }
 
+/// By diffusion, at once, for methods that take a profile; others refuse one.
+inline std::optional<RenderSettings::Profile> quick_profile(RenderSettings::Method method) {
+  if (method.is_open() || !method->uses_profile) return std::nullopt;
+  return RenderSettings::Profile::diffusion;
+}
+
 /// A mesh of the material, seen from above as a square of half a millimetre; no light between
 /// surfaces.
 inline Scene translucent_scene(RenderSettings::Method method, Mesh mesh, Material material,
@@ -149,7 +156,9 @@ inline Scene translucent_scene(RenderSettings::Method method, Mesh mesh, Materia
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 4, .height = 4};
-  scene.render = {.method = method, .samples_per_pixel = 4};
+  scene.render = {.method = method,
+                  .profile = quick_profile(method),
+                  .samples_per_pixel = 4};
   scene.render.max_bounces = 0;
   scene.materials = {
       {.name = "translucent",

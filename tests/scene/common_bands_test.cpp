@@ -26,7 +26,9 @@ Scene scene_of(const std::string& name, const std::string& other, Method method)
   Scene scene;
   scene.camera = camera_above(20.0);
   scene.film = {.width = 16, .height = 16};
-  scene.render = {.method = method, .samples_per_pixel = 16};
+  scene.render = {.method = method,
+                  .profile = quick_profile(method),
+                  .samples_per_pixel = 16};
   scene.render.max_bounces = 0;
   scene.render.hierarchy = {.spacing = 0.6f, .irradiance_samples = 2};
   scene.materials = {translucent(name)};

@@ -24,7 +24,9 @@ using Method = RenderSettings::Method;
 Scene scene_of(const Material& skin, Method method) {
   Scene scene;
   scene.film = {.width = 16, .height = 16};
-  scene.render = {.method = method, .samples_per_pixel = 16};
+  scene.render = {.method = method,
+                  .profile = quick_profile(method),
+                  .samples_per_pixel = 16};
   scene.render.max_bounces = 0;
   scene.render.hierarchy = {.spacing = 0.7f, .irradiance_samples = 2};
   scene.render.texture_space = {.texel = 0.7f, .irradiance_samples = 2};
@@ -92,8 +94,9 @@ TEST(SkinTotals, ConstantsThatAreNamedAreNeverExchanged) {
     settings.single_scattering = RenderSettings::SingleScattering::straight;
     EXPECT_FALSE(takes_material_totals(exact, settings));
   }
-  const Profile own = profile_maker({})(diffusion, layer_stacks(diffusion)),
-                scaled = profile_maker({})(exact, layer_stacks(exact));
+  const ProfileMaker by_diffusion(RenderSettings{.profile = RenderSettings::Profile::diffusion});
+  const Profile own = by_diffusion(diffusion, layer_stacks(diffusion)),
+                scaled = by_diffusion(exact, layer_stacks(exact));
   EXPECT_EQ(own.reflectance_profile, diffusion_profile(diffusion).reflectance_profile);
   const std::vector<EnteredTotals> totals = material_totals(layer_stacks(exact));
   const Profile before = diffusion_profile(exact);

@@ -76,6 +76,8 @@ struct Material {
   /// layers have their means.
   std::optional<SkinRecipe> skin;
   std::optional<LeafParameters> leaf;
+  bool is_by_diffusion = false;  ///< coefficients were found from a color by diffusion, so that
+                                 ///< profiles by diffusion show that color
 };
 
 /// The optical layers of one band.

@@ -25,6 +25,7 @@
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 #include "lamina/render/subsurface/methods/make_methods.h"
 #include "lamina/render/subsurface/preparation.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/material_layer_maps.h"
 #include "lamina/scene/method_settings.h"
@@ -114,6 +115,22 @@ void choose(RenderScene& scene, const BandConversion<N>& conversion, const Camer
   statistics.method = scene.scene->render.method;
 }
 
+/// Where profiles come from, with a warning for what nobody asked for.
+void report_profiles(const Scene& scene, RenderStatistics& statistics) {
+  if (!scene.render.method->uses_profile) return;
+  const ProfileMaker profiles(scene.render);
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
+    const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[m].surface);
+    if (!surface) continue;
+    const auto source = profiles.source(surface->material);
+    statistics.profiles.push_back({m, source});
+    if (source != profile_of(scene.render) && !surface->material.is_by_diffusion)
+      statistics.warnings.push_back("material \"" + scene.materials[m].name + "\": its profile is by " +
+                                    std::string(name_of(source)) + ", for radiative transfer refuses it: " +
+                                    transfer_refusal(surface->material).value_or(""));
+  }
+}
+
 /// "method probe, as hierarchy would take 5 times its work: about 12 CPU-s".
 std::string describe(const RenderStatistics& statistics, bool may_end_early) {
   const double expected = statistics.expected_cpu_seconds;
@@ -162,6 +179,7 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   statistics.light_samples = report.light_samples;
   statistics.corrections = report.corrections;
   statistics.warnings = report.warnings;
+  report_profiles(*scene.scene, statistics);
   if (!is_prepared) return false;
 
   const auto sample = [&](int x, int y, int i) {

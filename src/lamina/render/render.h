@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,12 @@
 #include "lamina/scene/scene.h"
 
 namespace lamina {
+
+/// Where the profile of a material comes from.
+struct ProfileUse {
+  std::uint32_t material = 0;  ///< index
+  RenderSettings::Profile source = RenderSettings::Profile::radiative_transfer;
+};
 
 struct RenderStatistics {
   SceneMethod method;                 ///< that was used
@@ -26,6 +33,7 @@ struct RenderStatistics {
   bool is_complete = true;                   ///< false if progress asked to stop
   std::vector<LightSamples> light_samples;   ///< of method `hierarchy`
   std::vector<LightCorrection> corrections;  ///< where RenderSettings::is_corrected
+  std::vector<ProfileUse> profiles;          ///< of methods that take profiles
   std::vector<std::string> warnings;         ///< one line each: texture coordinates that overlap
 };
 

@@ -253,7 +253,7 @@ struct RenderSettings {
   SingleScattering single_scattering = SingleScattering::none;
   /// Where the profiles of translucent materials come from.
   enum class Profile { radiative_transfer, diffusion, dipole };
-  Profile profile = Profile::diffusion;
+  std::optional<Profile> profile;  ///< left open: see profile_of
   /// How light leaves a translucent surface over the angle.
   enum class ExitAngle {
     conserving,  ///< as much in total as the profile says: transmittance over its projected
@@ -298,6 +298,16 @@ inline constexpr auto enum_names<RenderSettings::Profile> =
         {{"radiative_transfer", RenderSettings::Profile::radiative_transfer},
          {"diffusion", RenderSettings::Profile::diffusion},
          {"dipole", RenderSettings::Profile::dipole}});
+
+/// Where profiles come from: what is named, else radiative transfer, but diffusion where light
+/// scattered once is added to it. A material whose layers radiative transfer refuses takes
+/// diffusion where nothing is named, see ProfileMaker.
+[[nodiscard]] inline RenderSettings::Profile profile_of(const RenderSettings& settings) {
+  using Single = RenderSettings::SingleScattering;
+  return settings.profile.value_or(settings.single_scattering == Single::none
+                                       ? RenderSettings::Profile::radiative_transfer
+                                       : RenderSettings::Profile::diffusion);
+}
 
 /// A translucent material that was given for other bands than the scene is rendered with.
 struct BandChange {

@@ -21,6 +21,7 @@ Material decode_color_material(const JsonInput& value) {
   const double index = ior ? ior->number(closed_interval(1.0, 4.0)) : 1.4;
   Material material;
   material.name = "diffuse color";
+  material.is_by_diffusion = true;
   material.layers.resize(1);
   MaterialLayer& layer = material.layers[0];
   layer.name = "inside";

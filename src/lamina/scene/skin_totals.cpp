@@ -12,7 +12,7 @@ bool has_transfer_totals(const Material& material, const RenderSettings& setting
   if (!method.is_open() && method->solves_transfer) return true;
   if (takes_material_totals(material, settings)) return true;
   return (method.is_open() || method->uses_profile) &&
-         settings.profile == RenderSettings::Profile::radiative_transfer;
+         profile_of(settings) == RenderSettings::Profile::radiative_transfer;
 }
 
 }  // namespace

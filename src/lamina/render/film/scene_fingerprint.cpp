@@ -218,7 +218,7 @@ void add_numbers(SceneHash& hash, const RenderSettings& settings) {
 void add_shared(SceneHash& hash, const RenderSettings& settings, const RenderOptions& options) {
   hash.add_text(LAMINA_RENDER_FINGERPRINT);
   hash.add_text(settings.method.name());
-  hash.add(settings.profile);  // what surfaces reflect onto others follows from it
+  hash.add(profile_of(settings));  // what surfaces reflect onto others follows from it
   hash.add(settings.max_bounces);
   hash.add(settings.seed);
   hash.add(options.direct_light);

@@ -53,15 +53,29 @@ std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOpti
   return std::nullopt;
 }
 
-bool has_profile(const Material& material, const RenderSettings& settings) {
-  if (settings.profile == RenderSettings::Profile::radiative_transfer)
-    return true;  // to find out would take minutes
+bool has_diffusion_profile(const Material& material, const RenderSettings& settings) {
   try {
-    (void)profile_maker(settings)(material, layer_stacks(material));
+    (void)ProfileMaker(settings)(material, layer_stacks(material));
   } catch (const InvalidInput&) {
     return false;
   }
   return true;
+}
+
+using Profile = RenderSettings::Profile;
+
+bool has_profile(const Material& material, const RenderSettings& settings) {
+  const Profile source = ProfileMaker(settings).source(material);
+  return source == Profile::radiative_transfer ? !transfer_refusal(material)
+                                               : has_diffusion_profile(material, settings);
+}
+
+/// Profiles to plan with: at once by diffusion, where it takes the material.
+ProfileMaker quick_profiles(const Material& material, const RenderSettings& settings,
+                            const Progress& progress) {
+  RenderSettings quick = settings;
+  if (profile_of(settings) == Profile::radiative_transfer) quick.profile = Profile::diffusion;
+  return ProfileMaker(has_diffusion_profile(material, quick) ? quick : settings, progress);
 }
 
 }  // namespace
@@ -79,10 +93,11 @@ MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& co
     if (!has_profile(material, s.render))
       return {Method::layered_bsdf, "\"" + s.materials[m].name + "\" has no profile"};
   }
-  const ProfileMaker make_profile = profile_maker(s.render, progress);
   double of_hierarchy = 0.0;
   for (const std::uint32_t m : materials) {
-    const HierarchyTransport<N> hierarchy(scene, conversion, m, make_profile, false);
+    const Material& material = std::get<SubsurfaceSurface>(s.materials[m].surface).material;
+    const HierarchyTransport<N> hierarchy(scene, conversion, m,
+                                          quick_profiles(material, s.render, progress), false);
     // What shows outside as well, as eyes do, hardly changes the light.
     if (std::ranges::any_of(hierarchy.objects_inside(),
                             [](const auto& object) { return object.fraction > 0.9; }))

@@ -15,6 +15,7 @@
 #include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_rough.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/scattering/adding_doubling/kept_rough_boundaries.h"
 
 namespace lamina {
 namespace {
@@ -103,7 +104,7 @@ std::vector<std::vector<AddingDoublingTotals>> solve_group(
     for (const std::size_t k : coarse)
       on_grid.push_back(detail::make_grid_stack(*stacks[k], nodes, beams));
     const detail::RoughBoundaries rough =
-        detail::rough_boundaries(on_grid[0], 0, 1, progress).front();
+        detail::kept_rough_boundaries(on_grid[0], 1, progress).front();
     const auto solve = [&](std::size_t c) {
       LastGrid& last = grids[coarse[c]];
       LastGrid finer{.results = totals_on_grid(on_grid[c], incidences, rough),

@@ -16,7 +16,6 @@ namespace lamina::detail {
 namespace {
 
 // Against rays over radius, skin and leaf agree to 0.05 % from 0.25 mean free paths on.
-constexpr int fine_modes = 41, frequencies = 48;
 constexpr double highest_per_sigma_t = 24.0;
 
 }  // namespace
@@ -25,15 +24,15 @@ ProfileCurves diffuse_lowest_orders(const LayerStack& stack, const GridStack& on
                                     Illumination illumination, const HankelPlan& plan,
                                     const StraightLight& light) {
   auto fine =
-      make_frequency_solver(stack, light.nodes, fine_modes, {}, illumination, RoughModes::first);
+      make_frequency_solver(stack, light.nodes, light.modes, {}, illumination, RoughModes::first);
   fine.stack = above_rough_inside(std::move(fine.stack));
   std::vector<double> extinction;
   for (std::size_t l = 0; l < on_grid.layers.size(); ++l) {
     extinction.push_back(on_grid.layers[l].sigma_t);
     fine.stack.layers[l].sigma_t = extinction.back();
   }
-  const auto single = make_diffuse_single(fine, extinction);
-  const auto grid = make_frequency_grid(on_grid, frequencies, highest_per_sigma_t);
+  const auto single = make_diffuse_single(fine, extinction, light.depth_nodes);
+  const auto grid = make_frequency_grid(on_grid, light.frequencies, highest_per_sigma_t);
   // Light scattered once grows as 1/r near the point: a part that does the same and has the same
   // total is put in over radius, the rest over frequency.
   const double contact = single_at_contact(stack, on_grid, fine.top);

@@ -17,6 +17,9 @@ struct ProfileCurves {
 struct StraightLight {
   int nodes = 24;  ///< that do for diffuse light; a beam that a top of little roughness spreads may
                    ///< want more behind a slab, and fewer show by how much they are wrong
+  int modes = 41;   ///< azimuthal, of light scattered once
+  int frequencies = 48;
+  int depth_nodes = 8;  ///< of a panel of depths, see make_diffuse_single
   int mirrors = 3;  ///< most reflections of what is not scattered
 };
 

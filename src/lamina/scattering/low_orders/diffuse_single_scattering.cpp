@@ -20,7 +20,7 @@ constexpr double finest_phase = 2.0;  ///< times the nodes: waves of larger phas
 constexpr double least_light = 1e-11;
 
 /// Depths of a layer in panels that grow away from its faces.
-Quadrature depths(double thickness, double sigma_t, double first) {
+Quadrature depths(double thickness, double sigma_t, double first, int nodes) {
   const bool has_bottom = std::isfinite(thickness);
   const double half = has_bottom ? 0.5 * thickness : deepest / sigma_t;
   std::vector<double> edges{half};
@@ -34,7 +34,7 @@ Quadrature depths(double thickness, double sigma_t, double first) {
     // Within a deep layer away from both faces nothing is left to scatter.
     const double from_face = has_bottom ? std::min(edges[i], thickness - edges[i + 1]) : edges[i];
     if (from_face * sigma_t > deepest) continue;
-    const Quadrature panel = gauss_legendre(8, edges[i], edges[i + 1]);
+    const Quadrature panel = gauss_legendre(nodes, edges[i], edges[i + 1]);
     all.nodes.insert(all.nodes.end(), panel.nodes.begin(), panel.nodes.end());
     all.weights.insert(all.weights.end(), panel.weights.begin(), panel.weights.end());
   }
@@ -91,7 +91,8 @@ int waves(const DiffuseSingle::Rays& rays, std::size_t depth, int modes, double 
   for (std::size_t i = 0; i < n; ++i) {
     const double x = k * rays.aside[depth * n + i];
     if (std::abs(rays.light[depth * n + i]) < least_light || x > 2.0 * cut) continue;
-    const double light = rays.light[depth * n + i] * std::exp(-std::pow(x / cut, 8.0));
+    const double of_cut = x / cut, squared = of_cut * of_cut, fourth = squared * squared;
+    const double light = rays.light[depth * n + i] * std::exp(-fourth * fourth);
     // Beyond m = x the functions vanish.
     const int last = std::min(modes, static_cast<int>(x + 6.0 * std::cbrt(x)) + 4);
     bessel_functions(x, std::span(one).first(static_cast<std::size_t>(last) + 1));
@@ -128,7 +129,7 @@ int last_mode(const std::vector<PhaseMode>& phase) {
 }  // namespace
 
 DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
-                                  const std::vector<double>& extinction) {
+                                  const std::vector<double>& extinction, int depth_nodes) {
   const GridStack& stack = solver.stack;
   DiffuseSingle single;
   double densest = 0.0;
@@ -136,7 +137,7 @@ DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
   for (std::size_t l = 0; l < stack.layers.size(); ++l) {
     const GridLayer& layer = stack.layers[l];
     if (layer.sigma_s == 0.0) continue;
-    const Quadrature z = depths(layer.thickness, layer.sigma_t, first_panel / densest);
+    const Quadrature z = depths(layer.thickness, layer.sigma_t, first_panel / densest, depth_nodes);
     auto& made = single.layers.emplace_back();
     made.strength = 0.25 * layer.sigma_s / (layer.ior * layer.ior * stack.ior[0] * stack.ior[0]);
     made.depth_weight = z.weights;

@@ -33,8 +33,10 @@ struct DiffuseSingle {
 
 /// @param solver      with some 24 nodes or more; must outlive the result.
 /// @param extinction  [layer] of unscattered light [1/mm]
+/// @param depth_nodes of each panel of depths, which double in width from the faces on
 [[nodiscard]] DiffuseSingle make_diffuse_single(const FrequencySolver& solver,
-                                                const std::vector<double>& extinction);
+                                                const std::vector<double>& extinction,
+                                                int depth_nodes = 8);
 [[nodiscard]] FrequencyResponse single_response(const DiffuseSingle& single, double k);
 
 /// The same light as all orders have it on a grid, with the azimuths that the modes can tell apart:

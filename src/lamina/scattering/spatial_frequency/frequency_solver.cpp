@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
 
-#include "lamina/scattering/spatial_frequency/kept_rough_boundaries.h"
+#include "lamina/scattering/adding_doubling/kept_rough_boundaries.h"
 
 namespace lamina::detail {
 

@@ -70,10 +70,15 @@ std::vector<LayerStack> lit_from_below(std::span<const LayerStack> stacks) {
   return turned;
 }
 
-TransferProfile transfer_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
-                                 const TransferProfileOptions& options) {
+void require_transfer_profile(std::span<const LayerStack> stacks,
+                              const TransferProfileOptions& options) {
   detail::check_profile_input(stacks, options);
   refuse_clear_plates_under_rough_tops(stacks);
+}
+
+TransferProfile transfer_profile(std::span<const LayerStack> stacks, const RadialGrid& radii,
+                                 const TransferProfileOptions& options) {
+  require_transfer_profile(stacks, options);
   if (options.is_from_below) {
     TransferProfileOptions from_above = options;
     from_above.is_from_below = false;
@@ -93,7 +98,7 @@ TransferProfile transfer_profile(std::span<const LayerStack> stacks, const Radia
   result.estimated_error.assign(bands, 0.0);
   const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
   const std::vector<AddingDoublingTotals> totals =
-      adding_doubling(stacks, incidence, {.accuracy = 1e-6, .progress = options.progress});
+      adding_doubling(stacks, incidence, {.accuracy = options.error == ProfileError::mean ? 2e-5 : 1e-6, .progress = options.progress});
   for (const AddingDoublingTotals& of_band : totals) {
     profile.total_reflectance.push_back(of_band.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(of_band.totals.transmittance);

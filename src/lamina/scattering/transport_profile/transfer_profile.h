@@ -13,9 +13,17 @@
 
 namespace lamina {
 
+/// Of which error an accuracy is asked.
+enum class ProfileError {
+  largest,  ///< at each radius where there is light, on either side
+  mean      ///< weighted by flux, over all radii and both sides together: what a picture is wrong
+            ///< by, in a fraction of the time
+};
+
 struct TransferProfileOptions {
   double accuracy =
       0.005;  ///< asked of the profile, relative, in [1e-4, 0.1], where there is light: see below
+  ProfileError error = ProfileError::largest;
   double r_lowest = 0.01;  ///< the accuracy is asked from this radius on [mm]
   double r_highest = 6.0;  ///< and up to this one [mm]
   Illumination illumination = Illumination::normal_beam;
@@ -64,6 +72,11 @@ struct TransferProfile {
 [[nodiscard]] TransferProfile transfer_profile(std::span<const LayerStack> stacks,
                                                const RadialGrid& radii = {},
                                                const TransferProfileOptions& options = {});
+
+/// That `transfer_profile` takes these stacks, before any work.
+/// @throws InvalidInput as it.
+void require_transfer_profile(std::span<const LayerStack> stacks,
+                              const TransferProfileOptions& options = {});
 
 /// The same stacks with above and below exchanged.
 /// @throws InvalidInput if a stack has no lower side, or a ground that reflects.

@@ -110,8 +110,9 @@ std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
   writer.put(first);
   writer.put(last);
   writer.put(size);
-  const auto& [accuracy, r_lowest, r_highest, illumination, is_from_below, progress] = options;
+  const auto& [accuracy, error, r_lowest, r_highest, illumination, is_from_below, progress] = options;
   for (const double value : {accuracy, r_lowest, r_highest}) writer.put(value);
+  writer.put(error);
   writer.put(illumination);
   writer.put(is_from_below);
   writer.put(stacks.size());

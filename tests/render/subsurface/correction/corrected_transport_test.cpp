@@ -30,6 +30,7 @@ Scene ball_to_correct(double density) {
   scene.camera = camera_above(20.0);
   scene.film = {.width = 64, .height = 64};
   scene.render.method = RenderSettings::Method::hierarchy;
+  scene.render.profile = RenderSettings::Profile::diffusion;
   scene.render.is_corrected = true;
   scene.render.samples_per_pixel = 4;
   scene.materials = {{.name = "skin", .surface = SubsurfaceSurface{.material = std::move(skin)}}};

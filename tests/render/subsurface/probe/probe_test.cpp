@@ -45,8 +45,10 @@ Scene furnace(Material material, float size, int samples) {
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 8, .height = 8};
-  scene.render = {
-      .method = RenderSettings::Method::probe, .samples_per_pixel = samples, .max_bounces = 0};
+  scene.render = {.method = RenderSettings::Method::probe,
+                  .profile = RenderSettings::Profile::diffusion,
+                  .samples_per_pixel = samples,
+                  .max_bounces = 0};
   scene.materials = {translucent(std::move(material))};
   scene.meshes = {make_square(size)};
   scene.lights = {EnvironmentLight{}};

@@ -3,9 +3,12 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <vector>
 
 #include "lamina/core/error.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/reflectance/material_totals.h"
+#include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
@@ -122,6 +125,44 @@ TEST(SubsurfaceFurnace, TransferProfileReturnsTheSlabTotal) {
     const double inside =
         totals.diffuse_reflectance * (1.0 - mirrored) / (1.0 - fresnel_diffuse(1.4));
     EXPECT_NEAR(mean_of(image, b), mirrored + inside, 3e-3) << b;
+  }
+}
+
+// By radiative transfer, unless light scattered once is added or it refuses the layers.
+TEST(ProfileMaker, SaysWhereProfilesComeFrom) {
+  using Source = RenderSettings::Profile;
+  const Material plain = slab();
+  EXPECT_EQ(ProfileMaker(RenderSettings{}).source(plain), Source::radiative_transfer);
+  EXPECT_FALSE(transfer_refusal(plain));
+  RenderSettings with_once;
+  with_once.single_scattering = RenderSettings::SingleScattering::straight;
+  EXPECT_EQ(ProfileMaker(with_once).source(plain), Source::diffusion);
+  EXPECT_EQ(ProfileMaker(RenderSettings{.profile = Source::dipole}).source(plain), Source::dipole);
+  Material by_look = slab();
+  by_look.is_by_diffusion = true;
+  EXPECT_EQ(ProfileMaker(RenderSettings{}).source(by_look), Source::diffusion);
+  Material varnished = slab();  // clear and rough
+  varnished.layers[0].sigma_s = varnished.layers[0].sigma_a = {0, 0, 0};
+  varnished.layers[0].top.roughness = 0.5;
+  ASSERT_TRUE(transfer_refusal(varnished));
+  EXPECT_EQ(ProfileMaker(RenderSettings{}).source(varnished), Source::diffusion);
+  const ProfileMaker named(RenderSettings{.profile = Source::radiative_transfer});
+  EXPECT_EQ(named.source(varnished), Source::radiative_transfer);
+  EXPECT_THROW((void)named(varnished, layer_stacks(varnished)), InvalidInput);
+}
+
+// Half-spaces of one layer come from a table, whatever they absorb: what an inverted color wants.
+TEST(ProfileMaker, AbsorptionThatMeetsAColorReflectsIt) {
+  setenv("LAMINA_CACHE", "off", 1);
+  Material wax = half_space({0.1, 0.1, 0.1}, 2.0, 1.0);
+  wax.layers[0].sigma_s = {1.5, 2.0, 2.5};
+  const std::vector<LayerStack> layers = layer_stacks(wax);
+  const std::vector<double> color = {0.8, 0.35, 0.06};
+  const AbsorptionSeries series(layers, {.darkest = color, .brightest = color},
+                                ProfileMaker(RenderSettings{}).of_any_absorption(wax, layers));
+  for (std::size_t b = 0; b < color.size(); ++b) {
+    const LayerStack found = with_absorption(layers[b], series.factor(color[b], b));
+    EXPECT_NEAR(material_totals(found).reflectance, color[b], 1e-3 * color[b]) << b;
   }
 }
 

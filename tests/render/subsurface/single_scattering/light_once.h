@@ -71,7 +71,8 @@ class LightOnce {
   LightOnce(Scene scene, bool is_refracted, bool has_sky = false)
       : scene_(std::move(scene)),
         prepared_(scene_),
-        single_(prepared_, conversion_, 0, is_refracted, profile_maker({}),
+        single_(prepared_, conversion_, 0, is_refracted,
+                ProfileMaker(RenderSettings{.profile = RenderSettings::Profile::diffusion}),
                 std::make_unique<Nothing>()) {
     air_.has_sky = has_sky;
   }

@@ -49,12 +49,13 @@ void set_step(Scene& scene, ColorUse use, float left, float right) {
 /// The absorption with which the layer reflects a color, by bisection of what diffusion says.
 double absorption_for(double reflectance, std::size_t band) {
   const LayerStack layers = layer_stack(one_layer(0.0, n), band);
+  const ProfileMaker make_profile(RenderSettings{.profile = RenderSettings::Profile::diffusion});
   double low = -12.0, high = 12.0;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     const LayerStack tried = with_absorption(layers, std::exp(middle));
     const double found =
-        profile_maker({})(one_layer(0.0, n), std::span(&tried, 1)).total_reflectance[0];
+        make_profile(one_layer(0.0, n), std::span(&tried, 1)).total_reflectance[0];
     (found > reflectance ? low : high) = middle;
   }
   return layers.layers()[0].medium.sigma_a * std::exp(low);

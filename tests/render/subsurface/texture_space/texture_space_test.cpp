@@ -175,6 +175,7 @@ TEST(TextureSpace, UniformSkinOnASphereLooksAsByHierarchy) {
   Scene scene = lit_scene(make_sphere(10.0f, 48), uniform_skin(), 14.0);
   const Image by_texels = render(scene).image;
   scene.render.method = RenderSettings::Method::hierarchy;
+  scene.render.profile = RenderSettings::Profile::diffusion;
   scene.render.hierarchy = {.spacing = 0.3f, .irradiance_samples = 8};
   const Image by_points = render(scene).image;
   for (const std::string name : {"R", "G", "B"}) {

@@ -2,6 +2,8 @@
 #include "lamina/render/subsurface/methods/make_methods.h"
 
 #include <algorithm>
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -49,7 +51,7 @@ void require_light_once(const RenderSettings& settings) {
         "\"none\", but is \"" +
         std::string(name_of(settings.single_scattering)) + "\"");
   if (settings.method->uses_profile &&
-      settings.profile == RenderSettings::Profile::radiative_transfer &&
+      profile_of(settings) == RenderSettings::Profile::radiative_transfer &&
       settings.single_scattering != RenderSettings::SingleScattering::none)
     throw InvalidInput(
         "render: profile \"radiative_transfer\" holds the light scattered once, so "
@@ -69,6 +71,19 @@ void correct(SubsurfaceMethods<N>& planar, const MethodContext<N>& c) try {
 } catch (const InvalidInput& error) {
   throw InvalidInput("render.correct: random walks cannot follow this light: " +
                      std::string(error.what()));
+}
+
+/// Progress of unknown length that says once why it takes time.
+Progress announced(const Progress& progress,
+                   const std::function<void(const std::string&)>& on_notice) {
+  const auto is_said = std::make_shared<std::atomic<bool>>(false);
+  return [is_said, on_notice, reported = of_unknown_length(progress)](double finished) {
+    if (!is_said->exchange(true) && on_notice)
+      on_notice(
+          "solving profiles by radiative transfer, once: they are kept on disk; for a quick preview "
+          "--profile diffusion");
+    return report_progress(reported, finished);
+  };
 }
 
 const SubsurfaceMethodMaker* find_maker(SceneMethod method, const RenderOptions& options) {
@@ -109,7 +124,7 @@ SubsurfaceMethods<N> make_subsurface_methods(const RenderScene& scene,
                                              const Progress& progress) {
   const RenderSettings& settings = scene.scene->render;
   require_light_once(settings);
-  const ProfileMaker make_profile = profile_maker(settings, of_unknown_length(progress));
+  const ProfileMaker make_profile(settings, announced(progress, options.on_notice));
   const bool is_printed = settings.exit_angle == RenderSettings::ExitAngle::printed;
   const SubsurfaceMethodMaker& maker = *find_maker(settings.method, options);
   using Make = SubsurfaceMethodMaker::Make<N>;

@@ -111,9 +111,7 @@ std::optional<AbsorptionSeries> MaterialProfiles<N>::make_series(
     return std::vector<double>(bands.v, bands.v + layers.size());
   };
   return AbsorptionSeries(layers, {.darkest = reflectance(low), .brightest = reflectance(high)},
-                          [&](const std::vector<LayerStack>& variant) {
-                            return make_profile(surface_.material, variant);
-                          });
+                          make_profile.of_any_absorption(surface_.material, layers));
 }
 
 template <int N>

@@ -1,52 +1,123 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
+#include "lamina/core/error.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
+#include "lamina/scattering/transport_profile/half_space_table.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "lamina/scene/skin_totals.h"
 
 namespace lamina {
+namespace {
+
+constexpr double accuracy = 0.02;
+
+/// The part of diffuse light that enters, [band].
+std::vector<double> entering(std::span<const LayerStack> bands) {
+  std::vector<double> parts;
+  for (const LayerStack& band : bands)
+    parts.push_back(1.0 - diffuse_reflectance_outside(band.layers()[0].top, band.ior_above(),
+                                                      band.layers()[0].medium.ior));
+  return parts;
+}
+
+std::vector<LayerStack> with_smooth_bottoms(std::span<const LayerStack> bands) {
+  std::vector<LayerStack> stacks;
+  for (const LayerStack& band : bands) stacks.push_back(with_smooth_bottom(band));
+  return stacks;
+}
+
+/// Tables that cover all bands, each as often as it is needed.
+struct BandTables {
+  std::vector<std::unique_ptr<HalfSpaceTable>> tables;
+  std::vector<const HalfSpaceTable*> of_band;  ///< [band]
+};
+
+BandTables make_tables(std::span<const LayerStack> bands, const Progress& progress) {
+  BandTables made;
+  for (const LayerStack& band : bands) {
+    const auto covers = [&](const auto& table) { return table->covers(band); };
+    auto found = std::ranges::find_if(made.tables, covers);
+    if (found == made.tables.end()) {
+      made.tables.push_back(std::make_unique<HalfSpaceTable>(band, user_cache(), progress));
+      found = made.tables.end() - 1;
+    }
+    made.of_band.push_back(found->get());
+  }
+  return made;
+}
+
+}  // namespace
+
+std::optional<std::string> transfer_refusal(const Material& material) {
+  try {
+    const std::vector<LayerStack> bands = with_smooth_bottoms(layer_stacks(material));
+    require_transfer_profile(bands);
+    if (!is_semi_infinite(bands.front())) return std::nullopt;
+    std::vector<LayerStack> slabs;  // of a usual thickness
+    for (const LayerStack& band : bands)
+      slabs.push_back(make_slab(band, 3.0 * thickness_of_upper_layers(band) + 1.0));
+    require_transfer_profile(slabs);
+  } catch (const InvalidInput& refusal) {
+    return refusal.what();
+  }
+  return std::nullopt;
+}
 
 Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
                                  const std::optional<DiskCache>& cache, const Progress& progress) {
-  std::vector<LayerStack> stacks;
-  std::vector<double> entry;
-  for (const LayerStack& band : bands) {
-    const LayerStack& stack = stacks.emplace_back(with_smooth_bottom(band));
-    entry.push_back(1.0 - diffuse_reflectance_outside(stack.layers()[0].top, stack.ior_above(),
-                                                      stack.layers()[0].medium.ior));
-  }
   const auto [transfer, was_cached] =
-      cached_transfer_profile(cache, stacks, {},
-                              {.accuracy = 0.02,
-                               .r_lowest = 0.02,
+      cached_transfer_profile(cache, with_smooth_bottoms(bands), {},
+                              {.accuracy = accuracy,
+                               .error = ProfileError::mean,
                                .illumination = Illumination::diffuse,
                                .progress = progress});
-  return per_entered_flux(transfer.profile, entry);
+  return per_entered_flux(transfer.profile, entering(bands));
 }
 
 Profile diffusion_profile(const Material& material) {
   return make_diffusion_profile(layer_stacks(material)).profile;
 }
 
-ProfileMaker profile_maker(const RenderSettings& settings, const Progress& progress) {
-  if (settings.profile == RenderSettings::Profile::radiative_transfer)
-    return [progress](const Material&, std::span<const LayerStack> bands) {
-      return diffuse_transfer_profile(bands, user_cache(), progress);
-    };
-  return [settings](const Material& material, std::span<const LayerStack> bands) {
-    Profile profile = settings.profile == RenderSettings::Profile::dipole
-                          ? make_dipole_profile(bands)
-                          : make_diffusion_profile(bands).profile;
-    return takes_material_totals(material, settings)
-               ? with_material_totals(std::move(profile), bands)
-               : profile;
+ProfileMaker::ProfileMaker(const RenderSettings& settings, Progress progress)
+    : settings_(settings), progress_(std::move(progress)) {}
+
+ProfileMaker::Source ProfileMaker::source(const Material& material) const {
+  const Source asked = profile_of(settings_);
+  const bool may_change = asked == Source::radiative_transfer && !settings_.profile;
+  return may_change && (material.is_by_diffusion || transfer_refusal(material)) ? Source::diffusion
+                                                                                : asked;
+}
+
+Profile ProfileMaker::operator()(const Material& material,
+                                 std::span<const LayerStack> bands) const {
+  const Source from = source(material);
+  if (from == Source::radiative_transfer)
+    return diffuse_transfer_profile(bands, user_cache(), progress_);
+  Profile profile =
+      from == Source::dipole ? make_dipole_profile(bands) : make_diffusion_profile(bands).profile;
+  return takes_material_totals(material, settings_)
+             ? with_material_totals(std::move(profile), bands)
+             : profile;
+}
+
+ProfileMaker::OfAnyAbsorption ProfileMaker::of_any_absorption(
+    const Material& material, std::span<const LayerStack> bands) const {
+  if (source(material) != Source::radiative_transfer ||
+      !std::ranges::all_of(bands, HalfSpaceTable::is_for))
+    return
+        [*this, material](std::span<const LayerStack> layers) { return (*this)(material, layers); };
+  const auto tables = std::make_shared<const BandTables>(make_tables(bands, progress_));
+  return [tables](std::span<const LayerStack> layers) {
+    return per_entered_flux(HalfSpaceTable::profile(tables->of_band, layers), entering(layers));
   };
 }
 

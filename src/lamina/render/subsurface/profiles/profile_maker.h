@@ -4,25 +4,20 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "lamina/core/progress.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/materials/material.h"
+#include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"
 #include "lamina/scene/scene.h"
 
 namespace lamina {
 
-/// Makes the profile of layers, [band], as rendering wants it: of diffuse light, per flux that
-/// entered, all directions of exit together. The layers are those of a material, or made of them;
-/// what its recipe says decides on their totals.
-using ProfileMaker =
-    std::function<Profile(const Material& material, std::span<const LayerStack> bands)>;
-
-/// By radiative transfer, to some 2 % from 0.02 mm on; kept in the cache. The surface and the
-/// lowest boundary count as smooth, their roughness being the renderer's business.
-/// @throws InvalidInput if a band does not scatter, or a boundary inside is rough; Interrupted if
-///         progress asks to stop.
+/// By radiative transfer, to some 2 % of all light in the mean; kept in the cache. The lowest
+/// boundary counts as smooth, its roughness being the renderer's business.
+/// @throws InvalidInput as transfer_profile; Interrupted if progress asks to stop.
 [[nodiscard]] Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
                                                const std::optional<DiskCache>& cache,
                                                const Progress& progress = {});
@@ -30,10 +25,40 @@ using ProfileMaker =
 /// Of a material by layered diffusion, in a millisecond.
 [[nodiscard]] Profile diffusion_profile(const Material& material);
 
-/// The maker that a scene asks for; what takes long reports to `progress`. Profiles by diffusion
-/// get the totals of radiative transfer for skin whose constants are made for them, see
-/// skin_totals.h.
-[[nodiscard]] ProfileMaker profile_maker(const RenderSettings& settings,
-                                         const Progress& progress = {});
+/// Why radiative transfer does not take the layers of a material, or thin slabs of them; absent if
+/// it does.
+[[nodiscard]] std::optional<std::string> transfer_refusal(const Material& material);
+
+/// Makes the profiles that a scene asks for, as rendering wants them: of diffuse light, per flux
+/// that entered, all directions of exit together. Layers are those of a material, or made of them;
+/// what its recipe says decides on their totals: profiles by diffusion get those of radiative
+/// transfer for skin whose constants are made for them, see skin_totals.h.
+class ProfileMaker {
+ public:
+  using Source = RenderSettings::Profile;
+
+  /// @param progress  what takes long reports to it: solutions, not what the cache has
+  explicit ProfileMaker(const RenderSettings& settings, Progress progress = {});
+
+  /// Where the profiles of a material come from: profile_of(settings), but diffusion where that is
+  /// radiative transfer and nothing is named, if there is a transfer_refusal or the coefficients
+  /// were found by diffusion.
+  [[nodiscard]] Source source(const Material& material) const;
+
+  /// The profile of layers, [band].
+  /// @throws InvalidInput as the solver; Interrupted if progress asks to stop.
+  [[nodiscard]] Profile operator()(const Material& material,
+                                   std::span<const LayerStack> bands) const;
+
+  /// What makes profiles of the same layers with any absorption, of which many are wanted: by
+  /// radiative transfer, half-spaces of one layer come from tables, see half_space_table.h.
+  using OfAnyAbsorption = std::function<Profile(std::span<const LayerStack> bands)>;
+  [[nodiscard]] OfAnyAbsorption of_any_absorption(const Material& material,
+                                                  std::span<const LayerStack> bands) const;
+
+ private:
+  RenderSettings settings_;
+  Progress progress_;
+};
 
 }  // namespace lamina

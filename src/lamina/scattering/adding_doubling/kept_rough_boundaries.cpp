@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/scattering/spatial_frequency/kept_rough_boundaries.h"
+#include "lamina/scattering/adding_doubling/kept_rough_boundaries.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace lamina::detail {
 namespace {
 
-constexpr std::size_t most_kept = 16;  // of some MiB at most
+constexpr std::size_t most_kept = 24;  // of some MiB at most
 constexpr int usual_modes = 9;         // cost hardly more than one, and serve who wants fewer
 
 struct Kept {
@@ -27,8 +27,9 @@ bool has_rough(const GridStack& stack) {
 
 }  // namespace
 
-std::vector<RoughBoundaries> kept_rough_boundaries(const GridStack& stack, int count) {
-  if (!has_rough(stack)) return rough_boundaries(stack, 0, count);
+std::vector<RoughBoundaries> kept_rough_boundaries(const GridStack& stack, int count,
+                                                   const Progress& progress) {
+  if (!has_rough(stack)) return rough_boundaries(stack, 0, count, progress);
   const auto wanted = static_cast<std::size_t>(count);
   const auto first_of = [&](const std::vector<RoughBoundaries>& modes) {
     return std::vector(modes.begin(), modes.begin() + count);
@@ -44,7 +45,7 @@ std::vector<RoughBoundaries> kept_rough_boundaries(const GridStack& stack, int c
     if (found != all.end()) return first_of(found->modes);
   }
   std::vector<RoughBoundaries> modes =
-      rough_boundaries(stack, 0, count > 1 ? std::max(count, usual_modes) : 1);
+      rough_boundaries(stack, 0, count > 1 ? std::max(count, usual_modes) : 1, progress);
   const std::scoped_lock lock(mutex);
   all.push_front({stack.ior, stack.grid.p, stack.interfaces, modes});
   if (all.size() > most_kept) all.pop_back();
