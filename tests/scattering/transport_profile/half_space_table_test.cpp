@@ -17,7 +17,7 @@ namespace lamina {
 namespace {
 
 /// A half-space of extinction 2.3 /mm, of which the square of `place` absorbs.
-LayerStack half_space(double place, double g, double ior) {
+LayerStack thick_medium(double place, double g, double ior) {
   constexpr double sigma_t_prime = 2.3;
   return LayerStack({{.medium = {.sigma_a = sigma_t_prime * place * place,
                                  .sigma_s = sigma_t_prime * (1.0 - place * place) / (1.0 - g),
@@ -43,9 +43,9 @@ const TransferProfileOptions in_the_mean{
 // Between its places, at reflectances of .9 to .01: totals by another solver, profiles one by one.
 TEST(HalfSpaceTable, HasTheProfilesOfSinglyMadeHalfSpaces) {
   constexpr double g = 0.3, ior = 1.35;
-  const HalfSpaceTable table(half_space(0.5, g, ior), std::nullopt);
+  const HalfSpaceTable table(thick_medium(0.5, g, ior), std::nullopt);
   for (const double place : {0.005, 0.045, 0.13, 0.27, 0.55, 0.86, 0.95}) {
-    const LayerStack stack = half_space(place, g, ior);
+    const LayerStack stack = thick_medium(place, g, ior);
     ASSERT_TRUE(table.covers(stack));
     const HalfSpaceTable* const of_band = &table;
     const Profile found = HalfSpaceTable::profile({&of_band, 1}, {&stack, 1});
@@ -59,17 +59,17 @@ TEST(HalfSpaceTable, HasTheProfilesOfSinglyMadeHalfSpaces) {
 }
 
 TEST(HalfSpaceTable, CoversOneIndexPhaseFunctionAndSurface) {
-  const LayerStack stack = half_space(0.3, 0.0, 1.0);
+  const LayerStack stack = thick_medium(0.3, 0.0, 1.0);
   EXPECT_TRUE(HalfSpaceTable::is_for(stack));
   EXPECT_FALSE(HalfSpaceTable::is_for(LayerStack({{.medium = {.sigma_a = 1.0}}})));
   EXPECT_FALSE(
       HalfSpaceTable::is_for(LayerStack({{.medium = {.sigma_s = 1.0}, .thickness = 1.0}})));
   const HalfSpaceTable table(stack, std::nullopt);
-  EXPECT_TRUE(table.covers(half_space(0.9, 0.0, 1.0)));
-  EXPECT_FALSE(table.covers(half_space(0.3, 0.1, 1.0)));
-  EXPECT_FALSE(table.covers(half_space(0.3, 0.0, 1.1)));
+  EXPECT_TRUE(table.covers(thick_medium(0.9, 0.0, 1.0)));
+  EXPECT_FALSE(table.covers(thick_medium(0.3, 0.1, 1.0)));
+  EXPECT_FALSE(table.covers(thick_medium(0.3, 0.0, 1.1)));
   EXPECT_THROW(
-      HalfSpaceTable(half_space(0.3, 0.2, 1.0), std::nullopt, [](double) { return false; }),
+      HalfSpaceTable(thick_medium(0.3, 0.2, 1.0), std::nullopt, [](double) { return false; }),
       Interrupted);
 }
 

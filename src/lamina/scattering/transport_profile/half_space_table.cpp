@@ -29,7 +29,7 @@ std::vector<double> table_places() {
 
 /// In reduced mean free paths; what is beyond goes on as profiles do.
 constexpr RadialGrid table_radii{.first = 2e-4, .last = 2e3, .size = 350};
-constexpr double accuracy = 0.005;
+constexpr double table_accuracy = 0.005;
 /// Of the fullest ring of equal relative width: what a ring with less holds is rounding.
 constexpr double least_ring = 1e-8;
 constexpr std::size_t rings_of_slope = 5;
@@ -110,7 +110,7 @@ HalfSpaceTable::HalfSpaceTable(const LayerStack& like, const std::optional<DiskC
   std::vector<LayerStack> stacks;
   for (const double place : places_) stacks.push_back(node_stack(like, place));
   const Profile solved = cached_transfer_profile(cache, stacks, table_radii,
-                                                 {.accuracy = accuracy,
+                                                 {.accuracy = table_accuracy,
                                                   .error = ProfileError::mean,
                                                   .illumination = Illumination::diffuse,
                                                   .progress = progress})

@@ -18,7 +18,7 @@
 namespace lamina {
 namespace {
 
-constexpr double accuracy = 0.02;
+constexpr double profile_accuracy = 0.02;
 
 /// The part of diffuse light that enters, [band].
 std::vector<double> entering(std::span<const LayerStack> bands) {
@@ -76,7 +76,7 @@ Profile diffuse_transfer_profile(std::span<const LayerStack> bands,
                                  const std::optional<DiskCache>& cache, const Progress& progress) {
   const auto [transfer, was_cached] =
       cached_transfer_profile(cache, with_smooth_bottoms(bands), {},
-                              {.accuracy = accuracy,
+                              {.accuracy = profile_accuracy,
                                .error = ProfileError::mean,
                                .illumination = Illumination::diffuse,
                                .progress = progress});
