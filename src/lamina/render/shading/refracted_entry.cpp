@@ -79,6 +79,12 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
                                                    const Vec3f& first, const Find& find) {
   const bool is_far = !std::isfinite(light.distance);
   const Vec3f light_position = is_far ? Vec3f{} : inside + light.distance * light.direction;
+  const auto find_towards = [&](const Vec3f& place) -> std::optional<BoundaryHit> {
+    const Vec3f way = place - inside;
+    const float distance = length(way);
+    if (!(distance > 0.0f && std::isfinite(distance))) return std::nullopt;
+    return find(way / distance);
+  };
   auto found = find(first);
   Vec3f last, move;  // the last point that the light reaches, and the step from there
   int halvings = 0;
@@ -92,7 +98,7 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
       // Too far, over the horizon of the light: near grazing light steps must be small.
       if (step == 0 || halvings++ == most_halvings) return std::nullopt;
       move *= 0.5f;
-      found = find(normalize(last + move - inside));
+      found = find_towards(last + move);
       continue;
     }
     const float length = dot(point.position - inside, r.inside);
@@ -124,6 +130,7 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
     last = point.position;
     move = a * d.edge[0] + b * d.edge[1];
     const float size = lamina::length(move), most = 2.0f * length;
+    if (!std::isfinite(size)) return std::nullopt;  // a focus: no step leads there
     if (size > most) move *= most / size;
     const float w1 = found->hit.u + a, w2 = found->hit.v + b;
     if (size < small_step * length && w1 >= 0.0f && w2 >= 0.0f && w1 + w2 <= 1.0f) {
@@ -131,7 +138,7 @@ std::optional<RefractedEntry> find_entry_by_newton(const RenderScene& scene, con
       found->hit.v = w2;
       found->point = make_bare_surface_point(scene.scene->meshes, found->hit);
     } else {
-      found = find(normalize(point.position + move - inside));
+      found = find_towards(point.position + move);
     }
   }
   return std::nullopt;

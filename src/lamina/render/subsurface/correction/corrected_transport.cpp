@@ -13,6 +13,7 @@
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/render/subsurface/mean_ior.h"
+#include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
@@ -75,7 +76,8 @@ CorrectedTransport<N>::CorrectedTransport(const RenderScene& scene, std::uint32_
   const auto& surface = std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
   bands_ = static_cast<int>(surface.material.bands.size());
   ior_ = mean_ior(surface.material);
-  of_roughness_ = effect_of_roughness<N>(surface.material);
+  of_roughness_ =
+      is_quieter_smooth(surface) ? effect_of_roughness<N>(surface.material) : Bands::filled(1.0f);
 }
 
 template <int N>

@@ -62,6 +62,10 @@ void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
 
 }  // namespace
 
+bool is_quieter_smooth(const SubsurfaceSurface& surface) {
+  return surface.material.layers.size() == 1 || !surface.material_maps.empty();
+}
+
 template <int N>
 std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
                                               const BandConversion<N>& conversion,

@@ -69,9 +69,13 @@ class RandomWalk final : public SubsurfaceMethod<N> {
   float least_reference_;
 };
 
+/// Whether walks have less noise where the boundary of a material counts as smooth: in one layer,
+/// for the radiance field, and in maps, where lamps are not found through facets.
+[[nodiscard]] bool is_quieter_smooth(const SubsurfaceSurface& surface);
+
 /// The media inside all closed bodies of a scene, shared by the walks of its materials.
 ///
-/// @param are_smooth  all boundaries count as smooth, for walks with less noise
+/// @param are_smooth  boundaries count as smooth where that is quieter
 template <int N>
 [[nodiscard]] std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
                                                             const BandConversion<N>& conversion,

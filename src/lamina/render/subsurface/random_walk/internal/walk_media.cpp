@@ -9,6 +9,7 @@
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/optics/same_ior.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
+#include "lamina/render/subsurface/random_walk/random_walk.h"
 
 namespace lamina {
 namespace {
@@ -55,7 +56,10 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
     // Paths meet dielectrics within or beside translucent bodies only.
     if (std::holds_alternative<SubsurfaceSurface>(surface) ||
         (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
-      of_material_[i] = std::make_unique<BodyMedium<N>>(scene, conversion, bodies_, i, are_smooth);
+      of_material_[i] = std::make_unique<BodyMedium<N>>(
+          scene, conversion, bodies_, i,
+          are_smooth && std::holds_alternative<SubsurfaceSurface>(surface) &&
+              is_quieter_smooth(std::get<SubsurfaceSurface>(surface)));
     has_maps_ = has_maps_ || (of_material_[i] && of_material_[i]->layers.has_maps());
   }
 }

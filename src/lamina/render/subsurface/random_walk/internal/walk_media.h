@@ -53,7 +53,7 @@ class WalkMedia {
  public:
   using Bands = BandValues<N>;
 
-  /// @param are_smooth  boundaries of translucent materials
+  /// @param are_smooth  boundaries of translucent materials where is_quieter_smooth
   WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion, bool are_smooth = false);
 
   [[nodiscard]] const NestedDielectrics& bodies() const { return bodies_; }
