@@ -128,9 +128,9 @@ def smaller(words):
         numbers = {"--photons": "500"}
     if "--domain" in rest:
         numbers = {}
-    takes_profile = method in ("probe", "hierarchy", "shadow_map") or not method and rest[0].endswith(OF_PROFILES)
-    if subcommand == "render" and takes_profile and "--profile" not in rest and not any("random_walk" in word for word in rest):
-        numbers["--profile"] = "diffusion"
+    if subcommand == "render" and "--profile" not in rest and not any("random_walk" in word for word in rest):
+        if method in ("probe", "hierarchy", "shadow_map") or not method and rest[0].endswith(OF_PROFILES):
+            numbers["--profile"] = "diffusion"
     if subcommand == "reproduce" and "full" in rest:  # hours, where ./demo.sh has fetched the head
         rest = [*rest, "--list"]
     if "rough_transmission" in rest and method in ("", "analytic") and "--compare" not in rest:
