@@ -113,21 +113,20 @@ class Walker {
     return medium.is_rough && !medium.has_neighbors && !medium.layers.has_maps() && !medium.glass;
   }
   [[nodiscard]] Bands sample_light_through_facets();
-  /// What a path that meets the boundary needs to share lights with `sample_light_through_facets`.
-  struct Arrival {
-    float density = 0.0f;  ///< of paths that come so; 0: that finds nothing of its light
-  };
-  [[nodiscard]] Arrival arrival() const;
-  /// The density of `sample_light_through_facets` for such a path and a light, per that of the
-  /// light.
-  [[nodiscard]] float density_through_facets(const Arrival& arrival, const SurfacePoint& point,
-                                             const Vec3f& to_light, float distance) const;
+  /// The density of paths that meet the boundary as this one does, straight from the last event;
+  /// 0 for others, whose light `sample_light_through_facets` does not find.
+  [[nodiscard]] float arriving_density() const;
+  /// The density of `sample_light_through_facets` over that, for light to a point of the boundary.
+  [[nodiscard]] float facets_over_paths(float arriving, const SurfacePoint& point,
+                                        const Vec3f& to_light, float distance) const;
   /// Direct light, refracted into the path where it meets the boundary.
+  ///
+  /// @param arriving  arriving_density()
   [[nodiscard]] Bands sample_direct_light(const WalkBoundary& boundary, const SurfacePoint& point,
-                                          const Arrival& arrival);
+                                          float arriving);
   /// Light from outside for a path that leaves.
   [[nodiscard]] Bands escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point,
-                                        const Arrival& arrival);
+                                        float arriving);
 
   const WalkMedia<N>& media_;
   const LightGatherer<N>& light_;

@@ -169,29 +169,29 @@ BandValues<N> Walker<N>::sample_light_through_facets() {
 }
 
 template <int N>
-typename Walker<N>::Arrival Walker<N>::arrival() const {
-  if (!path_.comes_from_event || !finds_light_through_facets(*last_place_.medium)) return {};
-  const std::optional<WayOut> way = way_out(path_.last.turned);
-  if (!way) return {};
-  return {density_of_paths(
-      way->passing *
-      last_place_.medium->layers.phase(
-          last_place_.depth, one_minus_cos(path_.last.turned, path_.last.ray.direction)))};
+float Walker<N>::arriving_density() const {
+  if (!path_.comes_from_event || !finds_light_through_facets(*last_place_.medium)) return 0.0f;
+  const Vec3f& direction = path_.last.turned;
+  const std::optional<WayOut> way = way_out(direction);
+  if (!way) return 0.0f;
+  return density_of_paths(
+      way->passing * last_place_.medium->layers.phase(
+                         last_place_.depth, one_minus_cos(direction, path_.last.ray.direction)));
 }
 
 template <int N>
-float Walker<N>::density_through_facets(const Arrival& arrival, const SurfacePoint& point,
-                                        const Vec3f& to_light, float distance) const {
-  if (!(arrival.density > 0.0f)) return 0.0f;
+float Walker<N>::facets_over_paths(float arriving, const SurfacePoint& point, const Vec3f& to_light,
+                                   float distance) const {
+  if (!(arriving > 0.0f)) return 0.0f;
   const Vec3f seen = std::isfinite(distance)
                          ? normalize(point.position + distance * to_light - path_.last.ray.origin)
                          : to_light;
-  return path_.last.next_event_rate * pdf_through_facets(path_.last.turned, seen);
+  return path_.last.next_event_rate * pdf_through_facets(path_.last.turned, seen) / arriving;
 }
 
 template <int N>
 BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary& boundary,
-                                             const SurfacePoint& point, const Arrival& arrival) {
+                                             const SurfacePoint& point, float arriving) {
   const float u_light = samples_.next_1d();
   const LightSample sample =
       media_.scene().lights.sample_light(point.position, u_light, samples_.next_2d());
@@ -199,13 +199,9 @@ BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary& boundary,
   const BoundaryLight through = light_through(boundary, sample.direction, samples_);
   if (!(through.value > 0.0f)) return {};
   // Densities over that of paths that come here.
-  const float of_facets =
-      arrival.density > 0.0f
-          ? density_through_facets(arrival, point, sample.direction, sample.distance) /
-                arrival.density
-          : 0.0f;
   const float weight =
-      power_heuristic(1.0f, of_facets, sample.is_delta ? 0.0f : through.pdf / sample.pdf);
+      power_heuristic(1.0f, facets_over_paths(arriving, point, sample.direction, sample.distance),
+                      sample.is_delta ? 0.0f : through.pdf / sample.pdf);
   return (weight * sample.next_event_share * through.value / sample.pdf) *
          light_.shadow_transmittance({leave_surface(point, sample.direction), sample.direction},
                                      0.9999f * sample.distance) *
@@ -214,17 +210,13 @@ BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary& boundary,
 
 template <int N>
 BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn& turn, const SurfacePoint& point,
-                                           const Arrival& arrival) {
+                                           float arriving) {
   const Ray ray{leave_surface(point, turn.direction), turn.direction};
   Bands radiance = light_.arriving_radiance(ray, samples_);
   media_.scene().lights.for_lights_seen(
       ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
         if (!(seen.next_event_share > 0.0f)) return;
-        const float of_facets =
-            arrival.density > 0.0f
-                ? density_through_facets(arrival, point, turn.direction, seen.distance) /
-                      arrival.density
-                : 0.0f;
+        const float of_facets = facets_over_paths(arriving, point, turn.direction, seen.distance);
         radiance += power_heuristic(turn.pdf, seen.pdf, of_facets * seen.pdf) *
                     seen.next_event_share * media_.conversion().from_rgb(seen.radiance) *
                     light_.shadow_transmittance(ray, 0.9999f * seen.distance);
@@ -234,11 +226,11 @@ BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn& turn, const Surfa
 
 #define LAMINA_INSTANTIATE(N)                                                                     \
   template BandValues<N> Walker<N>::sample_light_through_facets();                                \
-  template typename Walker<N>::Arrival Walker<N>::arrival() const;                                \
+  template float Walker<N>::arriving_density() const;                                             \
   template BandValues<N> Walker<N>::sample_direct_light(const WalkBoundary&, const SurfacePoint&, \
-                                                        const Arrival&);                          \
+                                                        float);                                   \
   template BandValues<N> Walker<N>::escaping_radiance(const BoundaryTurn&, const SurfacePoint&,   \
-                                                      const Arrival&)
+                                                      float)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -178,15 +178,15 @@ bool Walker<N>::meet_surface(const Surface& surface) {
     const WalkBoundary boundary =
         make_walk_boundary(point, direction, media_.boundary(place_, surface, direction));
     const bool is_rough = !is_specular(boundary.scattering.interface);
-    const Arrival from = is_rough && is_outside ? arrival() : Arrival();
+    const float arriving = is_rough && is_outside ? arriving_density() : 0.0f;
     if (is_rough && is_outside && medium.next_event.has_lights())
-      radiance_ += path_.throughput * sample_direct_light(boundary, point, from);
+      radiance_ += path_.throughput * sample_direct_light(boundary, point, arriving);
     const BoundaryTurn turn = sample_turn(boundary, samples_);
     if (!(turn.weight > 0.0f)) return false;
     path_.throughput *= turn.weight;
     if (turn.passes && is_outside) {
       radiance_ +=
-          path_.throughput * (is_rough ? escaping_radiance(turn, point, from)
+          path_.throughput * (is_rough ? escaping_radiance(turn, point, arriving)
                                        : escaping_radiance(path_, {point, turn.direction}));
       return false;
     }
