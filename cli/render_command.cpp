@@ -94,7 +94,7 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   }
   if (!options.profile.empty()) {
     scene.places["render.profile"] = "--profile";
-    scene.render.profile = *find_enum_value<RenderSettings::Profile>(options.profile);
+    scene.render.profile = find_enum_value<RenderSettings::Profile>(options.profile);
   }
   if (options.seed.is_given()) scene.render.seed = options.common.seed;
   if (options.exposure_given.is_given()) scene.film.exposure = options.exposure;

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -61,6 +62,26 @@ Image sunny_sky() {
         image.at(x, y)[c] = 0.2f + 0.01f * static_cast<float>(y) + 0.003f * static_cast<float>(x);
   for (int c = 0; c < 3; ++c) image.at(40, 9)[c] = 6500.0f;
   return image;
+}
+
+// As a search by halves finds it, with ends far apart, in heaps and alike.
+TEST(SegmentSearch, FindsTheFirstEndAbove) {
+  Random random(4);
+  for (const float power : {0.2f, 1.0f, 20.0f}) {
+    std::vector<float> ends;
+    for (int i = 0; i < 300; ++i) ends.push_back(std::pow(random.uniform_float(), power));
+    ends.insert(ends.end(), {0.0f, 0.5f, 0.5f, 1.0f});
+    std::ranges::sort(ends);
+    const SegmentSearch search(ends);
+    std::vector<float> numbers = ends;
+    for (int i = 0; i < 2000; ++i) numbers.push_back(random.uniform_float());
+    for (const float x : numbers) {
+      const auto above = std::ranges::upper_bound(ends, x) - ends.begin();
+      EXPECT_EQ(search.find(ends, x),
+                std::min<std::size_t>(static_cast<std::size_t>(above), ends.size() - 1))
+          << x;
+    }
+  }
 }
 
 TEST(Environment, DensityIntegratesToOne) {

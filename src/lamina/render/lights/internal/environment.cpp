@@ -10,12 +10,13 @@
 namespace lamina {
 namespace {
 
-/// Index of the first of the ascending ends that is above x, and the place of x between its ends.
-std::pair<int, float> find_segment(const float* ends, int count, float x) {
-  const auto* at = std::upper_bound(ends, ends + count, x);
-  const int i = std::min(static_cast<int>(at - ends), count - 1);
+/// The segment that x lies in, and its place between its ends.
+std::pair<int, float> find_segment(const SegmentSearch& search, std::span<const float> ends,
+                                   float x) {
+  const std::size_t i = search.find(ends, x);
   const float low = i > 0 ? ends[i - 1] : 0.0f, size = ends[i] - low;
-  return {i, size > 0.0f ? std::clamp((x - low) / size, 0.0f, 0x1.fffffep-1f) : 0.5f};
+  return {static_cast<int>(i),
+          size > 0.0f ? std::clamp((x - low) / size, 0.0f, 0x1.fffffep-1f) : 0.5f};
 }
 
 /// Draws x in [0, 1] with a density proportional to a + (b - a) x.
@@ -96,6 +97,13 @@ Environment::Environment(const Image& image, const Vec3f& scale, float rotation)
     running += row;
     row_ends_.push_back(static_cast<float>(total_ > 0.0 ? running / total_ : 0.0));
   }
+  row_search_.emplace_back(row_ends_);
+  for (int row = 0; row <= height_; ++row) column_search_.emplace_back(ends_of_row(row));
+}
+
+std::span<const float> Environment::ends_of_row(int row) const {
+  const auto width = static_cast<std::size_t>(width_);
+  return std::span(column_ends_).subspan(static_cast<std::size_t>(row) * width, width);
 }
 
 const Environment::Texel& Environment::corner(int column, int row) const {
@@ -140,19 +148,19 @@ Environment::Seen Environment::evaluate(const Vec3f& direction) const {
 }
 
 Environment::Sample Environment::sample(Vec2f u) const {
-  const auto [row, v] = find_segment(row_ends_.data(), height_ + 1, u.y);
-  const float* ends =
-      &column_ends_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_)];
-  const auto [column, h] = find_segment(ends, width_, u.x);
+  const auto [row, v] = find_segment(row_search_.front(), row_ends_, u.y);
+  const auto [column, h] =
+      find_segment(column_search_[static_cast<std::size_t>(row)], ends_of_row(row), u.x);
   const float a = corner(column, row - 1).weight, b = corner(column + 1, row - 1).weight;
   const float c = corner(column, row).weight, d = corner(column + 1, row).weight;
   float fy = sample_linear(a + b, c + d, v);
   if (row == 0) fy = 0.5f + 0.5f * fy;  // the half row below the upper pole
   if (row == height_) fy = 0.5f * fy;
   const float fx = sample_linear(a + fy * (c - a), b + fy * (d - b), h);
-  const float theta = float_pi * (static_cast<float>(row) + fy - 0.5f) / static_cast<float>(height_);
-  const float phi =
-      2.0f * float_pi * ((static_cast<float>(column) + fx + 0.5f) / static_cast<float>(width_) - 0.5f);
+  const float theta =
+      float_pi * (static_cast<float>(row) + fy - 0.5f) / static_cast<float>(height_);
+  const float phi = 2.0f * float_pi *
+                    ((static_cast<float>(column) + fx + 0.5f) / static_cast<float>(width_) - 0.5f);
   const float sin_theta = std::sin(theta);
   const float dx = sin_theta * std::sin(phi), dz = -sin_theta * std::cos(phi);
   const Texel texel = interpolate(column, row, fx, fy);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
+#include "lamina/render/lights/internal/segment_search.h"
 
 namespace lamina {
 
@@ -62,13 +64,16 @@ class Environment {
   [[nodiscard]] Texel interpolate(int column, int row, float fx, float fy) const;
   [[nodiscard]] float density(const Texel& texel, int row, float sin_theta) const;
 
+  [[nodiscard]] std::span<const float> ends_of_row(int row) const;
+
   int width_ = 1, height_ = 1;
   float cos_rotation_ = 1.0f, sin_rotation_ = 0.0f;
   std::vector<Texel> texels_;       ///< [y][x]
   std::vector<float> row_ends_;     ///< cumulative weight of the rows of cells
   std::vector<float> column_ends_;  ///< [row][column], cumulative within a row, ends at 1
-  std::vector<float> row_scale_;    ///< (cos theta_0 - cos theta_1) / (theta_1 - theta_0)
-  double total_ = 0.0;              ///< integral of the weight over the sphere
+  std::vector<SegmentSearch> row_search_, column_search_;  ///< one; [row]
+  std::vector<float> row_scale_;  ///< (cos theta_0 - cos theta_1) / (theta_1 - theta_0)
+  double total_ = 0.0;            ///< integral of the weight over the sphere
   Vec3f mean_;
   float greatest_brightness_ = 0.0f;
 };
