@@ -2,6 +2,7 @@
 #include "lamina/render/lights/light_cluster_sampler.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -16,23 +17,28 @@ struct Lobe {
   float alpha2, normal_reflectance, share;
 };
 
+// By value: choices between references are branches, which keep a loop from vectors.
+float greater(float a, float b) { return a > b ? a : b; }
+float lesser(float a, float b) { return a < b ? a : b; }
+
 /// Adds flux times the lobe. A plain loop, for vectors of any width.
-void add_lobe(const LightClusters& clusters, const Lobe& lobe, const Vec3f& n, const Vec3f& o,
-              float* weights) {
+void add_lobe(const LightClusters& clusters, Lobe lobe, Vec3f n, Vec3f o,
+              float* __restrict weights) {
   const float no = dot(n, o);
-  for (std::size_t i = 0; i < clusters.count; ++i) {
-    const float ni = n.x * clusters.x[i] + n.y * clusters.y[i] + n.z * clusters.z[i];
-    const float oi = o.x * clusters.x[i] + o.y * clusters.y[i] + o.z * clusters.z[i];
-    const float h2 = std::max(2.0f + 2.0f * oi, 1e-4f);  // of the vector wi + wo
-    const float nh2 = std::min((ni + no) * (ni + no) / h2, 1.0f);
-    const float a2 = lobe.alpha2 + 0.25f * clusters.spread2[i];  // half vectors turn half as far
+  const LightClusters c = clusters;  // a copy, which no store to the weights can change
+  for (std::size_t i = 0; i < c.count; ++i) {
+    const float ni = n.x * c.x[i] + n.y * c.y[i] + n.z * c.z[i];
+    const float oi = o.x * c.x[i] + o.y * c.y[i] + o.z * c.z[i];
+    const float h2 = greater(2.0f + 2.0f * oi, 1e-4f);  // of the vector wi + wo
+    const float nh2 = lesser((ni + no) * (ni + no) / h2, 1.0f);
+    const float a2 = lobe.alpha2 + 0.25f * c.spread2[i];  // half vectors turn half as far
     const float t = nh2 * (a2 - 1.0f) + 1.0f;
-    const float c = 1.0f - 0.5f * std::sqrt(h2), c2 = c * c;
-    const float f = lobe.normal_reflectance + (1.0f - lobe.normal_reflectance) * c2 * c2 * c;
+    const float flat = 1.0f - 0.5f * std::sqrt(h2), flat2 = flat * flat;
+    const float f =
+        lobe.normal_reflectance + (1.0f - lobe.normal_reflectance) * flat2 * flat2 * flat;
     // Grooves mask flat light; a cluster whose middle is below the horizon may reach above it.
-    const float masking =
-        std::min(std::max(2.0f * ni + std::sqrt(clusters.spread2[i]), 0.0f), 1.0f);
-    weights[i] += lobe.share * clusters.flux[i] * f * masking * a2 / (t * t);
+    const float masking = lesser(greater(2.0f * ni + std::sqrt(c.spread2[i]), 0.0f), 1.0f);
+    weights[i] += lobe.share * c.flux[i] * f * masking * a2 / (t * t);
   }
 }
 
@@ -44,6 +50,16 @@ void add_lobes(const LightClusters& clusters, const BoundaryView& view, float* w
     add_lobe(clusters, {lobe.roughness * lobe.roughness, root * root, lobe.share}, view.normal,
              view.wo, weights);
   }
+}
+
+/// Four sums side by side, so that none waits for the one before.
+float sum_of(const float* values, std::size_t count) {
+  std::array<float, 4> sums = {};
+  std::size_t i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (std::size_t k = 0; k < 4; ++k) sums[k] += values[i + k];
+  for (; i < count; ++i) sums[0] += values[i];
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
 }  // namespace
@@ -58,10 +74,8 @@ LightClusterSampler::LightClusterSampler(const Lights& lights, const BoundaryVie
   const LightClusters near = lights.near_clusters(position, storage);
   add_lobes(far, view, ends_.data());
   add_lobes(near, view, ends_.data() + far.count);
-  float of_lobe = 0.0f, of_flux = 0.0f;
-  for (std::size_t i = 0; i < count; ++i) of_lobe += ends_[i];
-  for (const LightClusters& clusters : {far, near})
-    for (std::size_t i = 0; i < clusters.count; ++i) of_flux += clusters.flux[i];
+  const float of_lobe = sum_of(ends_.data(), count);
+  const float of_flux = sum_of(far.flux, far.count) + sum_of(near.flux, near.count);
   const float by_lobe = of_lobe > 0.0f ? (1.0f - by_flux_alone) / of_lobe : 0.0f;
   const float by_flux = of_flux > 0.0f ? (by_lobe > 0.0f ? by_flux_alone : 1.0f) / of_flux : 0.0f;
   float end = 0.0f;
