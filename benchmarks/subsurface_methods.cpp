@@ -44,13 +44,13 @@ struct Place {
 constexpr std::array<Place, 9> places = {{
     {"sphere", "ball", "benchmarks/scenes/sphere.json", 96},
     {"bumpy", "bumpy", "scenes/bumpy.json", 96},
-    {"cube_edge", "edge of 90°", "benchmarks/scenes/cube_edge.json", 96},
-    {"cube_corner", "corner of 90°", "benchmarks/scenes/cube_corner.json", 96},
+    {"cube_edge", "edge of 90°", "benchmarks/scenes/cube_edge.json", 128},
+    {"cube_corner", "corner of 90°", "benchmarks/scenes/cube_corner.json", 128},
     {"thin_sheet", "sheet of 2 mm", "benchmarks/scenes/thin_sheet.json", 128},
-    {"ear", "ear", "benchmarks/scenes/ear.json", 96},
-    {"finger", "finger with bones", "scenes/finger.json", 256},
-    {"layered_ball", "layered ball", "benchmarks/scenes/layered_ball.json", 96},
-    {"freckled_ball", "freckled ball", "benchmarks/scenes/freckled_ball.json", 96},
+    {"ear", "ear", "benchmarks/scenes/ear.json", 256},
+    {"finger", "finger with bones", "scenes/finger.json", 1024},
+    {"layered_ball", "layered ball", "benchmarks/scenes/layered_ball.json", 256},
+    {"freckled_ball", "freckled ball", "benchmarks/scenes/freckled_ball.json", 192},
 }};
 
 struct Tried {
