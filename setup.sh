@@ -4,8 +4,10 @@
 set -euo pipefail
 
 build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
-  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev)
-test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema)
+  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev
+  python3-dev python3-numpy pybind11-dev)
+test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema
+  python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy)
 tidy_packages=(clang-19 clang-tidy-19)
 
 install_packages() {

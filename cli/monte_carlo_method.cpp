@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/scattering/photon_bands/band_photons.h"
 
 namespace lamina::cli {
 
@@ -51,9 +51,7 @@ MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const Comm
     options.photons = static_cast<std::uint64_t>(n);
   }
   options.seed = common.seed;
-  if (effort.has_independent_bands)
-    for (std::uint64_t state = common.seed, i = 0; i < band; ++i)
-      options.seed = Random::splitmix(state);
+  if (effort.has_independent_bands) options.seed = seed_of_band(common.seed, band);
   options.relative_error = effort.relative_error;
   options.seconds = effort.seconds;
   return options;
@@ -61,65 +59,28 @@ MonteCarloOptions monte_carlo_options(const MonteCarloEffort& effort, const Comm
 
 MonteCarloTotals monte_carlo_totals(std::span<const LayerStack> bands, const Incidence& incidence,
                                     const MonteCarloEffort& effort, const CommonOptions& common) {
+  MonteCarloOptions options = monte_carlo_options(effort, common);
+  options.incidence = incidence;
+  options.progress = make_progress("photons");
   MonteCarloTotals result;
-  for (std::size_t i = 0; i < bands.size(); ++i) {
-    MonteCarloOptions options = monte_carlo_options(effort, common, i);
-    options.incidence = incidence;
-    options.seconds /= static_cast<double>(bands.size());
-    options.progress = make_progress("photons");
-    const MonteCarloResult band = trace_photons(bands[i], options);
-    const auto read = [&](double Estimate::*part) {
-      SlabTotals totals{.specular_reflectance = band.specular_reflectance.*part,
-                        .diffuse_reflectance = band.diffuse_reflectance.*part,
-                        .transmittance = band.transmittance.*part};
-      for (const Estimate& layer : band.absorptance) totals.absorptance.push_back(layer.*part);
-      return totals;
-    };
-    result.totals.push_back(read(&Estimate::value));
-    result.standard_error.push_back(read(&Estimate::standard_error));
+  for (const MonteCarloResult& band : trace_bands(bands, options, effort.has_independent_bands)) {
+    result.totals.push_back(slab_totals(band, &Estimate::value));
+    result.standard_error.push_back(slab_totals(band, &Estimate::standard_error));
     result.unfinished.push_back(band.unfinished.value);
   }
   return result;
 }
 
-MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double first, double last,
-                                      int size, const MonteCarloEffort& effort,
-                                      const CommonOptions& common) {
-  if (!(first > 0.0 && last > first && size >= 2))
-    throw InvalidInput(fmt::format(
-        "--r-min, --r-max, --radii: must be 0 < r-min < r-max and at least 2, but are {}, {}, {}",
-        first, last, size));
-  const double ratio = std::pow(last / first, 1.0 / (size - 1));  // bins around the radii
-  const LogBins bins = {size, first * std::pow(ratio, -0.5), last * std::pow(ratio, 0.5)};
-  MonteCarloProfile result;
-  const auto n = static_cast<std::size_t>(size);
-  for (Profile* profile : {&result.profile, &result.standard_error}) {
-    profile->per = ProfilePer::arriving_flux;
-    profile->bands = bands.size();
-    for (int i = 0; i < size; ++i) profile->r.push_back(first * std::pow(ratio, i));
-    profile->reflectance_profile.resize(n * bands.size());
-    profile->transmittance_profile.resize(n * bands.size());
-  }
-  for (std::size_t band = 0; band < bands.size(); ++band) {
-    MonteCarloOptions options = monte_carlo_options(effort, common, band);
-    options.tallies.log_r = bins;
-    options.seconds /= static_cast<double>(bands.size());
-    options.progress = make_progress("photons");
-    const MonteCarloResult traced = trace_photons(bands[band], options);
-    result.unfinished.push_back(traced.unfinished.value);
-    const auto fill = [&](Profile& profile, double Estimate::*part) {
-      for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t at = i * bands.size() + band;
-        profile.reflectance_profile[at] = traced.log_radial.reflection[i].*part;
-        profile.transmittance_profile[at] = traced.log_radial.transmission[i].*part;
-      }
-      // As of the other profiles, without what the lit surface mirrors.
-      profile.total_reflectance.push_back(traced.diffuse_reflectance.*part);
-      profile.total_transmittance.push_back(traced.transmittance.*part);
-    };
-    fill(result.profile, &Estimate::value);
-    fill(result.standard_error, &Estimate::standard_error);
-  }
+MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, const RadialGrid& grid,
+                                      const MonteCarloEffort& effort, const CommonOptions& common) {
+  MonteCarloOptions options = monte_carlo_options(effort, common);
+  options.tallies.log_r = bins_around(grid);
+  options.progress = make_progress("photons");
+  const std::vector<MonteCarloResult> traced =
+      trace_bands(bands, options, effort.has_independent_bands);
+  MonteCarloProfile result{photon_profile(traced, grid, &Estimate::value),
+                           photon_profile(traced, grid, &Estimate::standard_error)};
+  for (const MonteCarloResult& band : traced) result.unfinished.push_back(band.unfinished.value);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "console.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
@@ -51,9 +52,9 @@ struct MonteCarloProfile {
   std::vector<double> unfinished;  ///< [band] light given up after very many events
 };
 
-/// @param first, last, size  radii in a geometric series, as RadialGrid has them; size >= 2.
-[[nodiscard]] MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands, double first,
-                                                    double last, int size,
+/// @throws InvalidInput as `radii` of the grid.
+[[nodiscard]] MonteCarloProfile monte_carlo_profile(std::span<const LayerStack> bands,
+                                                    const RadialGrid& grid,
                                                     const MonteCarloEffort& effort,
                                                     const CommonOptions& common);
 

@@ -19,6 +19,7 @@
 #include "lamina/plot/plot.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
+#include "lamina/scattering/transport_profile/doubtful_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
@@ -119,8 +120,7 @@ ProfileResult by_dipole(const std::vector<LayerStack>& stacks, const ProfileOpti
 ProfileResult profile_by_monte_carlo(const std::vector<LayerStack>& stacks,
                                      const ProfileOptions& options) {
   MonteCarloProfile result =
-      monte_carlo_profile(stacks, options.grid.first, options.grid.last,
-                          static_cast<int>(options.grid.size), options.effort, options.common);
+      monte_carlo_profile(stacks, options.grid, options.effort, options.common);
   const std::string remark = unfinished_remark(std::ranges::max(result.unfinished));
   return {.profile = std::move(result.profile),
           .remarks = remark.empty() ? std::vector<std::string>() : std::vector{remark},

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/scattering/transport_profile/doubtful_profile.h"
 #include "lamina/scattering/transport_profile/oblique_profile.h"
 #include "material_bands.h"
 
@@ -23,16 +23,6 @@ JsonOutput moments_json(std::span<const double> table, std::size_t moments, std:
 }
 
 }  // namespace
-
-void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out) {
-  for (std::size_t band = 0; band < errors.size(); ++band)
-    if (!(errors[band] <= 0.2))
-      throw InvalidInput(fmt::format(
-          "band {}: the profile is wrong by {} on average, by its own estimate, and must be by "
-          "less than 20 %; {} takes such layers",
-          band, errors[band] < 100.0 ? fmt::format("{:.0f} %", 100.0 * errors[band]) : "many times",
-          way_out));
-}
 
 void run_profile_oblique(const Material& material, const std::vector<LayerStack>& stacks,
                          double degrees, const RadialGrid& grid, int moments,

@@ -11,13 +11,6 @@
 
 namespace lamina::cli {
 
-/// No profile is printed that may be wrong by over a fifth on average.
-///
-/// @param errors   [band], estimated, relative, weighted by flux.
-/// @param way_out  the command that takes such a stack.
-/// @throws InvalidInput naming the band, its error and the way out.
-void refuse_doubtful(const std::vector<double>& errors, const std::string& way_out);
-
 /// `lamina profile --incidence DEG`: the profile over the plane by its moments in azimuth.
 /// @param stacks  [band], lit from above
 /// @param head    what the JSON starts with after the method

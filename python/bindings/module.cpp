@@ -1,0 +1,25 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+//
+// lamina._lamina: the library for the modules in Python beside it, which check what users give,
+// and say what things are. Nothing here is for users.
+#include <pybind11/pybind11.h>
+
+#include "errors.h"
+#include "layer_stacks.h"
+#include "material.h"
+#include "profile.h"
+#include "recipes.h"
+#include "slab.h"
+#include "work.h"
+
+PYBIND11_MODULE(_lamina, module) {
+  using namespace lamina::python;
+  module.attr("__version__") = LAMINA_VERSION;
+  bind_errors(module);
+  bind_work(module);
+  bind_layer_stacks(module);
+  bind_material(module);
+  bind_recipes(module);
+  bind_slab(module);
+  bind_profile(module);
+}

@@ -1,0 +1,43 @@
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+"""Light in layered translucent materials: predict, render, acquire.
+
+Start with `material`, `layers` or `skin`, and hand them to `slab` or `profile`. Lengths are in mm,
+coefficients in 1/mm, wavelengths in nm, angles in degrees. Results are small frozen objects with
+arrays; `help()` of each says shapes and units.
+
+Calls run on all cores without Python's lock; they may be made from several threads at once. Ctrl-C
+in the main thread ends them within a second.
+"""
+
+from __future__ import annotations
+
+from ._lamina import Error, FileError, Interrupted, InvalidInput, WriteError, __version__
+from ._threads import set_threads, threads
+from ._layers import Layers, layers
+from ._materials import Material, material, material_text, materials
+from ._profile import (
+    FrequencyResponse,
+    GaussianProfile,
+    ObliqueProfile,
+    Profile,
+    gaussians,
+    oblique_profile,
+    profile,
+    spatial_frequency,
+)
+from ._recipes import SPECTRAL_BANDS, SkinColors, leaf, skin, skin_colors, snow
+from ._slab import SlabTotals, slab
+
+__all__ = [
+    "Error", "FileError", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
+    "Layers", "Material", "ObliqueProfile", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
+    "WriteError", "__version__", "gaussians", "layers", "leaf", "material", "material_text",
+    "materials", "oblique_profile", "profile", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "spatial_frequency", "threads",
+]
+
+# What help() and pickles call them, wherever they are written.
+for _name in __all__:
+    if getattr(globals()[_name], "__module__", "").startswith("lamina._"):
+        globals()[_name].__module__ = "lamina"
+del _name

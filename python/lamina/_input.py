@@ -1,0 +1,209 @@
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+"""Checks of what users give, in the wording of the command: what, what it must be, what it is."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import numbers
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._lamina import InvalidInput
+
+Doubles = NDArray[np.float64]
+Incidence = Union[str, float]
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+def number_text(value: float) -> str:
+    return f"{value:.12g}"
+
+
+def refuse(name: str, must: str, value: object) -> InvalidInput:
+    """What to raise: `name: must be ..., but is ...`."""
+    text = repr(value) if not isinstance(value, float) else number_text(value)
+    if len(text) > 60:
+        text = text[:57] + "..."
+    return InvalidInput(f"{name}: must {must}, but is {text}")
+
+
+def suggestion(value: str, options: Sequence[str]) -> str:
+    near = difflib.get_close_matches(value, options, 1)
+    return f'; did you mean "{near[0]}"?' if near else ""
+
+
+def one_of(name: str, value: object, options: Sequence[str]) -> str:
+    if isinstance(value, str) and value in options:
+        return value
+    near = suggestion(value, options) if isinstance(value, str) else ""
+    raise InvalidInput(f"{name}: must be one of {', '.join(options)}, but is {value!r}{near}")
+
+
+def number(
+    name: str,
+    value: object,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    closed: str = "[]",
+    unit: str = "",
+) -> float:
+    """A finite number in a range; `closed` has its brackets."""
+    tail = f" {unit}" if unit else ""
+    interval = f"{closed[0]}{number_text(low)}, {number_text(high)}{closed[1]}"
+    must = "be a number" if math.isinf(low) and math.isinf(high) else f"be in {interval}{tail}"
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise refuse(name, must, value)
+    result = float(value)
+    is_low = result >= low if closed[0] == "[" else result > low
+    is_high = result <= high if closed[1] == "]" else result < high
+    if not (is_low and is_high and math.isfinite(result)):
+        raise refuse(name, must, result)
+    return result
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number in a range; 1e6 is one."""
+    must = f"be a whole number in [{number_text(low)}, {number_text(high)}]"
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise refuse(name, must, value)
+    result = float(value)
+    if not (math.isfinite(result) and result == math.floor(result) and low <= result <= high):
+        raise refuse(name, must, value if isinstance(value, int) else result)
+    return int(value)  # exact where a float would not be
+
+
+def flag(name: str, value: object) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise refuse(name, "be True or False", value)
+    return bool(value)
+
+
+def incidence(value: Incidence, name: str = "incidence") -> tuple[bool, float]:
+    """Whether light is diffuse, and else its angle [rad]."""
+    if value == "normal":
+        return False, 0.0
+    if value == "diffuse":
+        return True, 0.0
+    must = "be normal, diffuse or an angle in [0, 90) degrees"
+    if isinstance(value, str):
+        raise refuse(name, must, value)
+    try:
+        degrees = number(name, value, 0.0, 90.0, closed="[)")
+    except InvalidInput:
+        raise refuse(name, must, value) from None
+    return False, math.radians(degrees)
+
+
+def place(index: Sequence[Any]) -> str:
+    return "[" + ", ".join(str(int(i)) for i in index) + "]"
+
+
+def doubles(
+    name: str,
+    value: ArrayLike,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    closed: str = "[]",
+    unit: str = "",
+    infinite: bool = False,
+) -> Doubles:
+    """An array of numbers in a range. One of doubles is not copied; names the first that is not in
+    the range. `infinite` allows +inf besides."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of other lengths
+        raise refuse(name, "be numbers", value) from None
+    if array.dtype.kind not in "fiu":
+        raise InvalidInput(f"{name}: must be numbers, but is {_kind(value, array)}")
+    result = np.asarray(array, dtype=np.float64)
+    if result.size == 0:
+        raise InvalidInput(f"{name}: must hold numbers, but has the shape {result.shape}")
+    is_fine = (result >= low) if closed[0] == "[" else (result > low)
+    is_fine &= (result <= high) if closed[1] == "]" else (result < high)
+    is_fine &= np.isfinite(result)
+    if infinite:
+        is_fine |= np.isposinf(result)
+    if not is_fine.all():
+        index = np.unravel_index(int(np.argmin(is_fine)), result.shape)
+        tail = f" {unit}" if unit else ""
+        interval = f"{closed[0]}{number_text(low)}, {number_text(high)}{closed[1]}"
+        is_any = math.isinf(low) and math.isinf(high)
+        must = "be finite" if is_any else f"be in {interval}{tail}"
+        at = f"{name}{place(index)}" if result.ndim else name
+        raise refuse(at, must, float(result[index]))
+    return result
+
+
+def _kind(value: object, array: NDArray[Any]) -> str:
+    if value is None:
+        return "None"
+    if array.ndim == 0 and not isinstance(value, np.ndarray):
+        return repr(value)
+    return f"an array of {array.dtype}"
+
+
+def broadcast(arrays: Mapping[str, Doubles]) -> tuple[dict[str, Doubles], tuple[int, ...]]:
+    """Arrays of one shape, by NumPy's rules; names those that do not fit."""
+    try:
+        shape = np.broadcast_shapes(*(a.shape for a in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{n} {a.shape}" for n, a in arrays.items() if a.size > 1)
+        raise InvalidInput(f"shapes must broadcast together, but are {shapes}") from None
+    return {n: np.broadcast_to(a, shape) for n, a in arrays.items()}, shape
+
+
+def wavelengths(
+    name: str, value: ArrayLike, low: float = 200.0, high: float = 3000.0
+) -> list[float]:
+    """Ascending wavelengths [nm]."""
+    array = doubles(name, value, low, high, unit="nm")
+    if array.ndim == 0:
+        array = array[None]
+    if array.ndim != 1 or not (np.diff(array) > 0.0).all():
+        raise refuse(name, "be ascending wavelengths in one row [nm]", value)
+    return [float(nm) for nm in array]
+
+
+def json_text(name: str, value: object) -> str:
+    """A dict as the text of a file. Arrays become lists, an infinite number "infinite"."""
+    return json.dumps(_plain(name, value), ensure_ascii=False)
+
+
+def _plain(where: str, value: object) -> object:
+    if isinstance(value, Mapping):
+        plain: dict[str, object] = {}
+        for key, item in value.items():
+            if not isinstance(key, str):
+                raise InvalidInput(f"{where}: keys must be text, but one is {key!r}")
+            plain[key] = _plain(f"{where}.{key}", item)
+        return plain
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(f"{where}[{i}]", item) for i, item in enumerate(value)]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, float):
+        if value == math.inf:
+            return "infinite"
+        if not math.isfinite(value):
+            raise refuse(where, "be a finite number", value)
+        return value
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    raise InvalidInput(
+        f"{where}: must be what JSON can hold (dict, list, text, number, True, False, None), "
+        f"but is {type(value).__name__}"
+    )

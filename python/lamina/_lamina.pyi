@@ -1,0 +1,132 @@
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#
+# The library as the modules here see it; see python/bindings/.
+from typing import Any, Callable, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Doubles = NDArray[np.float64]
+_Callback = Optional[Callable[[float], Optional[bool]]]
+_Grid = tuple[float, float, int]
+
+__version__: str
+
+class Error(Exception): ...
+class InvalidInput(Error, ValueError): ...
+class FileError(Error, OSError): ...
+class WriteError(Error, OSError): ...
+
+class Interrupted(KeyboardInterrupt):
+    result: Any
+
+def set_thread_count(threads: int) -> None: ...
+def thread_count() -> int: ...
+
+class LayerStacks:
+    def __init__(
+        self,
+        sigma_a: _Doubles,
+        sigma_s: _Doubles,
+        g: _Doubles,
+        ior: _Doubles,
+        thickness: _Doubles,
+        roughness: _Doubles,
+        phase: list[str],
+        distribution: list[str],
+        ior_above: _Doubles,
+        ior_below: _Doubles,
+        ground_reflectance: _Doubles,
+        ground_roughness: _Doubles,
+    ) -> None: ...
+    shape: tuple[int, ...]
+    layer_count: int
+    sigma_a: _Doubles
+    sigma_s: _Doubles
+    g: _Doubles
+    ior: _Doubles
+    thickness: _Doubles
+    roughness: _Doubles
+    ior_above: _Doubles
+    ior_below: _Doubles
+    ground_reflectance: _Doubles
+    def flipped(self) -> LayerStacks: ...
+    def __getstate__(self) -> Any: ...
+
+class Material:
+    name: str
+    source: str
+    oiliness: float
+    band_names: list[str]
+    wavelengths: Optional[_Doubles]
+    layer_names: list[str]
+    def text(self) -> str: ...
+    def layer_stacks(self) -> LayerStacks: ...
+
+def decode_material(text: str, name: str, wavelengths: list[float]) -> Material: ...
+def find_material(name_or_path: str, wavelengths: list[float]) -> Material: ...
+def builtin_material_names() -> list[str]: ...
+def builtin_material_text(name: str) -> str: ...
+
+_Arrays = dict[str, _Doubles]
+_Range = tuple[str, float, float, bool]
+
+def skin_parameter_ranges() -> list[_Range]: ...
+def leaf_parameter_ranges() -> list[_Range]: ...
+def snow_parameter_ranges() -> list[_Range]: ...
+def skin_constants(constants: str) -> dict[str, float]: ...
+def skin_stacks(
+    arrays: _Arrays, shape: list[int], constants: str, wavelengths: list[float]
+) -> LayerStacks: ...
+def leaf_stacks(arrays: _Arrays, shape: list[int], wavelengths: list[float]) -> LayerStacks: ...
+def snow_stacks(arrays: _Arrays, shape: list[int], wavelengths: list[float]) -> LayerStacks: ...
+
+class SkinTable:
+    def __init__(
+        self,
+        wavelengths: list[float],
+        is_diffuse: bool,
+        theta: float,
+        fixed: _Arrays,
+        constants: str,
+        callback: _Callback,
+    ) -> None: ...
+    specular_reflectance: float
+    color_weights: _Doubles
+    def reflectance(self, arrays: _Arrays, shape: list[int], constants: str) -> _Doubles: ...
+
+def slab_by_radiative_transfer(
+    stacks: LayerStacks, is_diffuse: bool, theta: float, accuracy: float, callback: _Callback
+) -> dict[str, Any]: ...
+def slab_with_derivatives(
+    stacks: LayerStacks, is_diffuse: bool, theta: float, accuracy: float, callback: _Callback
+) -> dict[str, Any]: ...
+def slab_by_diffusion(
+    stacks: LayerStacks, is_diffuse: bool, theta: float, interreflections: str, callback: _Callback
+) -> dict[str, Any]: ...
+def slab_by_monte_carlo(
+    stacks: LayerStacks, is_diffuse: bool, theta: float, effort: dict[str, Any], callback: _Callback
+) -> dict[str, Any]: ...
+def profile_by_radiative_transfer(
+    stacks: LayerStacks, grid: _Grid, options: dict[str, Any], is_cached: bool, callback: _Callback
+) -> dict[str, Any]: ...
+def profile_by_diffusion(
+    stacks: LayerStacks, grid: _Grid, interreflections: str
+) -> dict[str, Any]: ...
+def profile_by_dipole(stacks: LayerStacks, grid: _Grid) -> dict[str, Any]: ...
+def profile_by_monte_carlo(
+    stacks: LayerStacks, grid: _Grid, effort: dict[str, Any], callback: _Callback
+) -> dict[str, Any]: ...
+def oblique_profile(
+    stacks: LayerStacks, theta: float, grid: _Grid, moments: int, callback: _Callback
+) -> dict[str, Any]: ...
+def spatial_frequency_response(
+    stacks: LayerStacks,
+    k: list[float],
+    options: dict[str, Any],
+    has_derivatives: bool,
+    callback: _Callback,
+) -> dict[str, Any]: ...
+def gaussian_profile(
+    stacks: LayerStacks, count: int, options: dict[str, Any], callback: _Callback
+) -> dict[str, Any]: ...
