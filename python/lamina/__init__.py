@@ -11,7 +11,15 @@ in the main thread ends them within a second.
 
 from __future__ import annotations
 
-from ._lamina import Error, FileError, Interrupted, InvalidInput, WriteError, __version__
+try:
+    from ._lamina import Error, FileError, Interrupted, InvalidInput, WriteError, __version__
+except ImportError as error:
+    if "shared object" not in str(error):
+        raise
+    raise ImportError(
+        f"{error}; lamina needs these Debian packages: libembree3-3 libfmt9 libhwy1 "
+        "libopenexr-3-1-30 libpng16-16 libtbb12 libtiff6"
+    ) from None
 from ._threads import set_threads, threads
 from ._layers import Layers, layers
 from ._materials import Material, material, material_text, materials
