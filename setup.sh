@@ -7,7 +7,8 @@ build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohma
   libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libtiff-dev
   python3-dev python3-numpy pybind11-dev)
 test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema
-  python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy)
+  python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy mkdocs-material
+  python3-build python3-setuptools python3-wheel)
 tidy_packages=(clang-19 clang-tidy-19)
 
 install_packages() {
