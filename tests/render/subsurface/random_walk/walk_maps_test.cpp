@@ -247,6 +247,18 @@ TEST(WalkMaps, LetThroughAlongASegmentWhatTheIntegralOfTheirExtinctionSays) {
   }
 }
 
+// From a dark place in a clear plate, centimetres of the way to a lamp: what the dark would let
+// through underflows, and the clear plate is more than that by more than a float holds.
+TEST(WalkMaps, StayFiniteFarFromADarkPlace) {
+  const Material material = material_of({layer_of({1, 1, 1}, {0.3, 0.3, 0.3}, 0.0, infinite)});
+  const auto spot = [](int x) { return x >= 30 && x < 34 ? 60.0f : 0.001f; };
+  Scene scene = striped_plate(material, {stripes({.of = Of::sigma_a, .layer = 0}, spot)}, 40, 64);
+  scene.lights = {RectangleLight{
+      .center = {0, 0, 5}, .edge_u = {200, 0, 0}, .edge_v = {0, -200, 0}, .radiance = {1, 1, 1}}};
+  const Image image = render(scene).image;
+  for (const float value : image.pixels) ASSERT_TRUE(std::isfinite(value));
+}
+
 TEST(WalkMaps, NeedTextureCoordinates) {
   Scene scene = striped_plate(half_space({1, 1, 1}, 2.0, 1.4), {}, 32, 1);
   surface_of_walk(scene).material_maps = {

@@ -56,9 +56,14 @@ BandValues<N> Walker<N>::sample_direct_light() {
         const Vec3f& direction = sample.entry.to_surface;
         const float length = sample.entry.length;
         const Bands scattered = scattered_along(direction, length);
-        found += mis_weight(sample.entry.reflectance * scattered, sample.pdf) * scattered *
-                 sample.unattenuated *
-                 media_.sample_residual({origin, direction}, last_place_, length, random);
+        const Bands residual =
+            media_.sample_residual({origin, direction}, last_place_, length, random);
+        // Over centimetres from a dark place of a map one underflows, and the other overflows.
+        Bands arriving;
+        for (int b = 0; b < N; ++b)
+          if (scattered[b] > 0.0f) arriving[b] = scattered[b] * residual[b];
+        found += mis_weight(sample.entry.reflectance * scattered, sample.pdf) * arriving *
+                 sample.unattenuated;
       },
       medium.has_neighbors ? &find_boundary : nullptr);
   return found;
