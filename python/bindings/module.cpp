@@ -9,6 +9,7 @@
 #include "material.h"
 #include "profile.h"
 #include "recipes.h"
+#include "render.h"
 #include "slab.h"
 #include "work.h"
 
@@ -22,4 +23,5 @@ PYBIND11_MODULE(_lamina, module) {
   bind_recipes(module);
   bind_slab(module);
   bind_profile(module);
+  bind_render(module);
 }

@@ -34,13 +34,14 @@ from ._profile import (
     spatial_frequency,
 )
 from ._recipes import SPECTRAL_BANDS, SkinColors, leaf, skin, skin_colors, snow
+from ._render import Picture, load_image, render, save_image
 from ._slab import SlabTotals, slab
 
 __all__ = [
     "Error", "FileError", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "ObliqueProfile", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
-    "WriteError", "__version__", "gaussians", "layers", "leaf", "material", "material_text",
-    "materials", "oblique_profile", "profile", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "Layers", "Material", "ObliqueProfile", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
+    "WriteError", "__version__", "gaussians", "layers", "leaf", "load_image", "material",
+    "material_text", "materials", "oblique_profile", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
     "spatial_frequency", "threads",
 ]
 

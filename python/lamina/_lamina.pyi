@@ -130,3 +130,19 @@ def spatial_frequency_response(
 def gaussian_profile(
     stacks: LayerStacks, count: int, options: dict[str, Any], callback: _Callback
 ) -> dict[str, Any]: ...
+
+_Floats = NDArray[np.float32]
+
+def render(
+    path: str,
+    text: Optional[str],
+    settings: list[str],
+    changes: dict[str, Any],
+    cache: str,
+    denoises: bool,
+    callback: _Callback,
+) -> dict[str, Any]: ...
+def view(rgb: _Floats, name: str, exposure: float) -> NDArray[np.uint8]: ...
+def load_image(file: str, encoding: str) -> tuple[_Floats, list[str]]: ...
+def save_image(pixels: _Floats, channels: list[str], file: str, is_exr: bool) -> None: ...
+def method_names() -> list[str]: ...

@@ -12,6 +12,7 @@
 #include "lamina/core/memory_budget.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/image/image.h"
+#include "lamina/io/json_file.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
@@ -53,7 +54,7 @@ struct Capture {
 /// Reads a capture file, changed by settings as parse_json takes them; docs/acquire.md has the
 /// format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] Capture load_capture(const std::filesystem::path& file, MemoryBudget memory = {},
+[[nodiscard]] Capture load_capture(const JsonFile& file, MemoryBudget memory = {},
                                    std::span<const std::string> settings = {});
 
 }  // namespace lamina

@@ -274,7 +274,7 @@ void decode_leaf(const JsonObject& capture, const JsonInput& value, Capture& res
 
 }  // namespace
 
-Capture load_capture(const std::filesystem::path& file, MemoryBudget memory,
+Capture load_capture(const JsonFile& file, MemoryBudget memory,
                      std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
   const JsonObject object = document.root().file_object(

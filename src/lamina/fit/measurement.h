@@ -13,6 +13,7 @@
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/integrating_sphere/integrating_sphere.h"
+#include "lamina/io/json_file.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 #include "lamina/spectrum/band_set.h"
@@ -150,8 +151,7 @@ struct Measurement {
 /// Reads a measurement file; docs/fit.md has the format.
 /// @param settings  changes of it, as parse_json takes them.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] Measurement load_measurement(const std::filesystem::path& file,
-                                           MemoryBudget memory = {},
+[[nodiscard]] Measurement load_measurement(const JsonFile& file, MemoryBudget memory = {},
                                            std::span<const std::string> settings = {});
 
 /// The material with numbers for what is free.

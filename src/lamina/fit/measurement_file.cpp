@@ -159,7 +159,7 @@ Material material_with(const Measurement& measurement,
   return measurement.material.with(settings);
 }
 
-Measurement load_measurement(const std::filesystem::path& file, MemoryBudget memory,
+Measurement load_measurement(const JsonFile& file, MemoryBudget memory,
                              std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
   const JsonObject root = document.root().file_object(
@@ -168,7 +168,7 @@ Measurement load_measurement(const std::filesystem::path& file, MemoryBudget mem
   Measurement measurement;
   if (const auto name = root.optional("name")) measurement.name = name->string();
   if (const auto source = root.optional("source")) measurement.source = source->string();
-  measurement.material = decode_measured_material(root.required("material"), file.string());
+  measurement.material = decode_measured_material(root.required("material"), file.path.string());
   if (const auto population = root.optional("population"))
     measurement.population = decode_population(*population, measurement.material);
   const std::vector<JsonInput> free_numbers = root.required("free").array(1, 100);

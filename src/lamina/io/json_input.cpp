@@ -244,11 +244,13 @@ JsonDocument parse_json(std::string_view text, std::string name) {
   return document;
 }
 
-JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory,
+JsonDocument load_json(const JsonFile& file, MemoryBudget& memory,
                        std::span<const std::string> settings) {
-  const std::string text = read_json_text(file, std::min(json_max_bytes, memory.left));
-  take_memory(memory, text.size(), file.string());
-  JsonDocument document = parse_json(text, file.string(), memory, settings);
+  const std::string name = file.path.string();
+  if (file.text) return parse_json(*file.text, name, memory, settings);
+  const std::string text = read_json_text(file.path, std::min(json_max_bytes, memory.left));
+  take_memory(memory, text.size(), name);
+  JsonDocument document = parse_json(text, name, memory, settings);
   memory.left += text.size();  // which is there while it is parsed only
   return document;
 }

@@ -15,6 +15,7 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
+#include "lamina/io/json_file.h"
 
 // Reads lamina's files: JSON with // and /* */ comments. Every value knows where it stands, so that
 // what is wrong with it is said in one line:
@@ -237,7 +238,7 @@ inline constexpr std::size_t json_max_bases = 8;
 /// Reads a JSON file (or a pipe), or standard input if it is "-".
 /// @throws FileError if it cannot be read; InvalidInput as parse_json.
 [[nodiscard]] JsonDocument load_json(const std::filesystem::path& file);
-[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, MemoryBudget& memory,
+[[nodiscard]] JsonDocument load_json(const JsonFile& file, MemoryBudget& memory,
                                      std::span<const std::string> settings = {});
 
 }  // namespace lamina

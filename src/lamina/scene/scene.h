@@ -19,6 +19,7 @@
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
 #include "lamina/image/tone.h"
+#include "lamina/io/json_file.h"
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/scene/scene_method.h"
@@ -340,7 +341,7 @@ struct Scene {
 /// @param more_methods  that "method" may name, beside those that lamina brings; they must outlive
 ///                      the scene.
 /// @throws FileError, InvalidInput with file, line and field.
-[[nodiscard]] Scene load_scene(const std::filesystem::path& file, MemoryBudget memory = {},
+[[nodiscard]] Scene load_scene(const JsonFile& file, MemoryBudget memory = {},
                                std::span<const std::string> settings = {},
                                std::span<const SubsurfaceMethodInfo> more_methods = {});
 

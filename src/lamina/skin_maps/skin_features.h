@@ -13,6 +13,7 @@
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
+#include "lamina/io/json_file.h"
 #include "lamina/skin_maps/map_example.h"
 #include "lamina/skin_maps/skin_maps.h"
 
@@ -135,8 +136,7 @@ void require_ink(const Tattoo& tattoo, SkinParameters skin, const JsonInput& fea
 
 /// Reads a recipe, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has the
 /// format. @throws FileError, InvalidInput
-[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file,
-                                                 MemoryBudget memory = {},
+[[nodiscard]] SkinMapRecipe load_skin_map_recipe(const JsonFile& file, MemoryBudget memory = {},
                                                  std::span<const std::string> settings = {});
 
 /// The maps of those parameters that vary, every value in its range. Equal recipes give equal maps;

@@ -223,7 +223,7 @@ SkinFeature decode_skin_feature(std::string_view kind, const JsonInput& value) {
   return decode_unevenness(value);
 }
 
-SkinMapRecipe load_skin_map_recipe(const std::filesystem::path& file, MemoryBudget memory,
+SkinMapRecipe load_skin_map_recipe(const JsonFile& file, MemoryBudget memory,
                                    std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
   const JsonObject object = document.root().file_object(

@@ -11,6 +11,7 @@
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/io/disk_cache.h"
+#include "lamina/io/json_file.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/skin_maps/skin_maps.h"
 #include "lamina/skin_patch/material_texels.h"
@@ -41,7 +42,7 @@ struct SkinPatch {
 /// Reads a patch file, changed by settings as parse_json takes them; docs/heterogeneous_skin.md has
 /// the format.
 /// @throws FileError if a file is missing or unreadable; InvalidInput naming file, line and field.
-[[nodiscard]] SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory = {},
+[[nodiscard]] SkinPatch load_skin_patch(const JsonFile& file, MemoryBudget memory = {},
                                         std::span<const std::string> settings = {});
 
 /// How one band was solved.

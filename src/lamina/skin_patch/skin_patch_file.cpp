@@ -179,7 +179,7 @@ void decode_patch_material(const JsonObject& object, SkinPatch& patch) {
 
 }  // namespace
 
-SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory,
+SkinPatch load_skin_patch(const JsonFile& file, MemoryBudget memory,
                           std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
   const JsonObject object =
@@ -187,7 +187,7 @@ SkinPatch load_skin_patch(const std::filesystem::path& file, MemoryBudget memory
                                   {"name", "mm_per_pixel", "width", "height", "bands", "skin",
                                    "material", "light", "totals", "transport", "albedo"});
   SkinPatch patch;
-  patch.name = object.has("name") ? object.required("name").string() : file.stem().string();
+  patch.name = object.has("name") ? object.required("name").string() : file.path.stem().string();
   patch.mm_per_texel = object.required("mm_per_pixel").number(closed_interval(1e-3, 100.0, "mm"));
   if (object.has("material"))
     decode_patch_material(object, patch);

@@ -154,9 +154,17 @@ void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& 
 
 RenderSettings decode_render_settings(const JsonInput& value,
                                       const std::vector<SceneMethod>& methods) {
-  std::vector<std::string_view> keys = {
-      "method", "profile",     "orders", "factors",   "single_scattering", "samples_per_pixel",
-      "noise",  "max_bounces", "seed",   "exit_angle", "correct"};
+  std::vector<std::string_view> keys = {"method",
+                                        "profile",
+                                        "orders",
+                                        "factors",
+                                        "single_scattering",
+                                        "samples_per_pixel",
+                                        "noise",
+                                        "max_bounces",
+                                        "seed",
+                                        "exit_angle",
+                                        "correct"};
   for (const SceneMethod method : methods)
     if (!method->numbers.empty()) keys.push_back(method.name());
   const JsonObject object = value.object(keys);
@@ -263,8 +271,7 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file, MemoryBudget memory,
-                 std::span<const std::string> settings,
+Scene load_scene(const JsonFile& file, MemoryBudget memory, std::span<const std::string> settings,
                  std::span<const SubsurfaceMethodInfo> more_methods) {
   const JsonDocument document = load_json(file, memory, settings);
   return decode_scene(document.root(), subsurface_methods(more_methods));

@@ -1,0 +1,184 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "render.h"
+
+#include <fmt/ranges.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "choices.h"
+#include "images.h"
+#include "json_files.h"
+#include "lamina/image/denoise.h"
+#include "lamina/image/image_file.h"
+#include "lamina/image/tone.h"
+#include "lamina/io/nearest_name.h"
+#include "lamina/render/render.h"
+#include "lamina/scene/method_settings.h"
+#include "lamina/scene/scene.h"
+#include "lamina/scene/subsurface_methods.h"
+#include "work.h"
+
+namespace lamina::python {
+namespace {
+
+SceneMethod method_named(const std::string& name) {
+  const auto methods = subsurface_methods();
+  if (const auto method = find_method(name, methods)) return *method;
+  const std::vector<std::string_view> names = method_names(methods);
+  throw InvalidInput(fmt::format("method: must be one of {}, but is {}{}", fmt::join(names, ", "),
+                                 name, did_you_mean(name, names)));
+}
+
+/// What a caller asks for in place of the scene; another method leaves out what it does not honour.
+void apply(const py::dict& changes, Scene& scene) {
+  const auto given = [&](const char* name) { return changes.contains(name); };
+  if (given("samples")) scene.render.samples_per_pixel = changes["samples"].cast<int>();
+  if (given("noise")) scene.render.noise = changes["noise"].cast<float>();
+  if (given("bounces")) scene.render.max_bounces = changes["bounces"].cast<int>();
+  if (given("method")) {
+    scene.render.method = method_named(changes["method"].cast<std::string>());
+    for (std::string& line : leave_out_unhonoured(scene)) scene.warnings.push_back(std::move(line));
+  }
+  if (given("single_scattering")) {
+    scene.places["render.single_scattering"] = "single_scattering";
+    scene.render.single_scattering =
+        choice<RenderSettings::SingleScattering>(changes["single_scattering"].cast<std::string>());
+  }
+  if (given("correct")) {
+    scene.places["render.correct"] = "correct";
+    scene.render.is_corrected = changes["correct"].cast<bool>();
+  }
+  if (given("profile")) {
+    scene.places["render.profile"] = "profile";
+    scene.render.profile = choice<RenderSettings::Profile>(changes["profile"].cast<std::string>());
+  }
+  if (given("seed")) scene.render.seed = changes["seed"].cast<std::uint64_t>();
+  if (given("exposure")) scene.film.exposure = changes["exposure"].cast<float>();
+  // One side alone keeps the proportions.
+  const double aspect = static_cast<double>(scene.film.width) / scene.film.height;
+  const int width = given("width") ? changes["width"].cast<int>() : 0;
+  const int height = given("height") ? changes["height"].cast<int>() : 0;
+  if (width > 0 && height == 0)
+    scene.film.height = std::max(1, static_cast<int>(std::lround(width / aspect)));
+  if (height > 0 && width == 0)
+    scene.film.width = std::max(1, static_cast<int>(std::lround(height * aspect)));
+  if (width > 0) scene.film.width = width;
+  if (height > 0) scene.film.height = height;
+}
+
+py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
+  py::dict result;
+  result["method"] = std::string(s.method.name());
+  result["method_chosen_because"] = s.why_method;
+  result["expected_cpu_seconds"] = s.expected_cpu_seconds;
+  result["wall_seconds"] = s.wall_seconds;
+  result["cpu_seconds"] = s.cpu_seconds;
+  result["samples_per_pixel"] = s.samples_per_pixel;
+  result["noise"] = s.relative_noise;
+  result["is_complete"] = s.is_complete;
+  py::list light, corrections, profiles;
+  for (const LightSamples& one : s.light_samples) {
+    py::dict entry;
+    entry["material"] = scene.materials[one.material].name;
+    entry["spacing_mm"] = one.spacing;
+    entry["count"] = one.count;
+    entry["change"] = one.change;
+    light.append(entry);
+  }
+  for (const LightCorrection& one : s.corrections) {
+    py::dict entry;
+    entry["material"] = scene.materials[one.material].name;
+    entry["walks"] = one.walks;
+    entry["change"] = one.change;
+    entry["error_left"] = one.error_left;
+    corrections.append(entry);
+  }
+  for (const ProfileUse& use : s.profiles) {
+    py::dict entry;
+    entry["material"] = scene.materials[use.material].name;
+    entry["profile"] = std::string(name_of(use.source));
+    profiles.append(entry);
+  }
+  result["light_samples"] = light;
+  result["corrections"] = corrections;
+  result["profiles"] = profiles;
+  std::vector<std::string> warnings = scene.warnings;
+  warnings.insert(warnings.end(), s.warnings.begin(), s.warnings.end());
+  result["warnings"] = warnings;
+  return result;
+}
+
+py::dict render_scene(const std::string& path, const std::optional<std::string>& text,
+                      const std::vector<std::string>& settings, const py::dict& changes,
+                      const std::string& cache, bool denoises, const py::object& callback) {
+  Scene scene = load_unlocked(json_file(path, text),
+                              [&](const JsonFile& file) { return load_scene(file, {}, settings); });
+  apply(changes, scene);
+  Work work(callback);
+  RenderResult rendered = work.run_partly([&](const Progress& progress) {
+    RenderOptions options;
+    options.cache = cache;
+    RenderResult result = render(scene, options, progress);
+    if (denoises) result.image = denoise(result.image);
+    return result;
+  });
+  py::dict result = statistics_dict(rendered.statistics, scene);
+  result["exposure"] = scene.film.exposure;
+  result["view"] = std::string(name_of(scene.film.view));
+  result["channels"] = rendered.image.channels;
+  result["pixels"] = image_array(std::move(rendered.image));
+  result["was_interrupted"] = work.was_interrupted();
+  return result;
+}
+
+/// For screens, 8 bit sRGB, (height, width, channel).
+py::array_t<std::uint8_t> view(const Floats& rgb, const std::string& name, double exposure) {
+  const Image seen = view_image(image_of(rgb, {"R", "G", "B"}), choice<View>(name), exposure);
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(seen.pixels.size());
+  for (const float value : seen.pixels) {
+    const double v = std::clamp(static_cast<double>(value), 0.0, 1.0);
+    const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * encoded)));
+  }
+  return to_array(std::move(bytes), shape_of(rgb));
+}
+
+}  // namespace
+
+void bind_render(py::module_& module) {
+  module.def("render", &render_scene);
+  module.def("view", &view);
+  module.def("load_image", [](const std::string& file, const std::string& encoding) {
+    Image image = [&] {
+      const py::gil_scoped_release unlocked;
+      return load_image(file, choice<ColorEncoding>(encoding));
+    }();
+    std::vector<std::string> channels = image.channels;
+    return py::make_tuple(image_array(std::move(image)), channels);
+  });
+  module.def("save_image", [](const Floats& pixels, const std::vector<std::string>& channels,
+                              const std::string& file, bool is_exr) {
+    const Image image = image_of(pixels, channels);
+    const py::gil_scoped_release unlocked;
+    if (is_exr)
+      save_exr(image, file, ExrPrecision::single_float);
+    else
+      save_png(image, file);
+  });
+  module.def("method_names", [] {
+    std::vector<std::string> names;
+    for (const std::string_view name : method_names(subsurface_methods())) names.emplace_back(name);
+    return names;
+  });
+}
+
+}  // namespace lamina::python

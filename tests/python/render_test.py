@@ -1,0 +1,122 @@
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+"""Rendering from Python: the command's pictures, partial ones, and wrong scenes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+from pathlib import Path
+from typing import Any
+
+import lamina
+import numpy as np
+import pytest
+
+SOURCE = Path(os.environ.get("LAMINA_SOURCE", Path(__file__).parents[2]))
+COMMAND = Path(lamina.__file__).resolve().parents[2] / "lamina"
+SCENE = SOURCE / "scenes/bumpy.json"
+
+BALL: dict[str, Any] = {
+    "mm_per_unit": 10,
+    "camera": {"position": [0, 0, 40], "look_at": [0, 0, 0], "horizontal_fov": 35},
+    "film": {"width": 24, "height": 16},
+    "materials": {"jade": {"subsurface": "jade"}},
+    "meshes": [{"shape": "sphere", "material": "jade"}],
+    "lights": [{"type": "environment", "radiance": 1}],
+}
+
+
+def test_the_picture_is_that_of_the_command(tmp_path: Path) -> None:
+    if not COMMAND.exists():
+        pytest.skip(f"there is no command at {COMMAND}")
+    options = ["--width", "24", "--samples", "2", "--method", "probe", "--seed", "5"]
+    file = tmp_path / "p.exr"
+    subprocess.run([str(COMMAND), "render", str(SCENE), *options, "-o", str(file)], check=True, capture_output=True)
+    printed, channels = lamina.load_image(file)
+    found = lamina.render(SCENE, width=24, samples=2, method="probe", seed=5)
+    found.save(tmp_path / "ours.exr")
+    ours, names = lamina.load_image(tmp_path / "ours.exr")
+    for name in found.channels:
+        assert (ours[..., names.index(name)] == found.pixels[..., found.channels.index(name)]).all()
+    assert sorted(names) == sorted(channels)
+    for i, name in enumerate(channels):
+        if name != "depth.Z":  # beyond half precision where nothing is
+            half = found.pixels[..., found.channels.index(name)].astype(np.float16)
+            assert (half == printed[..., i].astype(np.float16)).all(), name
+
+
+def test_a_dict_is_a_scene() -> None:
+    picture = lamina.render(BALL, samples=4, seed=2)
+    assert picture.image.shape == (16, 24, 3) and picture.is_complete
+    assert np.shares_memory(picture.image, picture.pixels)
+    assert picture.layer("depth").shape == (16, 24) and picture.layer("normal").shape == (16, 24, 3)
+    assert picture.srgb().dtype == np.uint8 and picture.srgb(exposure=1).mean() > picture.srgb().mean()
+    again = lamina.render(BALL, samples=4, seed=2, changes={"lights[0].radiance": 2})
+    lit = picture.image[8, 12].astype(float)
+    assert again.image[8, 12].astype(float) == pytest.approx(2.0 * lit, rel=1e-5)
+    assert picture.to_xarray()["image"].dims == ("y", "x", "channel")
+
+
+def test_no_hang_on_threads() -> None:
+    lamina.set_threads(1)
+    one = lamina.render(BALL, samples=2)
+    lamina.set_threads(0)
+    assert (lamina.render(BALL, samples=2).pixels == one.pixels).all()
+
+
+def test_png_is_the_view(tmp_path: Path) -> None:
+    picture = lamina.render(BALL, samples=2)
+    picture.save(tmp_path / "p.png")
+    read, _ = lamina.load_image(tmp_path / "p.png", encoding="linear")
+    assert (np.rint(255 * read[..., :3]).astype(np.uint8) == picture.srgb()).all()
+    png = picture._repr_png_()
+    assert png is not None and png.startswith(b"\x89PNG")
+
+
+def test_ctrl_c_hands_over_the_picture_so_far() -> None:
+    timer = threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(lamina.Interrupted) as stopped:
+        lamina.render(BALL, samples=1 << 22)
+    timer.join()
+    partial: Any = stopped.value.result
+    assert not partial.is_complete and 0 < partial.samples_per_pixel < 1 << 22
+    assert partial.image.mean() > 0
+
+
+WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
+    ({**BALL, "materals": {}}, {}, 'scene: unknown key "materals"'),
+    ({**BALL, "meshes": [{"shape": "sphere", "material": "jad"}]}, {}, "jad"),
+    ({**BALL, "film": {"width": -1, "height": 4}}, {}, "film.width"),
+    ({**BALL, "lights": [{"type": "environment", "radiance": float("nan")}]}, {}, "must be a finite number"),
+    (BALL, {"samples": 0}, "samples: must be a whole number in [1, 16777216], but is 0"),
+    (BALL, {"width": 1.5}, "width: must be a whole number"),
+    (BALL, {"method": "prob"}, 'did you mean "probe"'),
+    (BALL, {"changes": {"film.widht": 3}}, "widht"),
+    (BALL, {"changes": [1]}, "changes: must be a dict"),
+    (BALL, {"correct": 1}, "correct: must be True or False"),
+    (BALL, {"exposure": float("inf")}, "exposure: must be in"),
+]
+
+
+@pytest.mark.parametrize(("scene", "arguments", "message"), WRONG)
+def test_wrong_scenes_are_refused(scene: Any, arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(lamina.InvalidInput) as refused:
+        lamina.render(scene, **arguments)
+    assert message in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_files_that_are_not_there(tmp_path: Path) -> None:
+    with pytest.raises(lamina.FileError):
+        lamina.render(tmp_path / "none.json")
+    with pytest.raises(lamina.FileError):
+        lamina.load_image(tmp_path / "none.png")
+    with pytest.raises(lamina.WriteError):
+        lamina.save_image(tmp_path / "no/folder.exr", np.zeros((2, 2, 3)))
+    for image, message in ((np.zeros((2, 2)), "axes"), (np.array([["a"]]), "numbers")):
+        with pytest.raises(lamina.InvalidInput, match=message):
+            lamina.save_image(tmp_path / "x.exr", image)
+    with pytest.raises(lamina.InvalidInput, match="must be a path or a dict, but is int"):
+        lamina.render(3)  # type: ignore[arg-type]
