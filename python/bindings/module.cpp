@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "layer_stacks.h"
 #include "material.h"
+#include "photons.h"
 #include "profile.h"
 #include "recipes.h"
 #include "render.h"
@@ -23,5 +24,6 @@ PYBIND11_MODULE(_lamina, module) {
   bind_recipes(module);
   bind_slab(module);
   bind_profile(module);
+  bind_photons(module);
   bind_render(module);
 }

@@ -20,6 +20,7 @@ except ImportError as error:
         f"{error}; lamina needs these Debian packages: libembree3-3 libfmt9 libhwy1 "
         "libopenexr-3-1-30 libpng16-16 libtbb12 libtiff6"
     ) from None
+from ._tallies import Photons, photons
 from ._threads import set_threads, threads
 from ._layers import Layers, layers
 from ._materials import Material, material, material_text, materials
@@ -39,9 +40,9 @@ from ._slab import SlabTotals, slab
 
 __all__ = [
     "Error", "FileError", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "ObliqueProfile", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
+    "Layers", "Material", "ObliqueProfile", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
     "WriteError", "__version__", "gaussians", "layers", "leaf", "load_image", "material",
-    "material_text", "materials", "oblique_profile", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "material_text", "materials", "oblique_profile", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
     "spatial_frequency", "threads",
 ]
 
