@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "layer_stacks.h"
 #include "material.h"
+#include "patch.h"
 #include "photons.h"
 #include "profile.h"
 #include "recipes.h"
@@ -25,5 +26,6 @@ PYBIND11_MODULE(_lamina, module) {
   bind_slab(module);
   bind_profile(module);
   bind_photons(module);
+  bind_patch(module);
   bind_render(module);
 }

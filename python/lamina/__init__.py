@@ -24,6 +24,7 @@ from ._tallies import Photons, photons
 from ._threads import set_threads, threads
 from ._layers import Layers, layers
 from ._materials import Material, material, material_text, materials
+from ._patch import PatchLight, SkinMaps, maps, patch
 from ._profile import (
     FrequencyResponse,
     GaussianProfile,
@@ -40,9 +41,9 @@ from ._slab import SlabTotals, slab
 
 __all__ = [
     "Error", "FileError", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "ObliqueProfile", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SlabTotals",
-    "WriteError", "__version__", "gaussians", "layers", "leaf", "load_image", "material",
-    "material_text", "materials", "oblique_profile", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "Layers", "Material", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
+    "WriteError", "__version__", "gaussians", "layers", "leaf", "load_image", "maps", "material",
+    "material_text", "materials", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
     "spatial_frequency", "threads",
 ]
 

@@ -157,3 +157,28 @@ def photons(
     max_events: int,
     callback: _Callback,
 ) -> dict[str, Any]: ...
+
+class SkinPatch:
+    def __init__(
+        self,
+        maps: _Arrays,
+        numbers: dict[str, float],
+        light: _Doubles,
+        mm_per_pixel: float,
+        wavelengths: list[float],
+        theta: float,
+        constants: str,
+    ) -> None: ...
+
+def load_patch(path: str, text: Optional[str], settings: list[str]) -> SkinPatch: ...
+def solve_patch(patch: SkinPatch, callback: _Callback) -> dict[str, Any]: ...
+def patch_color_weights(patch: SkinPatch) -> _Doubles: ...
+
+class DifferentiablePatch:
+    def __init__(self, patch: SkinPatch, callback: _Callback) -> None: ...
+    light: _Floats
+    def gradient(self, by_light: _Floats, callback: _Callback) -> dict[str, _Floats]: ...
+
+def skin_maps(
+    path: str, text: Optional[str], settings: list[str], callback: _Callback
+) -> tuple[dict[str, _Floats], dict[str, float], float, str]: ...

@@ -4,6 +4,10 @@
 from __future__ import annotations
 
 import doctest
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import lamina
 import pytest
@@ -23,3 +27,13 @@ def test_examples_run(name: str) -> None:
 def test_everything_says_what_it_is(name: str) -> None:
     doc = getattr(lamina, name).__doc__
     assert doc and len(doc) > 20
+
+
+EXAMPLES = sorted((Path(os.environ.get("LAMINA_SOURCE", Path(__file__).parents[2])) / "examples/python").glob("*.py"))
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_programs_run(example: Path, tmp_path: Path) -> None:
+    place = {**os.environ, "PYTHONPATH": str(Path(lamina.__file__).parents[1]), "LAMINA_DRAFT": "1", "MPLBACKEND": "agg"}
+    done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, env=place, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
