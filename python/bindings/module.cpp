@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include "errors.h"
+#include "fit.h"
 #include "layer_stacks.h"
 #include "material.h"
 #include "patch.h"
@@ -27,5 +28,6 @@ PYBIND11_MODULE(_lamina, module) {
   bind_profile(module);
   bind_photons(module);
   bind_patch(module);
+  bind_fit(module);
   bind_render(module);
 }

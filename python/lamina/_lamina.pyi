@@ -182,3 +182,6 @@ class DifferentiablePatch:
 def skin_maps(
     path: str, text: Optional[str], settings: list[str], callback: _Callback
 ) -> tuple[dict[str, _Floats], dict[str, float], float, str]: ...
+def fit(
+    sources: list[tuple[str, Optional[str]]], settings: list[str], seed: int, callback: _Callback
+) -> list[dict[str, Any]]: ...

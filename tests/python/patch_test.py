@@ -54,8 +54,8 @@ def test_differentiable_light_is_the_same_light() -> None:
     arguments = {**ARGUMENTS, "melanin": 0.05 + 0.04 * np.sin(x / 6) * np.cos(y / 7), "hemoglobin_dermis": 0.02}
     plain = lamina.patch(**arguments)
     solved = lamina.patch(**arguments, derivatives=True)
-    assert solved.light == pytest.approx(plain.light, rel=1e-2)
-    assert solved.srgb_linear == pytest.approx(plain.srgb_linear, rel=1e-2)
+    assert solved.light == pytest.approx(plain.light, rel=2e-2)
+    assert solved.srgb_linear == pytest.approx(plain.srgb_linear, rel=2e-2)
 
 
 @pytest.mark.parametrize("name", ["melanin", "hemoglobin_dermis", "saturation_dermis", "junction_absorption"])

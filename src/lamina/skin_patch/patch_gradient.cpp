@@ -34,10 +34,13 @@ void check(const SkinPatch& patch) {
   }
 }
 
-Plane plane_of(const std::vector<float>& values, int width, int height) {
+Plane full_plane(const std::vector<float>& values, int width, int height) {
   if (values.size() == 1) return make_plane(width, height, values[0]);
   return {width, height, values};
 }
+
+// Of ranges beyond the absorptions of maps: at the end of a range there is no derivative.
+constexpr double margin = 1.05;
 
 /// What absorbs in skin at a wavelength: epidermis, dermis, and the sheet between them.
 std::array<double, 3> absorption(const SkinParameters& skin, const SkinSpectrum& spectrum,
@@ -83,12 +86,13 @@ DifferentiableSkinPatch::DifferentiableSkinPatch(SkinPatch patch,
         TransportMaps<float> maps;
         std::vector<AbsorptionRange> ranges;
         for (const LayerTexels& layer : texels.layers) {
-          maps.sigma_a.push_back(plane_of(layer.sigma_a, p.width, p.height));
-          ranges.push_back(absorption_range(maps.sigma_a.back(), tables.grid));
+          maps.sigma_a.push_back(full_plane(layer.sigma_a, p.width, p.height));
+          const AbsorptionRange range = absorption_range(maps.sigma_a.back(), tables.grid);
+          ranges.push_back({range.lowest / margin, range.highest * margin});
         }
         for (const std::vector<float>& sheet : texels.absorbance)
-          maps.absorbance.push_back(plane_of(sheet, p.width, p.height));
-        maps.irradiance = plane_of(p.light.pixels, p.width, p.height);
+          maps.absorbance.push_back(full_plane(sheet, p.width, p.height));
+        maps.irradiance = full_plane(p.light.pixels, p.width, p.height);
         for (float& value : maps.irradiance.values) value *= band.entering;
         band.transport = std::make_unique<DifferentiableTransport<float>>(
             tables, p.width, p.height, ranges, p.mm_per_texel,

@@ -28,7 +28,7 @@ struct PatchGradient {
 /// map, by reverse accumulation.
 ///
 /// What leaves is that of render_skin_patch, but for operators that hold for the absorption of all
-/// texels, not only of paths: within 1 % for maps that are smooth over texels (test), percents
+/// texels, not only of paths: within 2 % for maps that are smooth over texels (test), percents
 /// where melanin is noise from texel to texel. Maps may be of any number but those that change
 /// scattering or thickness.
 class DifferentiableSkinPatch {
