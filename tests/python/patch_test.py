@@ -79,6 +79,19 @@ def test_gradients_are_differences(name: str) -> None:
     assert size > 0.0
 
 
+def test_even_maps_have_a_gradient() -> None:
+    """Where a fit begins: all texels alike, and as many derivatives as of one number for all."""
+    even = {**ARGUMENTS, "melanin": np.full((24, 32), 0.05), "hemoglobin_dermis": 0.02}
+    found = lamina.patch(**even, derivatives=True).gradient(np.ones((24, 32, 3)))["melanin"].sum()
+
+    def all_light(melanin: float) -> float:
+        nm = even["wavelengths"]
+        skin = lamina.skin(melanin=melanin, hemoglobin_dermis=0.02, wavelengths=nm)
+        return 24 * 32 * float(lamina.slab(skin, accuracy=1e-8).diffuse_reflectance.sum())
+
+    assert found == pytest.approx((all_light(0.051) - all_light(0.049)) / 0.002, rel=0.02)
+
+
 def test_gradients_of_light_and_colors() -> None:
     light = random.uniform(0.5, 1.5, (24, 32))
     solved = lamina.patch(**ARGUMENTS, light=light, derivatives=True)

@@ -39,7 +39,8 @@ Plane full_plane(const std::vector<float>& values, int width, int height) {
   return {width, height, values};
 }
 
-// Of ranges beyond the absorptions of maps: at the end of a range there is no derivative.
+// Of ranges beyond the absorption of maps that are nearly even: without a range there is no
+// derivative.
 constexpr double margin = 1.05;
 
 /// What absorbs in skin at a wavelength: epidermis, dermis, and the sheet between them.
@@ -87,8 +88,10 @@ DifferentiableSkinPatch::DifferentiableSkinPatch(SkinPatch patch,
         std::vector<AbsorptionRange> ranges;
         for (const LayerTexels& layer : texels.layers) {
           maps.sigma_a.push_back(full_plane(layer.sigma_a, p.width, p.height));
-          const AbsorptionRange range = absorption_range(maps.sigma_a.back(), tables.grid);
-          ranges.push_back({range.lowest / margin, range.highest * margin});
+          AbsorptionRange range = absorption_range(maps.sigma_a.back(), tables.grid);
+          if (range.highest < margin * range.lowest)
+            range = {range.lowest / margin, range.highest * margin};
+          ranges.push_back(range);
         }
         for (const std::vector<float>& sheet : texels.absorbance)
           maps.absorbance.push_back(full_plane(sheet, p.width, p.height));
