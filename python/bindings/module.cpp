@@ -4,6 +4,7 @@
 // and say what things are. Nothing here is for users.
 #include <pybind11/pybind11.h>
 
+#include "bsdf.h"
 #include "errors.h"
 #include "fit.h"
 #include "layer_stacks.h"
@@ -29,5 +30,6 @@ PYBIND11_MODULE(_lamina, module) {
   bind_photons(module);
   bind_patch(module);
   bind_fit(module);
+  bind_bsdf(module);
   bind_render(module);
 }

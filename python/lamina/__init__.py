@@ -22,6 +22,7 @@ except ImportError as error:
     ) from None
 from ._tallies import Photons, photons
 from ._threads import set_threads, threads
+from ._bsdf import Bsdf, bsdf
 from ._fit import Fit, FittedNumber, FittedSeries, fit
 from ._layers import Layers, layers
 from ._materials import Material, material, material_text, materials
@@ -41,9 +42,9 @@ from ._render import Picture, load_image, render, save_image
 from ._slab import SlabTotals, slab
 
 __all__ = [
-    "Error", "FileError", "Fit", "FittedNumber", "FittedSeries", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
+    "Bsdf", "Error", "FileError", "Fit", "FittedNumber", "FittedSeries", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
     "Layers", "Material", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
-    "WriteError", "__version__", "fit", "gaussians", "layers", "leaf", "load_image", "maps", "material",
+    "WriteError", "__version__", "bsdf", "fit", "gaussians", "layers", "leaf", "load_image", "maps", "material",
     "material_text", "materials", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
     "spatial_frequency", "threads",
 ]

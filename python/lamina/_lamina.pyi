@@ -185,3 +185,12 @@ def skin_maps(
 def fit(
     sources: list[tuple[str, Optional[str]]], settings: list[str], seed: int, callback: _Callback
 ) -> list[dict[str, Any]]: ...
+def bsdf(
+    stacks: LayerStacks,
+    theta_i: float,
+    theta_o: list[float],
+    phi_o: list[float],
+    method: str,
+    accuracy: float,
+    callback: _Callback,
+) -> dict[str, Any]: ...
