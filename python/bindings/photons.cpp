@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "choices.h"
+#include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/scattering/photon_bands/band_photons.h"
 #include "layer_stacks.h"
 #include "photon_options.h"
@@ -198,6 +199,23 @@ py::dict photons(const LayerStacks& stacks, bool is_diffuse, double theta, const
 
 }  // namespace
 
-void bind_photons(py::module_& module) { module.def("photons", &photons); }
+void bind_photons(py::module_& module) {
+  module.def("photons", &photons);
+  module.def("load_mcml", [](const std::string& file) {
+    py::list runs;
+    for (const McmlRun& run : load_mcml(file)) {
+      const MonteCarloOptions asked = monte_carlo_options(run);
+      py::dict entry;
+      entry["name"] = run.output_file;
+      entry["stacks"] = LayerStacks{.stacks = {layer_stack(run)}, .shape = {}};
+      entry["photons"] = asked.photons;
+      entry["r"] = std::pair(asked.tallies.r.count, asked.tallies.r.width);
+      entry["depth"] = std::pair(asked.tallies.depth.count, asked.tallies.depth.width);
+      entry["angles"] = asked.tallies.angles;
+      runs.append(entry);
+    }
+    return runs;
+  });
+}
 
 }  // namespace lamina::python

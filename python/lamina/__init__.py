@@ -20,7 +20,7 @@ except ImportError as error:
         f"{error}; lamina needs these Debian packages: libembree3-3 libfmt9 libhwy1 "
         "libopenexr-3-1-30 libpng16-16 libtbb12 libtiff6"
     ) from None
-from ._tallies import Photons, photons
+from ._tallies import McmlRun, Photons, mcml, photons
 from ._threads import set_threads, threads
 from ._bsdf import Bsdf, bsdf
 from ._fit import Fit, FittedNumber, FittedSeries, fit
@@ -43,9 +43,9 @@ from ._slab import SlabTotals, slab
 
 __all__ = [
     "Bsdf", "Error", "FileError", "Fit", "FittedNumber", "FittedSeries", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
+    "Layers", "Material", "McmlRun", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
     "WriteError", "__version__", "bsdf", "fit", "gaussians", "layers", "leaf", "load_image", "maps", "material",
-    "material_text", "materials", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "material_text", "materials", "mcml", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
     "spatial_frequency", "threads",
 ]
 

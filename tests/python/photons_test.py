@@ -96,3 +96,30 @@ def test_wrong_arguments_are_refused(arguments: dict[str, Any], message: str) ->
     assert message in str(refused.value) or message == "memory"
     with pytest.raises(lamina.InvalidInput, match="name: must be one of"):
         lamina.photons("jade", photons=100)["r_reflected"]
+
+
+MCI = """1.0  # version
+1 # runs
+plate.mco A
+20000 # photons
+0.01 0.01 # dz dr [cm]
+20 30 5 # bins
+1 # layers
+1.0 # above
+1.4 1.0 50.0 0.8 0.1 # n mua mus g d [cm]
+1.0 # below
+"""
+
+
+def test_mcml_files_are_runs(tmp_path: Path) -> None:
+    (tmp_path / "plate.mci").write_text(MCI)
+    (run,) = lamina.mcml(tmp_path / "plate.mci")
+    assert run.layers.sigma_s.tolist() == [5.0] and run.layers.thickness.tolist() == [1.0]  # in mm
+    assert run.photon_count == 20000 and run.r == (30, pytest.approx(0.1)) and run.angles == 5
+    found = run.photons(seed=2)
+    exact = lamina.slab(run.layers)
+    off = abs(found["diffuse_reflectance"] - exact.diffuse_reflectance) / found.error("diffuse_reflectance")
+    assert off < 4.5
+    (tmp_path / "bad.mci").write_text(MCI.replace("50.0", "-50"))
+    with pytest.raises(lamina.InvalidInput, match="bad.mci:9"):
+        lamina.mcml(tmp_path / "bad.mci")
