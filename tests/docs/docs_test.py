@@ -373,7 +373,7 @@ def names_of_files():
 @functools.lru_cache(None)
 def words_of_sources():
     words = set()
-    for folder in ("src", "cli", "schema", "examples", "tools", "cmake", "scenes", "demo", "reproduce", "benchmarks", "tests"):
+    for folder in ("src", "cli", "schema", "examples", "tools", "cmake", "scenes", "demo", "reproduce", "benchmarks", "tests", "python"):
         for file in (ROOT / folder).rglob("*"):
             if file.suffix in (".h", ".cpp", ".json", ".cmake", ".txt", ".sh", ".py"):
                 words.update(re.findall(r"[A-Za-z_]\w*", file.read_text(errors="replace")))

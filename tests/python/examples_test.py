@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import doctest
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,3 +38,11 @@ def test_programs_run(example: Path, tmp_path: Path) -> None:
     place = {**os.environ, "PYTHONPATH": str(Path(lamina.__file__).parents[1]), "LAMINA_DRAFT": "1", "MPLBACKEND": "agg"}
     done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, env=place, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_guide_runs() -> None:
+    text = (Path(os.environ.get("LAMINA_SOURCE", Path(__file__).parents[2])) / "docs/python.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert blocks
+    for block in blocks:
+        exec(compile(block, "docs/python.md", "exec"), {})
