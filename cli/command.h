@@ -39,8 +39,9 @@ class Option {
   CLI::Option* option_ = nullptr;
 };
 
-/// A handle of a subcommand. The parser behind it, CLI11, is included by command.cpp and main.cpp
-/// only, since every file that includes it takes ten seconds more to compile.
+/// A handle of a subcommand. The parser behind it, CLI11, is included by command.cpp, main.cpp and
+/// completion_command.cpp only, since every file that includes it takes ten seconds more to
+/// compile.
 class Command {
  public:
   Command(CLI::App& app, const std::string& name, const std::string& text);
@@ -63,8 +64,8 @@ class Command {
         [&value](std::string_view given) { value = *find_enum_value<E>(given); }, text);
   }
 
-  /// An option that may be given any number of times, in an order that counts among all of its kind:
-  /// `take` gets each value when its turn comes.
+  /// An option that may be given any number of times, in an order that counts among all of its
+  /// kind: `take` gets each value when its turn comes.
   Option add_step(const std::string& name, const std::function<void(const std::string&)>& take,
                   const std::string& text) const;
 

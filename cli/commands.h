@@ -11,6 +11,7 @@ namespace lamina::cli {
 // One file each: parse, call the library, print.
 void add_bsdf_command(CLI::App& app);
 void add_acquire_command(CLI::App& app);
+void add_completion_command(CLI::App& app);
 void add_edit_command(CLI::App& app);
 void add_filters_command(CLI::App& app);
 void add_fit_command(CLI::App& app);

@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   add_bsdf_command(app);
   add_acquire_command(app);
+  add_completion_command(app);
   add_edit_command(app);
   add_filters_command(app);
   add_fit_command(app);
