@@ -9,6 +9,7 @@
 #include "fit.h"
 #include "layer_stacks.h"
 #include "material.h"
+#include "optics.h"
 #include "patch.h"
 #include "photons.h"
 #include "profile.h"
@@ -31,5 +32,6 @@ PYBIND11_MODULE(_lamina, module) {
   bind_patch(module);
   bind_fit(module);
   bind_bsdf(module);
+  bind_optics(module);
   bind_render(module);
 }

@@ -26,6 +26,17 @@ from ._bsdf import Bsdf, bsdf
 from ._fit import Fit, FittedNumber, FittedSeries, fit
 from ._layers import Layers, layers
 from ._materials import Material, material, material_text, materials
+from ._optics import (
+    MieBulk,
+    MieSphere,
+    color_difference,
+    fresnel,
+    fresnel_diffuse,
+    lab,
+    mie_bulk,
+    mie_sphere,
+    spectrum_color,
+)
 from ._patch import PatchLight, SkinMaps, maps, patch
 from ._profile import (
     FrequencyResponse,
@@ -43,10 +54,10 @@ from ._slab import SlabTotals, slab
 
 __all__ = [
     "Bsdf", "Error", "FileError", "Fit", "FittedNumber", "FittedSeries", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "McmlRun", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
-    "WriteError", "__version__", "bsdf", "fit", "gaussians", "layers", "leaf", "load_image", "maps", "material",
-    "material_text", "materials", "mcml", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
-    "spatial_frequency", "threads",
+    "Layers", "Material", "McmlRun", "MieBulk", "MieSphere", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
+    "WriteError", "__version__", "bsdf", "color_difference", "fit", "fresnel", "fresnel_diffuse", "gaussians", "lab", "layers", "leaf", "load_image", "maps", "material",
+    "material_text", "materials", "mcml", "mie_bulk", "mie_sphere", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
+    "spatial_frequency", "spectrum_color", "threads",
 ]
 
 # What help() and pickles call them, wherever they are written.
