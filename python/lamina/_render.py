@@ -224,7 +224,7 @@ def render(
 
 
 def load_image(path: PathLike, *, encoding: str = "srgb") -> tuple[FloatImage, tuple[str, ...]]:
-    """Reads EXR, PNG, TIFF, ENVI or camera raw: linear light, axes (y, x, channel), and its channels.
+    """Reads EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw: linear light, axes (y, x, channel), and its channels.
 
     :param encoding: of integers: "srgb", colors, which become linear; "linear", quantities.
     :raises FileError: if it cannot be read as an image.

@@ -36,6 +36,11 @@ std::vector<std::pair<std::string, Bytes>> valid_files() {
   files.emplace_back("tiff tiles",
                      foreign_tiff(20, 18, {.bits = 32, .is_float = true, .is_tiled = true}));
   files.emplace_back("tiff planes", foreign_tiff(20, 18, {.is_planar = true, .compression = 5}));
+  files.emplace_back("jpeg", foreign_jpeg(20, 18, 3, false));
+  files.emplace_back("jpeg progressive", foreign_jpeg(20, 18, 1, true));
+  files.emplace_back("hdr runs", foreign_hdr(20, 18, HdrRows::runs));
+  files.emplace_back("hdr flat", foreign_hdr(20, 18, HdrRows::flat));
+  files.emplace_back("hdr old runs", foreign_hdr(20, 18, HdrRows::old_runs));
   return files;
 }
 
@@ -139,6 +144,19 @@ TEST(DamagedImage, OfAbsurdSizeIsRefusedBeforeMemoryIsTaken) {
       }
   EXPECT_NE(refusal(tiff, "big.tif").find("100000 x 100000"), std::string::npos)
       << refusal(tiff, "big.tif");
+}
+
+TEST(DamagedImage, OfAbsurdSizeInTextIsRefusedToo) {
+  const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 100000 +X 100000\n";
+  const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+  EXPECT_NE(refusal(Bytes(bytes, bytes + text.size()), "big.hdr").find("100000 x 100000"),
+            std::string::npos);
+  Bytes jpeg = foreign_jpeg(8, 8, 3, false);
+  for (std::size_t at = 0; at + 9 < jpeg.size(); ++at)
+    if (jpeg[at] == std::byte{0xff} && jpeg[at + 1] == std::byte{0xc0})  // the frame: rows, columns
+      for (const std::size_t i : {5, 6, 7, 8}) jpeg[at + i] = std::byte{0xf0};
+  EXPECT_NE(refusal(jpeg, "big.jpg").find("61680 x 61680"), std::string::npos)
+      << refusal(jpeg, "big.jpg");
 }
 
 TEST(DamagedImage, WithLengthsBeyondItsEndIsRefused) {

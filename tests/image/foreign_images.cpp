@@ -11,6 +11,11 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
+// jpeglib.h wants FILE.
+// clang-format off
+#include <cstdio>
+#include <jpeglib.h>
+// clang-format on
 #include <png.h>
 #include <tiffio.h>
 #include <unistd.h>
@@ -247,6 +252,84 @@ std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind)
   }
   TIFFClose(tiff);
   return take_file(name);
+}
+
+std::vector<std::byte> foreign_jpeg(int width, int height, int components, bool is_progressive) {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &buffer, &size);
+  info.image_width = static_cast<JDIMENSION>(width);
+  info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = components;
+  info.in_color_space = components == 1 ? JCS_GRAYSCALE : components == 3 ? JCS_RGB : JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, 100, TRUE);
+  for (int c = 0; c < info.num_components; ++c)  // a color at each pixel, not at every second
+    info.comp_info[c].h_samp_factor = info.comp_info[c].v_samp_factor = 1;
+  if (is_progressive) jpeg_simple_progression(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<unsigned char> row;
+  for (int y = 0; y < height; ++y) {
+    row.clear();
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < components; ++c)
+        row.push_back(static_cast<unsigned char>(
+            std::lround(255.0F * ramp(x, y, static_cast<std::size_t>(c)))));
+    JSAMPROW pointer = row.data();
+    (void)jpeg_write_scanlines(&info, &pointer, 1);
+  }
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::vector<std::byte> bytes(size);
+  std::memcpy(bytes.data(), buffer, size);
+  std::free(buffer);
+  return bytes;
+}
+
+std::vector<std::byte> foreign_hdr(int width, int height, HdrRows rows, const std::string& lines) {
+  std::string text = "#?RADIANCE\n" + lines + "FORMAT=32-bit_rle_rgbe\n\n-Y " +
+                     std::to_string(height) + " +X " + std::to_string(width) + "\n";
+  for (int y = 0; y < height; ++y) {
+    std::vector<std::array<unsigned char, 4>> row;
+    for (int x = 0; x < width; ++x) {
+      std::array<unsigned char, 4> pixel = {0, 0, 0, 129};  // an exponent of 1: steps of 1 / 128
+      for (std::size_t c = 0; c < 3; ++c)
+        pixel[c] = static_cast<unsigned char>(std::lround(128.0F * ramp(x / 3, y, c)));
+      row.push_back(pixel);
+    }
+    if (rows == HdrRows::runs) {
+      text += {2, 2, static_cast<char>(width >> 8), static_cast<char>(width & 255)};
+      for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t x = 0; x < row.size();) {
+          std::size_t end = x + 1;
+          while (end < row.size() && row[end][c] == row[x][c]) ++end;
+          if (end - x > 1) {
+            text += static_cast<char>(128 + (end - x));
+          } else {
+            text += static_cast<char>(1);
+          }
+          text += static_cast<char>(row[x][c]);
+          x = end;
+        }
+      continue;
+    }
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      std::size_t end = x + 1;
+      while (end < row.size() && row[end] == row[x]) ++end;
+      for (const unsigned char part : row[x]) text += static_cast<char>(part);
+      if (rows == HdrRows::old_runs && end - x > 1) {
+        text += {1, 1, 1, static_cast<char>(end - x - 1)};
+        x = end - 1;
+      }
+    }
+  }
+  std::vector<std::byte> bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
 }
 
 }  // namespace lamina

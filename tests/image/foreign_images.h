@@ -36,4 +36,15 @@ struct TiffKind {
 };
 [[nodiscard]] std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind);
 
+/// Of one quality above all, so that numbers are off by two of 255 at most.
+/// @param components  1 grey, 3 RGB, 4 as for print.
+[[nodiscard]] std::vector<std::byte> foreign_jpeg(int width, int height, int components,
+                                                  bool is_progressive);
+
+enum class HdrRows { flat, old_runs, runs };
+/// The numbers of `ramp` (0 and its quarters) are rounded to the middle of what 8 bits tell apart.
+/// @param lines  of the header beside its first one and its format
+[[nodiscard]] std::vector<std::byte> foreign_hdr(int width, int height, HdrRows rows,
+                                                 const std::string& lines = "");
+
 }  // namespace lamina

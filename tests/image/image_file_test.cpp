@@ -246,15 +246,69 @@ TEST_F(ImageFile, WritesThroughLinks) {
   EXPECT_EQ(load_image(path("real.png")).width, 2);
 }
 
+TEST(JpegImage, HoldsWhatWasStored) {
+  for (const bool is_progressive : {false, true})
+    for (const int components : {1, 3}) {
+      const Image image = decode_image(foreign_jpeg(40, 30, components, is_progressive), "a.jpg",
+                                       ColorEncoding::linear);
+      ASSERT_EQ(image.width, 40);
+      ASSERT_EQ(image.height, 30);
+      ASSERT_EQ(image.channel_count(), static_cast<std::size_t>(components));
+      for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x)
+          for (std::size_t c = 0; c < image.channel_count(); ++c)
+            ASSERT_NEAR(image.at(x, y)[c], ramp(x, y, c), 2.6F / 255.0F);
+    }
+  const Image srgb = decode_image(foreign_jpeg(8, 8, 1, false), "a.jpg", ColorEncoding::srgb);
+  EXPECT_NEAR(srgb.at(2, 0)[0], 0.2140F, 0.01F);  // sRGB .5
+}
+
+TEST(JpegImage, ForPrintIsRefused) {
+  try {
+    (void)decode_image(foreign_jpeg(8, 8, 4, false), "print.jpg");
+    FAIL() << "was read";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("4 components"), std::string::npos) << error.what();
+  }
+}
+
+TEST(RadianceHdr, HoldsTheMiddleOfEachStep) {
+  for (const HdrRows rows : {HdrRows::flat, HdrRows::old_runs, HdrRows::runs}) {
+    const Image image =
+        decode_image(foreign_hdr(40, 30, rows, "SOFTWARE=x\nEXPOSURE=4\nEXPOSURE= 0.5\n"), "a.hdr");
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 40; ++x)
+        for (std::size_t c = 0; c < 3; ++c)  // radiance times both exposures is stored
+          ASSERT_EQ(image.at(x, y)[c], (ramp(x / 3, y, c) + 0.5F / 128.0F) / 2.0F);
+  }
+}
+
+TEST(RadianceHdr, IsRefusedInAnotherColorSpaceOrOrientation) {
+  const auto refusal = [](std::string text) {
+    try {
+      (void)decode_image(std::as_bytes(std::span(text)), "a.hdr");
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string("was read");
+  };
+  EXPECT_NE(refusal("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n....")
+                .find("but is 32-bit_rle_xyze"),
+            std::string::npos);
+  EXPECT_NE(refusal("#?RADIANCE\n\n+Y 1 +X 1\n....").find("reads +Y 1 +X 1"), std::string::npos);
+  EXPECT_NE(refusal("#?RADIANCE\nEXPOSURE=-1\n\n-Y 1 +X 1\n....").find("exposure"),
+            std::string::npos);
+}
+
 TEST_F(ImageFile, ThatIsNoImageIsAFileErrorInOneLine) {
   std::ofstream(path("text.png")) << "not an image";
   std::ofstream(path("photo.png")) << "\xff\xd8\xff\xe0 and so on";
   std::ofstream(path("empty.exr")).flush();
   for (const auto& [file, says] :
        {std::pair{path("missing.exr"), "there is no such file"}, std::pair{folder_, "is a folder"},
-        std::pair{path("text.png"), "EXR, PNG, TIFF, ENVI or camera raw"},
-        std::pair{path("photo.png"), "a JPEG"}, std::pair{path("empty.exr"), "is empty"},
-        std::pair{path("text.png/x"), "x:"},
+        std::pair{path("text.png"), "EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw"},
+        std::pair{path("photo.png"), "cannot be read as JPEG"},
+        std::pair{path("empty.exr"), "is empty"}, std::pair{path("text.png/x"), "x:"},
         std::pair{std::filesystem::path("/dev/zero"), "is a device"}}) {
     try {
       (void)load_image(file);

@@ -29,12 +29,8 @@ using namespace std::string_view_literals;
 
 /// Formats that people may well try, by their first bytes.
 std::string_view known_but_unread(std::span<const std::byte> bytes) {
-  constexpr std::array<std::array<std::string_view, 2>, 6> formats = {{{"\xff\xd8\xff", "a JPEG"},
-                                                                       {"#?R", "a Radiance HDR"},
-                                                                       {"GIF8", "a GIF"},
-                                                                       {"BM", "a BMP"},
-                                                                       {"RIFF", "a WebP"},
-                                                                       {"8BPS", "a Photoshop"}}};
+  constexpr std::array<std::array<std::string_view, 2>, 4> formats = {
+      {{"GIF8", "a GIF"}, {"BM", "a BMP"}, {"RIFF", "a WebP"}, {"8BPS", "a Photoshop"}}};
   for (const auto& [magic, what] : formats)
     if (starts_with(bytes, magic)) return what;
   return {};
@@ -107,14 +103,17 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
     if (starts_with(bytes, magic))
       return is_raw_tiff(file) ? decode_camera_raw(file, Demosaic::bilinear).image
                                : decode_tiff(file);
+  if (starts_with(bytes, "\xff\xd8\xff")) return decode_jpeg(file);
+  if (starts_with(bytes, "#?R")) return decode_radiance_hdr(file);  // #?RADIANCE, #?RGBE
   if (is_camera_raw(bytes)) return decode_camera_raw(file, Demosaic::bilinear).image;
   if (starts_with(bytes, "ENVI"))
     throw FileError(name +
                     ": must be an image, but is the header of an ENVI image, whose numbers " +
                     "are in a file beside it");
   const std::string_view other = known_but_unread(bytes);
-  throw FileError(name + ": must be an EXR, PNG, TIFF, ENVI or camera raw image, but " +
-                  (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
+  throw FileError(
+      name + ": must be an EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw image, but " +
+      (other.empty() ? "is none of them" : "is " + std::string(other) + " file"));
 }
 
 Image decode_image(std::span<const std::byte> bytes, const std::string& name,

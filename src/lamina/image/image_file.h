@@ -24,12 +24,16 @@ template <>
 inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
     {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
-/// Reads an EXR, PNG, TIFF, ENVI or camera raw file; what it is, its first bytes say, not its name.
+/// Reads an EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw file; what it is, its first bytes
+/// say, not its name.
 ///
 /// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
 ///   file with several parts the first. The image is the display window; pixels of the data window
 ///   beyond it are dropped, pixels of it without data are 0. Deep images are refused.
 /// - PNG: every kind. Channels "Y" or "R", "G", "B", then "A" if there is transparency.
+/// - JPEG: grey or color of 8 bits, as it is stored: an orientation that a camera notes is not
+///   followed, and an ICC profile is not read.
+/// - Radiance HDR (.hdr): RGBE, from the top left; divided by its exposure.
 /// - TIFF: grey or RGB, with or without alpha, 8, 16 or 32 bits, or 16, 32 or 64 bit
 ///   floating point.
 /// - ENVI: the path of its header; see load_envi for parts of large files.

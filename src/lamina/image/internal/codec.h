@@ -25,6 +25,8 @@ struct EncodedImage {
 [[nodiscard]] Image decode_exr(const EncodedImage& file);
 [[nodiscard]] Image decode_png(const EncodedImage& file);
 [[nodiscard]] Image decode_tiff(const EncodedImage& file);
+[[nodiscard]] Image decode_jpeg(const EncodedImage& file);
+[[nodiscard]] Image decode_radiance_hdr(const EncodedImage& file);
 [[nodiscard]] CameraRaw decode_camera_raw(const EncodedImage& file, Demosaic demosaic);
 
 /// Whether a TIFF file is one of a camera's: a DNG, or one whose first image is a preview of
