@@ -13,6 +13,7 @@ void add_bsdf_command(CLI::App& app);
 void add_acquire_command(CLI::App& app);
 void add_completion_command(CLI::App& app);
 void add_edit_command(CLI::App& app);
+void add_export_command(CLI::App& app);
 void add_filters_command(CLI::App& app);
 void add_fit_command(CLI::App& app);
 void add_maps_command(CLI::App& app);

@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
   add_acquire_command(app);
   add_completion_command(app);
   add_edit_command(app);
+  add_export_command(app);
   add_filters_command(app);
   add_fit_command(app);
   add_maps_command(app);

@@ -1,0 +1,13 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/exchange/export_format.h"
+
+// The functions of the table of formats, one file each.
+
+namespace lamina::detail {
+
+[[nodiscard]] ExportedMaterial write_gaussians(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_mcml(const ExportInput& input);
+
+}  // namespace lamina::detail

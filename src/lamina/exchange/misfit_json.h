@@ -1,0 +1,14 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/io/json_output.h"
+
+namespace lamina {
+
+/// Misfits as every file and result has them: an array with an object per channel.
+[[nodiscard]] JsonOutput misfit_json(std::span<const ChannelMisfit> misfits);
+
+}  // namespace lamina
