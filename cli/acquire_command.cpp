@@ -1,7 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <array>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -15,8 +14,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/acquire/acquired_files.h"
-#include "lamina/acquire/acquisition_check.h"
-#include "lamina/acquire/patch_acquisition.h"
+#include "lamina/acquire/skin_acquisition.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
@@ -30,49 +28,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How light of one pixel counts for others.
-enum class Lateral { automatic, none, transport };
-
-}  // namespace
-}  // namespace lamina::cli
-
-template <>
-inline constexpr auto lamina::enum_names<lamina::cli::Lateral> =
-    std::to_array<lamina::EnumName<lamina::cli::Lateral>>(
-        {{"auto", lamina::cli::Lateral::automatic},
-         {"none", lamina::cli::Lateral::none},
-         {"transport", lamina::cli::Lateral::transport}});
-
-namespace lamina::cli {
-namespace {
-
 struct AcquireOptions {
   CommonOptions common;
   std::string capture, output;
   std::vector<std::string> settings;
-  Lateral lateral = Lateral::automatic;
+  LateralLight lateral = LateralLight::automatic;
   InversionMethod method = InversionMethod::gauss_newton;
   double most_forwards = InversionOptions{}.most_forwards, model_error = 0.0, robust_limit = 0.0;
   bool resumes = false;
   std::vector<std::pair<std::string, Option>> of_transport;  ///< those above, by name
 };
-
-/// The method that the options and the capture ask for.
-Lateral lateral_of(const AcquireOptions& options, const Capture& capture) {
-  if (options.lateral != Lateral::automatic) return options.lateral;
-  const bool is_texture = capture.reflectance.channels == std::vector<std::string>{"R", "G", "B"} &&
-                          capture.lights.empty();
-  return capture.mm_per_pixel && !is_texture ? Lateral::transport : Lateral::none;
-}
-
-/// What light that travels sideways, or a few bands alone, can tell unless the file says:
-/// concentrations.
-void keep_concentrations(Capture& capture) {
-  if (capture.has_stated_numbers) return;
-  std::erase_if(capture.numbers, [](const SkinFitNumber& number) {
-    return number.parameter.name.ends_with("_scale") || number.parameter.name == "saturation";
-  });
-}
 
 /// Maps that an earlier call left in the folder.
 std::vector<Image> maps_to_go_on_from(const Capture& capture, const fs::path& folder) {
@@ -190,7 +155,7 @@ void refuse_options_of_transport(const AcquireOptions& options, const std::strin
 /// Each pixel of a leaf on its own.
 void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::path& folder) {
   refuse_options_of_transport(options, "for a leaf, whose pixels are solved each by itself");
-  if (options.lateral == Lateral::transport)
+  if (options.lateral == LateralLight::transport)
     throw InvalidInput("--lateral: pixels of a leaf are solved each by itself");
   const LeafMaps leaf = acquire_leaf(capture, make_progress("acquiring", Keeps::nothing));
   const LeafFiles files = save_leaf(leaf, capture, folder, LAMINA_VERSION);
@@ -219,47 +184,34 @@ void run_acquire(const AcquireOptions& options) {
     run_leaf(options, capture, folder);
     return;
   }
-  const Lateral lateral = lateral_of(options, capture);
-  const bool has_table = lateral == Lateral::none && capture.population && capture.lights.empty() &&
-                         capture.reflectance.channel_count() == 3;
-  if (!has_table) keep_concentrations(capture);
-  const Progress progress =
-      make_progress("acquiring", has_table ? Keeps::nothing : Keeps::what_there_is);
-  const double start = seconds();
-  const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
-                                   skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
-  AcquiredSkin skin;
-  if (has_table) {
+  const AcquisitionPlan plan = plan_acquisition(capture, options.lateral);
+  if (plan.has_table)
     refuse_options_of_transport(options, "where a table has the fits of all colors");
-    skin = acquire_pixels(capture, color_table_of(capture, table, part_of(progress, 0.1, 0.7)),
-                          part_of(progress, 0.7, 0.9));
-  } else {
-    PatchAcquisitionOptions patch{.has_transport = lateral == Lateral::transport};
-    patch.inversion.method = options.method;
-    patch.inversion.most_forwards = options.most_forwards;
-    patch.inversion.model_error = options.model_error;
-    patch.inversion.robust_limit = options.robust_limit;
-    patch.inversion.seed = options.common.seed;
-    if (options.resumes) {
-      patch.start = maps_to_go_on_from(capture, folder);
-      patch.inversion.smoothness = smoothness_of(folder / result_file, capture.numbers.size());
-    }
-    skin = acquire_patch(capture, patch, user_cache(), part_of(progress, 0.1, 0.9));
+  PatchAcquisitionOptions patch;
+  patch.inversion.method = options.method;
+  patch.inversion.most_forwards = options.most_forwards;
+  patch.inversion.model_error = options.model_error;
+  patch.inversion.robust_limit = options.robust_limit;
+  patch.inversion.seed = options.common.seed;
+  if (options.resumes) {
+    patch.start = maps_to_go_on_from(capture, folder);
+    patch.inversion.smoothness = smoothness_of(folder / result_file, capture.numbers.size());
   }
+  const double start = seconds();
+  const auto [skin, check] = acquire_skin(
+      capture, plan, std::move(patch), user_cache(),
+      make_progress("acquiring", plan.has_table ? Keeps::nothing : Keeps::what_there_is));
   if (skin.inversion && skin.inversion->stop == InversionStop::interrupted)
     capture.notes.emplace_back(
         "stopped before errors were known, which are given as those of the prior; --resume goes "
         "on");
   const double solved = seconds() - start;
-  // Not asked to stop: the best so far is written.
-  const AcquisitionCheck check = check_acquisition(capture, skin, table);
-  add_gain_errors(capture, check, skin);
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);
   const fs::path page = folder / "report.html";
   std::vector<std::string> arguments = {"acquire",   options.capture,
                                         "-o",        folder.string(),
-                                        "--lateral", std::string(name_of(lateral))};
-  if (!has_table)
+                                        "--lateral", plan.has_transport ? "transport" : "none"};
+  if (!plan.has_table)
     arguments.insert(arguments.end(), {"--method", std::string(name_of(options.method))});
   for (const std::string& setting : options.settings)
     arguments.insert(arguments.end(), {"--set", setting});

@@ -8,8 +8,8 @@
 #include <functional>
 #include <string_view>
 
-#include "lamina/acquire/acquired_files.h"
 #include "lamina/core/number_text.h"
+#include "lamina/fit/skin/number_unit.h"
 #include "lamina/image/image_file.h"
 #include "lamina/plot/correlation_picture.h"
 #include "lamina/plot/html_page.h"

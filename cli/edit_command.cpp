@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "console.h"
 #include "edit_steps.h"
-#include "lamina/acquire/acquired_files.h"
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
@@ -119,36 +118,6 @@ void make_folder(const fs::path& folder) {
   if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
 }
 
-/// What a map says of itself: its unit stays that of the number.
-std::vector<ImageNote> notes_of(const std::string& file, const EditOptions& options) {
-  const std::string name = file.substr(0, file.find('.'));
-  std::vector<ImageNote> notes = {{"lamina.version", LAMINA_VERSION},
-                                  {"lamina.number", name},
-                                  {"lamina.edited_from", options.maps}};
-  const std::string unit =
-      unit_of_number(name.starts_with("saturation") ? std::string("saturation") : name);
-  if (!unit.empty())
-    notes.push_back(
-        {"lamina.unit", file.ends_with(".sd.exr") ? "standard deviation of its coordinate" : unit});
-  return notes;
-}
-
-/// The files that load the maps come last, so that they are there only if these are.
-void save_skin(const EditableSkin& skin, const fs::path& folder, const EditOptions& options) {
-  make_folder(folder);
-  for (const NamedImage& image : images_of(skin))
-    save_exr(*image.image, folder / image.file, ExrPrecision::single_float,
-             notes_of(image.file, options));
-  // Those of an edit before, of maps that have none now, would be taken for theirs.
-  std::error_code ignored;
-  for (const SkinMap& map : skin.skin.maps)
-    if (std::ranges::find(skin.deviations, map.name, &SkinMapDeviation::name) ==
-        skin.deviations.end())
-      fs::remove(folder / (map.name + ".sd.exr"), ignored);
-  for (const MapsFile& file : skin.files)
-    write_file((folder / file.name).string(), maps_file_json(skin, file).text(1) + "\n");
-}
-
 void require_other_folder(const EditOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
@@ -205,7 +174,7 @@ void save_variations(const EditOptions& options, const EditableSkin& skin, const
     } else {
       text += folder.string() + "\n";
     }
-    save_skin(person.skin, folder, options);
+    save_editable_skin(person.skin, folder, LAMINA_VERSION, options.maps);
     json["variations"].push_back(std::move(each));
   }
 }
@@ -268,7 +237,7 @@ void run_edit(const EditOptions& options) {
       save_png(after, folder / "preview.png");
       save_png(side_by_side(before, after), folder / "before_after.png");
     }
-    save_skin(skin, folder, options);
+    save_editable_skin(skin, folder, LAMINA_VERSION, options.maps);
     for (const MapsFile& each : skin.files) {
       const std::string file = (folder / each.name).string();
       json["files"].push_back(file);

@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cassert>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,5 +28,22 @@ using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
   return {static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), std::move(channels),
           std::vector<float>(array.data(), array.data() + array.size())};
 }
+
+/// An image of one channel as an array (height, width).
+[[nodiscard]] inline py::array_t<float> plane_array(const Image& image) {
+  assert(image.channel_count() == 1);
+  return to_array(std::vector<float>(image.pixels), Shape{image.height, image.width});
+}
+
+/// An array (height, width) as an image of one channel.
+[[nodiscard]] inline Image plane_image(const Floats& array) {
+  return {static_cast<int>(array.shape(1)),
+          static_cast<int>(array.shape(0)),
+          {"Y"},
+          std::vector<float>(array.data(), array.data() + array.size())};
+}
+
+/// Files of images, what they look like on screens, and their comparison.
+void bind_images(py::module_& module);
 
 }  // namespace lamina::python

@@ -4,18 +4,25 @@
 // and say what things are. Nothing here is for users.
 #include <pybind11/pybind11.h>
 
+#include "acquire.h"
 #include "bsdf.h"
+#include "edit.h"
 #include "errors.h"
 #include "fit.h"
+#include "images.h"
 #include "layer_stacks.h"
+#include "map_photons.h"
 #include "material.h"
+#include "media.h"
 #include "optics.h"
 #include "patch.h"
 #include "photons.h"
 #include "profile.h"
 #include "recipes.h"
 #include "render.h"
+#include "reproduction.h"
 #include "slab.h"
+#include "surfaces.h"
 #include "work.h"
 
 PYBIND11_MODULE(_lamina, module) {
@@ -30,8 +37,15 @@ PYBIND11_MODULE(_lamina, module) {
   bind_profile(module);
   bind_photons(module);
   bind_patch(module);
+  bind_edit(module);
+  bind_acquire(module);
   bind_fit(module);
   bind_bsdf(module);
   bind_optics(module);
+  bind_media(module);
+  bind_surfaces(module);
+  bind_map_photons(module);
+  bind_reproduction(module);
+  bind_images(module);
   bind_render(module);
 }

@@ -12,31 +12,15 @@
 
 #include "arrays.h"
 #include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/mie.h"
 #include "lamina/spectrum/band_color.h"
 #include "lamina/spectrum/cie_1931.h"
 #include "lamina/spectrum/color.h"
+#include "tables.h"
 
 namespace lamina::python {
 namespace {
-
-/// Results of several columns, of shape + (columns,), one row after the other on all cores.
-template <class Row>
-py::array_t<double> table_of(const Shape& shape, std::size_t columns, const Row& row) {
-  const std::size_t rows = size_of(shape);
-  std::vector<double> values(rows * columns);
-  {
-    const py::gil_scoped_release unlocked;
-    constexpr std::size_t at_once = 64;
-    parallel_for((rows + at_once - 1) / at_once, [&](std::size_t part) {
-      for (std::size_t i = part * at_once; i < std::min(rows, (part + 1) * at_once); ++i)
-        row(i, &values[i * columns]);
-    });
-  }
-  return to_array(std::move(values), with_axis(shape, columns));
-}
 
 using Complexes = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>;
 

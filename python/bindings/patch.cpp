@@ -3,31 +3,22 @@
 
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.h"
-#include "choices.h"
 #include "images.h"
 #include "json_files.h"
 #include "lamina/reflectance/skin_colors.h"
-#include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_patch/patch_gradient.h"
 #include "lamina/skin_patch/skin_patch.h"
+#include "skin_numbers.h"
 #include "work.h"
 
 namespace lamina::python {
 namespace {
-
-Image plane_image(const Floats& array) {
-  return {static_cast<int>(array.shape(1)),
-          static_cast<int>(array.shape(0)),
-          {"Y"},
-          std::vector<float>(array.data(), array.data() + array.size())};
-}
 
 /// Skin of arrays, all of the patch's size, and numbers.
 SkinPatch patch_of(const py::dict& maps, const py::dict& numbers, const Floats& light,
@@ -40,22 +31,7 @@ SkinPatch patch_of(const py::dict& maps, const py::dict& numbers, const Floats& 
   patch.mm_per_texel = mm_per_pixel;
   patch.bands = BandSet(wavelengths);
   patch.theta = theta;
-  patch.skin.constants = choice<SkinConstants>(constants);
-  patch.skin.skin = with_constants(SkinParameters{}, patch.skin.constants);
-  const auto range_of = [](const py::handle& name) -> const SkinParameterRange& {
-    const auto ranges = skin_parameter_ranges();
-    const auto found =
-        std::ranges::find(ranges, name.cast<std::string>(), &SkinParameterRange::name);
-    if (found == ranges.end()) throw InvalidInput("there is no such parameter of skin");
-    return *found;
-  };
-  for (const auto& [name, value] : numbers)
-    patch.skin.skin.*range_of(name).value = value.cast<double>();
-  for (const auto& [name, value] : maps) {
-    const SkinParameterRange& range = range_of(name);
-    patch.skin.maps.push_back(
-        {std::string(range.name), range.value, plane_image(value.cast<Floats>())});
-  }
+  patch.skin = skin_maps_of(maps, numbers, constants);
   return patch;
 }
 
@@ -140,24 +116,6 @@ void bind_patch(py::module_& module) {
         result["light"] = plane_array(std::move(found.light));
         return result;
       });
-  module.def("skin_maps", [](const std::string& path, const std::optional<std::string>& text,
-                             const std::vector<std::string>& settings, const py::object& callback) {
-    const SkinMapRecipe recipe = load_unlocked(json_file(path, text), [&](const JsonFile& file) {
-      return load_skin_map_recipe(file, {}, settings);
-    });
-    Work work(callback);
-    std::vector<SkinMap> made =
-        work.run([&](const Progress& progress) { return make_skin_maps(recipe, progress); });
-    py::dict maps, numbers;
-    for (SkinMap& map : made) {
-      const Shape shape = {map.values.height, map.values.width};
-      maps[map.name.c_str()] = to_array(std::move(map.values.pixels), shape);
-    }
-    for (const SkinParameterRange& range : skin_parameter_ranges())
-      numbers[std::string(range.name).c_str()] = recipe.base.skin.*range.value;
-    return py::make_tuple(maps, numbers, recipe.mm_per_texel,
-                          std::string(name_of(recipe.base.constants)));
-  });
   module.def("patch_color_weights", [](const SkinPatch& patch) {
     std::vector<double> weights;
     for (const auto& band : make_skin_band_weights(patch.bands, patch.skin.skin))

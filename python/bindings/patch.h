@@ -7,7 +7,7 @@ namespace lamina::python {
 
 namespace py = pybind11;
 
-/// Flat patches under patterns of light, and maps of skin.
+/// Flat patches under patterns of light.
 void bind_patch(py::module_& module);
 
 }  // namespace lamina::python

@@ -17,8 +17,6 @@
 #include "images.h"
 #include "json_files.h"
 #include "lamina/image/denoise.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
@@ -139,41 +137,10 @@ py::dict render_scene(const std::string& path, const std::optional<std::string>&
   return result;
 }
 
-/// For screens, 8 bit sRGB, (height, width, channel).
-py::array_t<std::uint8_t> view(const Floats& rgb, const std::string& name, double exposure) {
-  const Image seen = view_image(image_of(rgb, {"R", "G", "B"}), choice<View>(name), exposure);
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(seen.pixels.size());
-  for (const float value : seen.pixels) {
-    const double v = std::clamp(static_cast<double>(value), 0.0, 1.0);
-    const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
-    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * encoded)));
-  }
-  return to_array(std::move(bytes), shape_of(rgb));
-}
-
 }  // namespace
 
 void bind_render(py::module_& module) {
   module.def("render", &render_scene);
-  module.def("view", &view);
-  module.def("load_image", [](const std::string& file, const std::string& encoding) {
-    Image image = [&] {
-      const py::gil_scoped_release unlocked;
-      return load_image(file, choice<ColorEncoding>(encoding));
-    }();
-    std::vector<std::string> channels = image.channels;
-    return py::make_tuple(image_array(std::move(image)), channels);
-  });
-  module.def("save_image", [](const Floats& pixels, const std::vector<std::string>& channels,
-                              const std::string& file, bool is_exr) {
-    const Image image = image_of(pixels, channels);
-    const py::gil_scoped_release unlocked;
-    if (is_exr)
-      save_exr(image, file, ExrPrecision::single_float);
-    else
-      save_png(image, file);
-  });
   module.def("method_names", [] {
     std::vector<std::string> names;
     for (const std::string_view name : method_names(subsurface_methods())) names.emplace_back(name);

@@ -22,10 +22,28 @@ except ImportError as error:
     ) from None
 from ._tallies import McmlRun, Photons, mcml, photons
 from ._threads import set_threads, threads
+from ._acquire import AcquiredLeaf, AcquiredSkin, BandChoice, acquire, filters
 from ._bsdf import Bsdf, bsdf
 from ._fit import Fit, FittedNumber, FittedSeries, fit
 from ._layers import Layers, layers
+from ._map_photons import CylinderPhotons, PatchPhotons, cylinder_photons, patch_photons
+from ._maps import SkinMaps, edit, load_maps, maps, persons
 from ._materials import Material, material, material_text, materials
+from ._media import (
+    AlbedoInversion,
+    LostLight,
+    PulsedReflectance,
+    SphereReading,
+    equivalent_half_space,
+    invert_dipole_albedo,
+    lost_light,
+    medium_from_look,
+    mie_phase,
+    phase_function,
+    phase_moments,
+    pulsed,
+    sphere_reading,
+)
 from ._optics import (
     MieBulk,
     MieSphere,
@@ -37,7 +55,7 @@ from ._optics import (
     mie_sphere,
     spectrum_color,
 )
-from ._patch import PatchLight, SkinMaps, maps, patch
+from ._patch import PatchLight, patch
 from ._profile import (
     FrequencyResponse,
     GaussianProfile,
@@ -49,15 +67,35 @@ from ._profile import (
     spatial_frequency,
 )
 from ._recipes import SPECTRAL_BANDS, SkinColors, leaf, skin, skin_colors, snow
-from ._render import Picture, load_image, render, save_image
+from ._render import ImageComparison, Picture, compare_pictures, load_image, render, save_image
+from ._reproduce import (
+    CheckedFeature,
+    CheckedNumber,
+    Reproduction,
+    ReproductionItem,
+    reproduce,
+    reproductions,
+)
 from ._slab import SlabTotals, slab
+from ._surfaces import RoughInterface, RoughSurface, rough_interface, rough_surface
 
 __all__ = [
-    "Bsdf", "Error", "FileError", "Fit", "FittedNumber", "FittedSeries", "FrequencyResponse", "GaussianProfile", "Interrupted", "InvalidInput",
-    "Layers", "Material", "McmlRun", "MieBulk", "MieSphere", "ObliqueProfile", "PatchLight", "Photons", "Picture", "Profile", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals",
-    "WriteError", "__version__", "bsdf", "color_difference", "fit", "fresnel", "fresnel_diffuse", "gaussians", "lab", "layers", "leaf", "load_image", "maps", "material",
-    "material_text", "materials", "mcml", "mie_bulk", "mie_sphere", "oblique_profile", "patch", "photons", "profile", "render", "save_image", "set_threads", "skin", "skin_colors", "slab", "snow",
-    "spatial_frequency", "spectrum_color", "threads",
+    "AcquiredLeaf", "AcquiredSkin", "AlbedoInversion", "BandChoice", "Bsdf", "CheckedFeature",
+    "CheckedNumber", "CylinderPhotons", "Error", "FileError", "Fit", "FittedNumber", "FittedSeries",
+    "FrequencyResponse", "GaussianProfile", "ImageComparison", "Interrupted", "InvalidInput",
+    "Layers", "LostLight", "Material", "McmlRun", "MieBulk", "MieSphere", "ObliqueProfile",
+    "PatchLight", "PatchPhotons", "Photons", "Picture", "Profile", "PulsedReflectance",
+    "Reproduction", "ReproductionItem", "RoughInterface", "RoughSurface", "SPECTRAL_BANDS",
+    "SkinColors", "SkinMaps", "SlabTotals", "SphereReading", "WriteError", "__version__", "acquire",
+    "bsdf", "color_difference", "compare_pictures", "cylinder_photons", "edit",
+    "equivalent_half_space", "filters", "fit", "fresnel", "fresnel_diffuse", "gaussians",
+    "invert_dipole_albedo", "lab", "layers", "leaf", "load_image", "load_maps", "lost_light",
+    "maps", "material", "material_text", "materials", "mcml", "medium_from_look", "mie_bulk",
+    "mie_phase", "mie_sphere", "oblique_profile", "patch", "patch_photons", "persons",
+    "phase_function", "phase_moments", "photons", "profile", "pulsed", "render", "reproduce",
+    "reproductions", "rough_interface", "rough_surface", "save_image", "set_threads", "skin",
+    "skin_colors", "slab", "snow", "spatial_frequency", "spectrum_color", "sphere_reading",
+    "threads",
 ]
 
 # What help() and pickles call them, wherever they are written.

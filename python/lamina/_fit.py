@@ -3,19 +3,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _lamina
+from ._files import FileLike, opened, settings_of
 from ._input import PathLike, whole
 from ._lamina import InvalidInput
 from ._materials import Material
 from ._progress import Progress, progress_of
-from ._render import file_or_text, settings_of
 from ._result import Array, Result, quantity, setting
 
 if TYPE_CHECKING:
@@ -103,11 +103,8 @@ class Fit(Result):
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
 
-MeasurementLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-
-
 def fit(
-    measurement: MeasurementLike | Sequence[MeasurementLike],
+    measurement: FileLike | Sequence[FileLike],
     *,
     folder: PathLike | None = None,
     changes: Mapping[str, Any] | None = None,
@@ -140,8 +137,9 @@ def fit(
     each: list[Any] = list(measurement) if isinstance(measurement, (list, tuple)) else [measurement]
     if not each:
         raise InvalidInput("measurement: must be a path, a dict or a list of these, but is empty")
-    sources = [file_or_text("measurement", "measurement", one, folder) for one in each]
-    with progress_of(progress, "fit") as callback:
+    with ExitStack() as files:
+        sources = [files.enter_context(opened("measurement", "measurement", one, folder)) for one in each]
+        callback = files.enter_context(progress_of(progress, "fit"))
         found = _lamina.fit(sources, settings_of(changes), whole("seed", seed, 0, 2**64 - 1), callback)
     fits = [_fit_of(one) for one in found]
     return fits if many else fits[0]

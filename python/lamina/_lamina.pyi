@@ -179,9 +179,61 @@ class DifferentiablePatch:
     light: _Floats
     def gradient(self, by_light: _Floats, callback: _Callback) -> dict[str, _Floats]: ...
 
-def skin_maps(
-    path: str, text: Optional[str], settings: list[str], callback: _Callback
-) -> tuple[dict[str, _Floats], dict[str, float], float, str]: ...
+class EditableSkin:
+    def __init__(
+        self, maps: Any, numbers: dict[str, float], constants: str, mm_per_pixel: float
+    ) -> None: ...
+    @staticmethod
+    def load(path: str) -> EditableSkin: ...
+    @staticmethod
+    def from_recipe(
+        path: str,
+        text: Optional[str],
+        settings: list[str],
+        seed: Optional[int],
+        callback: _Callback,
+    ) -> EditableSkin: ...
+    maps: dict[str, _Floats]
+    deviations: dict[str, _Floats]
+    mask: Optional[_Floats]
+    numbers: dict[str, float]
+    constants: str
+    mm_per_pixel: Optional[float]
+    warnings: list[str]
+    def edited(self, kind: str, what: dict[str, Any]) -> tuple[EditableSkin, dict[str, int]]: ...
+    def persons(self, population: str, count: int, seed: int) -> list[EditableSkin]: ...
+    def patch(
+        self, light: _Doubles, wavelengths: list[float], theta: float
+    ) -> SkinPatch: ...
+    def preview(self, longest_side: int, callback: _Callback) -> _Floats: ...
+    def save(self, folder: str, edited_from: str) -> None: ...
+
+def edit_kinds() -> dict[str, tuple[float, float, float, bool, bool]]: ...
+
+class Acquisition:
+    def save(self, folder: str) -> None: ...
+
+def acquire(
+    path: str,
+    text: Optional[str],
+    settings: list[str],
+    options: dict[str, Any],
+    start: dict[str, _Floats],
+    smoothness: list[float],
+    callback: _Callback,
+) -> tuple[dict[str, Any], Acquisition]: ...
+def choose_bands(
+    wavelengths: list[float],
+    widths: list[float],
+    count: int,
+    noise: float,
+    numbers: list[str],
+    population: str,
+    skins_drawn: int,
+    seed: int,
+    compared: Optional[list[int]],
+    callback: _Callback,
+) -> dict[str, Any]: ...
 def fit(
     sources: list[tuple[str, Optional[str]]], settings: list[str], seed: int, callback: _Callback
 ) -> list[dict[str, Any]]: ...
@@ -212,3 +264,89 @@ def mie_bulk(
 def band_weights(wavelengths: list[float], illuminant: str) -> _Doubles: ...
 def lab(rgb: _Doubles, shape: list[int]) -> _Doubles: ...
 def color_difference(first: _Doubles, second: _Doubles, shape: list[int]) -> _Doubles: ...
+
+def phase_function(kind: str, cos_theta: _Doubles, g: _Doubles) -> _Doubles: ...
+def phase_moments(kind: str, g: _Doubles, count: int) -> _Doubles: ...
+def mie_phase(size: float, ior: complex, cosines: list[float]) -> _Doubles: ...
+def invert_dipole_albedo(
+    reflectance: _Doubles, ior: _Doubles, ior_outside: _Doubles
+) -> _Doubles: ...
+def medium_from_look(*numbers: _Doubles) -> LayerStacks: ...
+def equivalent_half_space(stacks: LayerStacks, callback: _Callback) -> LayerStacks: ...
+def pulsed_diffusion(
+    stacks: LayerStacks, r: list[float], t: list[float], callback: _Callback
+) -> _Doubles: ...
+def sphere_reading(
+    side: str,
+    sphere: dict[str, Any],
+    scattered: _Doubles,
+    straight: _Doubles,
+    diffuse_reflectance: _Doubles,
+) -> _Doubles: ...
+def lost_light(
+    stacks: LayerStacks,
+    is_diffuse: bool,
+    theta: float,
+    beam_diameter: float,
+    port_diameter: float,
+    photons: int,
+    seed: int,
+    callback: _Callback,
+) -> _Doubles: ...
+def rough_interface(
+    roughness: float, eta: float, distribution: str, masking: str, cosines: list[float]
+) -> dict[str, Any]: ...
+def rough_surface(
+    smoothness: float,
+    eta: float,
+    theta_i: float,
+    method: str,
+    rays: int,
+    seed: int,
+    visibility: str,
+    realizations: int,
+    callback: _Callback,
+) -> dict[str, Any]: ...
+def patch_photons(
+    stacks: LayerStacks,
+    shape: list[int],
+    irradiance: _Doubles,
+    texel: float,
+    photons: int,
+    seed: int,
+    is_diffuse: bool,
+    theta: float,
+    callback: _Callback,
+) -> dict[str, Any]: ...
+def cylinder_photons(
+    stacks: LayerStacks,
+    cylinders: list[dict[str, float]],
+    width: float,
+    length: float,
+    repeats: bool,
+    beam_radius: Optional[float],
+    columns: int,
+    photons: int,
+    seed: int,
+    callback: _Callback,
+) -> dict[str, Any]: ...
+def load_envi(
+    file: str,
+    wavelengths: list[float],
+    widths: list[float],
+    shape: str,
+    rectangle: Optional[list[int]],
+) -> tuple[_Floats, list[str]]: ...
+def compare_images(
+    a: _Floats, a_variance: _Floats, b: _Floats, b_variance: _Floats, significance: float
+) -> dict[str, Any]: ...
+def reproduction_items() -> list[tuple[str, str, str, str]]: ...
+def reproduce(
+    id: str,
+    path: Optional[str],
+    text: Optional[str],
+    quality: str,
+    folder: str,
+    sources: str,
+    run: Callable[[list[str], str], str],
+) -> dict[str, Any]: ...

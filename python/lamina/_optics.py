@@ -63,7 +63,7 @@ class MieBulk(NamedTuple):
     g: Doubles
 
 
-def _complexes(name: str, value: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
+def complexes(name: str, value: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
     array = np.asarray(value)
     if array.dtype.kind not in "fiuc" or array.size == 0:
         raise InvalidInput(f"{name}: must be numbers, but is {value!r}"[:200])
@@ -87,7 +87,7 @@ def mie_sphere(size_parameter: ArrayLike, relative_ior: ArrayLike) -> MieSphere:
     [1.7534, 1.7534, 0.7832]
     """
     size = doubles("size_parameter", size_parameter, 0.0, 1e5, closed="(]")
-    ior = _complexes("relative_ior", relative_ior)
+    ior = complexes("relative_ior", relative_ior)
     size, ior = np.broadcast_arrays(size, ior)
     return MieSphere(*np.moveaxis(_lamina.mie_sphere(size, ior), -1, 0))
 
@@ -122,9 +122,9 @@ def mie_bulk(
         "sigma_log_radius": doubles("sigma_log_radius", sigma_log_radius, 0.0, 1.5),
         "ior_medium": doubles("ior_medium", ior_medium, 0.1, 10.0),
         "wavelength": doubles("wavelength", wavelength, 100.0, 20000.0, unit="nm"),
-        "ior": doubles("ior", np.real(_complexes("ior", ior))),
+        "ior": doubles("ior", np.real(complexes("ior", ior))),
     })
-    index = np.broadcast_to(_complexes("ior", ior), shape)
+    index = np.broadcast_to(complexes("ior", ior), shape)
     found = _lamina.mie_bulk(
         arrays["volume_fraction"], arrays["median_radius"], arrays["sigma_log_radius"], index,
         arrays["ior_medium"], arrays["wavelength"])

@@ -3,27 +3,25 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _lamina
+from ._files import FileLike, opened, settings_of
 from ._input import PathLike, doubles, flag, number, one_of
 from ._input import wavelengths as check_wavelengths
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
-from ._recipes import _CONSTANTS, _ranges, SPECTRAL_BANDS
-from ._render import file_or_text, settings_of
+from ._maps import Map, SkinMaps, maps_and_numbers
+from ._recipes import _CONSTANTS, SPECTRAL_BANDS
 from ._result import Array, Result, quantity, setting
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Map = NDArray[np.float32]
 
 #: Numbers of skin that change scattering: maps of them have no gradient.
 _SCATTERING = ("scattering_scale", "scattering_power", "epidermis_thickness", "dermis_thickness")
@@ -78,8 +76,7 @@ class PatchLight(Result):
 
     def __reduce__(self) -> Any:
         # A copy has no gradient: what it needs is the library's.
-        fields = {name: value for name, value in self.to_dict().items() if name != "_solver"}
-        return _restored, (fields,)
+        return _restored, (self.to_dict(),)
 
     def _draw(self, ax: Axes) -> None:
         linear = np.clip(self.srgb_linear, 0.0, 1.0)
@@ -94,11 +91,8 @@ def _restored(fields: dict[str, Any]) -> PatchLight:
     return PatchLight(**fields)
 
 
-PatchLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-
-
 def patch(
-    source: PatchLike | None = None,
+    source: FileLike | SkinMaps | None = None,
     *,
     folder: PathLike | None = None,
     changes: Mapping[str, Any] | None = None,
@@ -128,7 +122,8 @@ def patch(
     Maps are arrays (y, x) of one size; numbers hold everywhere. Beyond its edges the patch goes on as
     its mirror image. Either `source` or maps are given.
 
-    :param source: the path of a patch file, or a dict with its keys; docs/heterogeneous_skin.md.
+    :param source: `SkinMaps`; or the path of a patch file, or a dict with its keys, where arrays may
+        stand for images; docs/heterogeneous_skin.md.
     :param folder: where paths in a dict begin; the current folder.
     :param changes: values of the file by their paths.
     :param melanin, …: as in `skin`, each a number or a map.
@@ -167,37 +162,44 @@ def patch(
         if value is not None
     }  # fmt: skip
     is_differentiated = flag("derivatives", derivatives)
-    if source is not None:
-        if given or wavelengths is not None or mm_per_pixel is not None:
-            raise InvalidInput("source: must be left out with maps, wavelengths or mm_per_pixel")
-        path, text = file_or_text("patch", "patch", source, folder)
-        made = _lamina.load_patch(path, text, settings_of(changes))
+    is_file = source is not None and not isinstance(source, SkinMaps)
+    if source is not None and (given or mm_per_pixel is not None):
+        raise InvalidInput("source: must be left out with maps or mm_per_pixel")
+    if is_file:
+        if wavelengths is not None:
+            raise InvalidInput("wavelengths: are those of the source; take changes={'bands': ...}")
         if is_differentiated:
             raise InvalidInput("derivatives: are for maps as arrays, not for files")
+        with opened("patch", "patch", source, folder) as (path, text):
+            made = _lamina.load_patch(path, text, settings_of(changes))
         return _solved(made, progress)
     if changes is not None or folder is not None:
         raise InvalidInput("changes, folder: are for a source, which is not given")
     nm = check_wavelengths("wavelengths", SPECTRAL_BANDS if wavelengths is None else wavelengths, 350.0, 1000.0)
-    one_of("constants", constants, _CONSTANTS)
-    size = number("mm_per_pixel", 0.1 if mm_per_pixel is None else mm_per_pixel, 1e-3, 100.0, unit="mm")
-    theta = np.radians(number("angle", angle, 0.0, 90.0, closed="[)", unit="degrees"))
-    maps, numbers = _maps_and_numbers(given)
+    theta = float(np.radians(number("angle", angle, 0.0, 90.0, closed="[)", unit="degrees")))
     arriving = doubles("light", light, 0.0, 1e30)
-    shapes = {n: m.shape for n, m in maps.items()}
-    if arriving.ndim:
-        shapes["light"] = arriving.shape
-    if len(set(shapes.values())) != 1 or any(len(s) != 2 for s in shapes.values()):
-        sizes = ", ".join(f"{n} {s}" for n, s in shapes.items()) or "none"
-        raise InvalidInput(f"maps must be arrays (y, x) of one size, but are {sizes}")
-    shape = next(iter(shapes.values()))
-    if max(shape) > 16384:
-        raise InvalidInput(f"maps must be at most 16384 wide and high, but are {shape}")
+    if arriving.ndim not in (0, 2):
+        raise InvalidInput(f"light: must be a number or a map (y, x), but has the shape {arriving.shape}")
+    if isinstance(source, SkinMaps):
+        size = source.mm_per_pixel or 0.0
+        maps: Mapping[str, Any] = source.maps
+        if not maps or not size:
+            raise InvalidInput("source: must have maps whose mm_per_pixel is known")
+        shape = next(iter(maps.values())).shape[:2]
+        if arriving.ndim and arriving.shape != shape:
+            raise InvalidInput(f"light: must be of the size of the first map, {shape}, but is {arriving.shape}")
+        made = source.editable().patch(np.broadcast_to(arriving, shape), nm, theta)
+    else:
+        one_of("constants", constants, _CONSTANTS)
+        size = number("mm_per_pixel", 0.1 if mm_per_pixel is None else mm_per_pixel, 1e-3, 100.0, unit="mm")
+        arrays, numbers = maps_and_numbers(given)
+        shape = _shape_of(arrays, arriving)
+        maps = arrays
+        made = _lamina.SkinPatch(arrays, numbers, np.broadcast_to(arriving, shape), size, nm, theta, constants)
     if is_differentiated:
         for name in maps:
             if name in _SCATTERING:
                 raise InvalidInput(f"{name}: must be a number with derivatives, but is a map")
-    made = _lamina.SkinPatch(
-        maps, numbers, np.broadcast_to(arriving, shape), size, nm, float(theta), constants)
     if not is_differentiated:
         return _solved(made, progress)
     with progress_of(progress, "light through layers") as callback:
@@ -210,17 +212,18 @@ def patch(
         _solver=solver)
 
 
-def _maps_and_numbers(given: dict[str, ArrayLike]) -> tuple[dict[str, Array], dict[str, float]]:
-    ranges = {name: (low, high) for name, low, high, _ in _ranges("skin")}
-    maps: dict[str, Array] = {}
-    numbers: dict[str, float] = {}
-    for name, value in given.items():
-        array = doubles(name, value, *ranges[name], infinite=name == "dermis_thickness")
-        if array.ndim:
-            maps[name] = array
-        else:
-            numbers[name] = float(array)
-    return maps, numbers
+def _shape_of(maps: dict[str, Array], light: Array) -> tuple[int, int]:
+    """The one size of all maps."""
+    shapes = {n: m.shape for n, m in maps.items()}
+    if light.ndim:
+        shapes["light"] = light.shape
+    if len(set(shapes.values())) != 1 or any(len(s) != 2 for s in shapes.values()):
+        sizes = ", ".join(f"{n} {s}" for n, s in shapes.items()) or "none"
+        raise InvalidInput(f"maps must be arrays (y, x) of one size, but are {sizes}")
+    height, width = next(iter(shapes.values()))
+    if max(height, width) > 16384:
+        raise InvalidInput(f"maps must be at most 16384 wide and high, but are {(height, width)}")
+    return height, width
 
 
 def _solved(made: _lamina.SkinPatch, progress: Progress) -> PatchLight:
@@ -241,47 +244,3 @@ def _solved(made: _lamina.SkinPatch, progress: Progress) -> PatchLight:
         fit_error=found["fit_error"],
         warnings=tuple(found["warnings"]),
     )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SkinMaps(Result):
-    """Maps of skin, which `patch` takes: `lamina.patch(**maps.arguments())`."""
-
-    maps: dict[str, Map] = setting("by parameter, axes (y, x)")
-    numbers: dict[str, float] = setting("parameters that are the same everywhere")
-    mm_per_pixel: float = quantity("of the maps", unit="mm")
-    constants: str = setting("of skin")
-
-    def arguments(self) -> dict[str, Any]:
-        """Arguments of `patch`; numbers that a map gives are left out."""
-        known = {name for name, *_ in _ranges("skin")}
-        arguments: dict[str, Any] = {n: v for n, v in self.numbers.items() if n not in self.maps}
-        arguments.update({n: v for n, v in self.maps.items() if n in known})
-        return {**arguments, "mm_per_pixel": self.mm_per_pixel, "constants": self.constants}
-
-
-def maps(
-    source: PatchLike,
-    *,
-    folder: PathLike | None = None,
-    changes: Mapping[str, Any] | None = None,
-    seed: int | None = None,
-    progress: Progress = None,
-) -> SkinMaps:
-    """Maps of skin with freckles, veins, hair follicles, tattoos: from a recipe.
-
-    :param source: the path of a maps file, or a dict with its keys; docs/heterogeneous_skin.md.
-        Maps on meshes ("surface") are made by the command.
-    :param folder: where paths in a dict begin; the current folder.
-    :param changes: values of the recipe by their paths.
-    :param seed: in place of the recipe's.
-    :raises InvalidInput: naming the key that is wrong.
-    :raises FileError: if a file cannot be read; Interrupted after Ctrl-C.
-    """
-    path, text = file_or_text("maps", "maps", source, folder)
-    settings = settings_of(changes)
-    if seed is not None:
-        settings.append(f"seed={int(number('seed', seed, 0, 2**53))}")
-    with progress_of(progress, "making maps") as callback:
-        made, numbers, size, constants = _lamina.skin_maps(path, text, settings, callback)
-    return SkinMaps(axes=(), coords={}, maps=made, numbers=numbers, mm_per_pixel=size, constants=constants)

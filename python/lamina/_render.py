@@ -6,13 +6,14 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
-from ._input import PathLike, flag, json_text, number, one_of, whole
+from ._files import FileLike, opened, settings_of
+from ._input import PathLike, doubles, flag, number, one_of, refuse, whole
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
 from ._result import Result, quantity, setting
@@ -102,35 +103,8 @@ class Picture(Result):
                 return file.read()
 
 
-#: A scene: the path of a file, or a dict with the keys of such a file.
-SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-
-
-def file_or_text(name: str, kind: str, what: object, folder: PathLike | None) -> tuple[str, str | None]:
-    """A path, or where a dict would lie and its text."""
-    if isinstance(what, Mapping):
-        place = os.path.join(os.getcwd() if folder is None else os.fspath(folder), name)
-        return place, json_text(name, {"lamina": kind, "version": 1, **what})
-    if folder is not None:
-        raise InvalidInput(f"folder: is for a {name} that is a dict")
-    if isinstance(what, (str, os.PathLike)):
-        path = os.fspath(what)
-        if isinstance(path, str) and "\0" not in path:
-            return path, None
-    raise InvalidInput(f"{name}: must be a path or a dict, but is {type(what).__name__}")
-
-
-def settings_of(changes: Mapping[str, Any] | None) -> list[str]:
-    """Changes by paths, as `--set` of the command takes them."""
-    if changes is None:
-        return []
-    if not isinstance(changes, Mapping):
-        raise InvalidInput(f"changes: must be a dict, but is {type(changes).__name__}")
-    return [f"{path}={json_text(str(path), value)}" for path, value in changes.items()]
-
-
 def render(
-    scene: SceneLike,
+    scene: FileLike,
     *,
     folder: PathLike | None = None,
     changes: Mapping[str, Any] | None = None,
@@ -153,7 +127,9 @@ def render(
 
     What is None is as the scene says. The picture depends on the scene and the seed, not on threads.
 
-    :param scene: the path of a scene file, or a dict with its keys; docs/scene.md.
+    :param scene: the path of a scene file, or a dict with its keys; docs/scene.md. In a dict a mesh
+        may be arrays: {"vertices": (n, 3), "faces": (m, 3 or more), "uvs": (n, 2), "normals": (n, 3)};
+        and arrays (y, x) or (y, x, channel) may stand where maps and images have a path.
     :param folder: where paths in a dict begin; the current folder.
     :param changes: values by their paths, as {"lights[0].scale": 2, "film.exposure": 1}.
     :param width: [pixels], in [1, 16384]; alone it keeps the proportions.
@@ -184,7 +160,6 @@ def render(
     >>> lamina.render(ball, samples=1).image.shape
     (16, 16, 3)
     """
-    path, text = file_or_text("scene", "scene", scene, folder)
     asked: dict[str, Any] = {}
 
     def ask(name: str, value: object) -> None:
@@ -206,7 +181,7 @@ def render(
     ask("seed", None if seed is None else whole("seed", seed, 0, 2**64 - 1))
     file = "" if cache is None else os.fspath(cache)
     is_denoised = flag("denoise", denoise)
-    with progress_of(progress, "rendering") as callback:
+    with opened("scene", "scene", scene, folder) as (path, text), progress_of(progress, "rendering") as callback:
         found = _lamina.render(path, text, settings_of(changes), asked, file, is_denoised, callback)
     interrupted = found.pop("was_interrupted")
     pixels = found["pixels"]
@@ -223,14 +198,43 @@ def render(
     return result
 
 
-def load_image(path: PathLike, *, encoding: str = "srgb") -> tuple[FloatImage, tuple[str, ...]]:
-    """Reads EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw: linear light, axes (y, x, channel), and its channels.
+def load_image(
+    path: PathLike,
+    *,
+    encoding: str = "srgb",
+    bands: ArrayLike | None = None,
+    widths: ArrayLike = 0.0,
+    shape: str | None = None,
+    rectangle: Sequence[int] | None = None,
+) -> tuple[FloatImage, tuple[str, ...]]:
+    """Reads EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw: linear light, and its channels.
 
     :param encoding: of integers: "srgb", colors, which become linear; "linear", quantities.
+    :param bands: of ENVI files: wavelengths [nm] to read in place of all bands.
+    :param widths: of these, full [nm], one or one for each.
+    :param shape: how bands of the file make one: "nearest"; with widths "box" or "gaussian".
+    :param rectangle: of ENVI files: x, y, width, height, in place of the whole image.
+    :raises InvalidInput: naming what is wrong.
     :raises FileError: if it cannot be read as an image.
     """
     of = one_of("encoding", encoding, ("srgb", "linear"))
-    pixels, channels = _lamina.load_image(os.fspath(path), of)
+    if bands is None and rectangle is None:
+        pixels, channels = _lamina.load_image(os.fspath(path), of)
+        return pixels, tuple(channels)
+    nm = np.zeros(0) if bands is None else np.atleast_1d(doubles("bands", bands, 100.0, 1e5, unit="nm"))
+    wide = doubles("widths", widths, 0.0, 1e5, unit="nm")
+    if nm.ndim != 1 or wide.shape not in ((), nm.shape):
+        raise InvalidInput(f"widths: must be one or {nm.size}, but have the shape {wide.shape}")
+    kind = one_of("shape", shape or ("box" if wide.any() else "nearest"), ("nearest", "box", "gaussian"))
+    if (kind == "nearest") == bool(wide.any()) or (kind != "nearest" and not wide.all()):
+        raise InvalidInput(f"widths: must be > 0 of box and gaussian, and 0 of nearest, but the shape is {kind}")
+    corners = None
+    if rectangle is not None:
+        if not isinstance(rectangle, (list, tuple)) or len(rectangle) != 4:
+            raise refuse("rectangle", "be x, y, width, height", rectangle)
+        corners = [whole(f"rectangle[{i}]", value, 0, 2**31 - 1) for i, value in enumerate(rectangle)]
+    pixels, channels = _lamina.load_envi(
+        os.fspath(path), nm.tolist(), np.broadcast_to(wide, nm.shape).tolist(), kind, corners)
     return pixels, tuple(channels)
 
 
@@ -247,3 +251,65 @@ def save_image(path: PathLike, image: ArrayLike, *, channels: Sequence[str] = ("
     if pixels.dtype.kind not in "fiu":
         raise InvalidInput(f"image: must be numbers, but is an array of {pixels.dtype}")
     _lamina.save_image(pixels.astype(np.float32, copy=False), list(channels), name, name.endswith(".exr"))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImageComparison(Result):
+    """Whether two pictures show the same scene, within their noise."""
+
+    agrees: bool = setting("neither a pixel nor the mean of the picture differs")
+    report: str = setting("one line: what agrees or differs, and by how much")
+    smallest_p_value: float = quantity("of any pixel and channel")
+    threshold: float = quantity("below it some pixel differs")
+    differing: int = quantity("pixels and channels below the threshold")
+    bias_z: float = quantity("difference of the means over its standard error")
+    mean_square_z: float = quantity("1 if the variances are right and nothing differs")
+    rmse: float = quantity("root mean square difference")
+    p_values: FloatImage = quantity("the smallest of a pixel's channels", axes=("y", "x"), shared=True)
+
+    def _draw(self, ax: Axes) -> None:
+        shown = ax.imshow(np.log10(np.maximum(self.p_values, 1e-12)), cmap="magma", vmax=0.0)
+        ax.figure.colorbar(shown, ax=ax, label="lg p")
+        ax.set_xlabel(self.report, wrap=True)
+
+
+def compare_pictures(
+    first: Picture | tuple[ArrayLike, ArrayLike],
+    second: Picture | tuple[ArrayLike, ArrayLike],
+    *,
+    significance: float = 1e-3,
+) -> ImageComparison:
+    """Whether two pictures show the same scene: a z-test for each pixel, and one for the mean.
+
+    :param first: a `Picture`, or its mean and the variance of that, arrays (y, x) or (y, x, channel).
+    :param second: the same.
+    :param significance: probability to tell apart what is the same, in (0, 1).
+    :raises InvalidInput: if sizes differ, or a variance is negative.
+
+    >>> import lamina
+    >>> import numpy as np
+    >>> noise = np.random.default_rng(1).normal(0.5, 0.1, (2, 32, 32, 3))
+    >>> lamina.compare_pictures((noise[0], np.full((32, 32, 3), 0.01)), (noise[1], np.full((32, 32, 3), 0.01))).agrees
+    True
+    """
+    a, a_variance = _mean_and_variance("first", first)
+    b, b_variance = _mean_and_variance("second", second)
+    if a.shape != b.shape:
+        raise InvalidInput(f"first, second: must be of one size, but are {a.shape} and {b.shape}")
+    found = _lamina.compare_images(a, a_variance, b, b_variance, number("significance", significance, 0.0, 1.0, closed="()"))
+    return ImageComparison(axes=(), coords={}, **found)
+
+
+def _mean_and_variance(name: str, picture: object) -> tuple[FloatImage, FloatImage]:
+    if isinstance(picture, Picture):  # its variance is that of luminance
+        weights = np.array([0.2126, 0.7152, 0.0722], np.float32)
+        return (picture.image @ weights)[..., None], picture.layer("variance")[..., None]
+    if not isinstance(picture, (list, tuple)) or len(picture) != 2:
+        raise refuse(name, "be a Picture, or a mean and its variance", type(picture).__name__)
+    mean, variance = doubles(f"{name} mean", picture[0]), doubles(f"{name} variance", picture[1], 0.0, 1e30)
+    if mean.ndim not in (2, 3) or mean.shape != variance.shape:
+        raise InvalidInput(
+            f"{name}: mean and variance must be of one size (y, x, channel), but are {mean.shape} and {variance.shape}")
+    if mean.ndim == 2:
+        mean, variance = mean[..., None], variance[..., None]
+    return mean.astype(np.float32), variance.astype(np.float32)

@@ -67,7 +67,8 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """All fields by name; arrays are not copied."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        names = (f.name for f in dataclasses.fields(self))
+        return {name: getattr(self, name) for name in names if not name.startswith("_")}
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with units, axes and coordinates.
@@ -125,7 +126,7 @@ class Result:
         rows = []
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if value is None or field.name in ("axes", "coords"):
+            if value is None or field.name in ("axes", "coords") or field.name.startswith("_"):
                 continue
             unit = field.metadata.get("unit", "")
             rows.append(
@@ -139,7 +140,7 @@ class Result:
         parts = []
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if value is not None and field.name not in ("axes", "coords"):
+            if value is not None and field.name not in ("axes", "coords") and not field.name.startswith("_"):
                 unit = field.metadata.get("unit", "1")
                 parts.append(f"  {field.name}={_brief(value)}{'' if unit == '1' else ' ' + unit}")
         return f"{type(self).__name__}(\n" + ",\n".join(parts) + ")"

@@ -127,7 +127,7 @@ def test_maps_make_a_patch() -> None:
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({}, "maps must be arrays (y, x) of one size, but are none"),
     ({"melanin": 0.1}, "but are none"),
-    ({"melanin": [0.1]}, "melanin (1,)"),
+    ({"melanin": [0.1]}, "melanin: must be a number or a map (y, x), but has the shape (1,)"),
     ({"melanin": np.full((4, 4), 0.1), "carotene": np.zeros((4, 5))}, "melanin (4, 4), carotene (4, 5)"),
     ({"melanin": np.full((4, 4), 9.0)}, "melanin[0, 0]: must be in [0, 0.5], but is 9"),
     ({"melanin": np.full((4, 4), np.nan)}, "but is nan"),

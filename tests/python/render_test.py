@@ -6,7 +6,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -76,11 +75,16 @@ def test_png_is_the_view(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_hands_over_the_picture_so_far() -> None:
-    timer = threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
+    calls = 0
+
+    def press(finished: float) -> None:  # well within the picture, however busy the machine is
+        nonlocal calls
+        calls += finished > 0.0
+        if calls == 8:
+            os.kill(os.getpid(), signal.SIGINT)
+
     with pytest.raises(lamina.Interrupted) as stopped:
-        lamina.render(BALL, samples=1 << 22)
-    timer.join()
+        lamina.render(BALL, samples=1 << 22, progress=press)
     partial: Any = stopped.value.result
     assert not partial.is_complete and 0 < partial.samples_per_pixel < 1 << 22
     assert partial.image.mean() > 0

@@ -2,12 +2,12 @@
 #include "lamina/acquire/acquired_files.h"
 
 #include <algorithm>
-#include <array>
 #include <system_error>
 #include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/fit/skin/number_unit.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
@@ -104,24 +104,6 @@ JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
 }
 
 }  // namespace
-
-std::string unit_of_number(const std::string& name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> units = {{
-      {"melanin",
-       "volume fraction of the epidermis; eumelanin of 6.6e10 nm^-3.33 /mm, pheomelanin "
-       "of 2.9e14 nm^-4.75 /mm"},
-      {"melanin_blend", "share of eumelanin"},
-      {"hemoglobin_epidermis", "volume fraction of whole blood, 150 g/L, in the epidermis"},
-      {"hemoglobin_dermis", "volume fraction of whole blood, 150 g/L, in the dermis"},
-      {"carotene", "volume fraction of a 1 g/L solution in the epidermis"},
-      {"saturation", "share of hemoglobin with oxygen"},
-      {"scattering_scale", "times the scattering of Donner et al. 2008, eq. 12"},
-      {"baseline_scale", "times the absorption of skin without pigment, Jacques 1998"},
-  }};
-  for (const auto& [number, unit] : units)
-    if (number == name) return std::string(unit);
-  return "";
-}
 
 AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                             const fs::path& folder, const std::string& version) {

@@ -29,7 +29,4 @@ struct AcquiredFiles {
 AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                             const std::filesystem::path& folder, const std::string& version);
 
-/// What the values of a number of skin are, and what curve of absorption they count by.
-[[nodiscard]] std::string unit_of_number(const std::string& name);
-
 }  // namespace lamina

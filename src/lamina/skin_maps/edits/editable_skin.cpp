@@ -1,12 +1,17 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/skin_maps/edits/editable_skin.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/fit/skin/number_unit.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
 #include "lamina/skin_maps/edits/internal/edit_course.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
@@ -116,6 +121,20 @@ void load_mask(const fs::path& folder, MemoryBudget& memory, EditableSkin& skin)
   skin.mask = std::move(image);
 }
 
+/// What a map says of itself: its unit stays that of the number.
+std::vector<ImageNote> notes_of(const std::string& file, const std::string& version,
+                                const std::string& edited_from) {
+  const std::string name = file.substr(0, file.find('.'));
+  std::vector<ImageNote> notes = {
+      {"lamina.version", version}, {"lamina.number", name}, {"lamina.edited_from", edited_from}};
+  const std::string unit =
+      unit_of_number(name.starts_with("saturation") ? std::string("saturation") : name);
+  if (!unit.empty())
+    notes.push_back(
+        {"lamina.unit", file.ends_with(".sd.exr") ? "standard deviation of its coordinate" : unit});
+  return notes;
+}
+
 }  // namespace
 
 EditableSkin load_editable_skin(const fs::path& file_or_folder, MemoryBudget memory) {
@@ -164,6 +183,27 @@ std::vector<NamedImage> images_of(const EditableSkin& skin) {
     images.push_back({deviation.name + ".sd.exr", &deviation.values});
   if (!skin.mask.pixels.empty()) images.push_back({"mask.exr", &skin.mask});
   return images;
+}
+
+void save_editable_skin(const EditableSkin& skin, const fs::path& folder,
+                        const std::string& version, const std::string& edited_from) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  for (const NamedImage& image : images_of(skin))
+    save_exr(*image.image, folder / image.file, ExrPrecision::single_float,
+             notes_of(image.file, version, edited_from));
+  // Those of an edit before, of maps that have none now, would be taken for theirs.
+  for (const SkinMap& map : skin.skin.maps)
+    if (std::ranges::find(skin.deviations, map.name, &SkinMapDeviation::name) ==
+        skin.deviations.end())
+      fs::remove(folder / (map.name + ".sd.exr"), error);
+  // They come last, so that they are there only if the maps are.
+  for (const MapsFile& file : skin.files) {
+    const std::string text = maps_file_json(skin, file).text(1) + "\n";
+    write_file_bytes(folder / file.name,
+                     std::span(reinterpret_cast<const std::byte*>(text.data()), text.size()));
+  }
 }
 
 }  // namespace lamina

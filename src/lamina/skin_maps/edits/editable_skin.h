@@ -52,4 +52,13 @@ struct NamedImage {
 };
 [[nodiscard]] std::vector<NamedImage> images_of(const EditableSkin& skin);
 
+/// Writes maps, standard deviations and mask into a folder, and then the files that load the maps.
+/// Images say in their headers what their numbers are, and "lamina.edited_from". Standard
+/// deviations that lie there of maps that have none now are removed.
+///
+/// @param version  of lamina
+/// @throws WriteError
+void save_editable_skin(const EditableSkin& skin, const std::filesystem::path& folder,
+                        const std::string& version, const std::string& edited_from);
+
 }  // namespace lamina

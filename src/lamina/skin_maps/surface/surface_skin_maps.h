@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
+#include "lamina/io/json_file.h"
 #include "lamina/scene/scene.h"
 #include "lamina/skin_maps/skin_features.h"
 
@@ -92,8 +92,7 @@ struct SurfaceMapRecipe {
 /// none, it is for a flat patch.
 /// @throws FileError, InvalidInput
 [[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
-    const std::filesystem::path& file, MemoryBudget memory = {},
-    std::span<const std::string> settings = {});
+    const JsonFile& file, MemoryBudget memory = {}, std::span<const std::string> settings = {});
 
 /// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
 /// @throws Interrupted if progress asks to stop.

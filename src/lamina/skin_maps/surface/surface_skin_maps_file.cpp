@@ -167,8 +167,7 @@ SurfaceFeature decode_feature(const JsonInput& value, double mm_per_unit) {
 
 }  // namespace
 
-std::optional<SurfaceMapRecipe> load_surface_map_recipe(const std::filesystem::path& file,
-                                                        MemoryBudget memory,
+std::optional<SurfaceMapRecipe> load_surface_map_recipe(const JsonFile& file, MemoryBudget memory,
                                                         std::span<const std::string> settings) {
   const JsonDocument document = load_json(file, memory, settings);
   if (!document.root().peek("surface")) return std::nullopt;

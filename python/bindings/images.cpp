@@ -1,0 +1,108 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "images.h"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "choices.h"
+#include "lamina/image/compare.h"
+#include "lamina/image/envi_file.h"
+#include "lamina/image/image_file.h"
+#include "lamina/image/tone.h"
+
+namespace lamina::python {
+namespace {
+
+/// For screens, 8 bit sRGB, (height, width, channel).
+py::array_t<std::uint8_t> view(const Floats& rgb, const std::string& name, double exposure) {
+  const Image seen = view_image(image_of(rgb, {"R", "G", "B"}), choice<View>(name), exposure);
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(seen.pixels.size());
+  for (const float value : seen.pixels) {
+    const double v = std::clamp(static_cast<double>(value), 0.0, 1.0);
+    const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * encoded)));
+  }
+  return to_array(std::move(bytes), shape_of(rgb));
+}
+
+/// Bands of an ENVI file, or a part of its pixels.
+py::tuple load_part(const std::string& file, const std::vector<double>& wavelengths,
+                    const std::vector<double>& widths, const std::string& shape,
+                    const std::optional<std::array<int, 4>>& rectangle) {
+  EnviSelection selection;
+  const EnviBandShape kind = shape == "gaussian" ? EnviBandShape::gaussian
+                             : shape == "box"    ? EnviBandShape::box
+                                                 : EnviBandShape::nearest;
+  for (std::size_t i = 0; i < wavelengths.size(); ++i)
+    selection.bands.push_back({wavelengths[i], kind, widths[i]});
+  if (rectangle)
+    selection.rectangle = {(*rectangle)[0], (*rectangle)[1], (*rectangle)[2], (*rectangle)[3]};
+  Image image = [&] {
+    const py::gil_scoped_release unlocked;
+    MemoryBudget memory;
+    return load_envi(file, selection, memory);
+  }();
+  std::vector<std::string> channels = image.channels;
+  return py::make_tuple(image_array(std::move(image)), channels);
+}
+
+/// Whether renders show the same scene, by their means and variances of these.
+py::dict compare(const Floats& a, const Floats& a_variance, const Floats& b,
+                 const Floats& b_variance, double significance) {
+  std::vector<std::string> channels;
+  for (py::ssize_t c = 0; c < a.shape(2); ++c) channels.push_back("c" + std::to_string(c));
+  const RenderEstimate first{image_of(a, channels), image_of(a_variance, channels)};
+  const RenderEstimate second{image_of(b, channels), image_of(b_variance, channels)};
+  ImageComparison found = [&] {
+    const py::gil_scoped_release unlocked;
+    return compare_renders(first, second, significance);
+  }();
+  py::dict result;
+  result["report"] = found.report();
+  result["agrees"] = found.agrees;
+  result["smallest_p_value"] = found.smallest_p_value;
+  result["threshold"] = found.threshold;
+  result["differing"] = found.differing;
+  result["bias_z"] = found.bias_z;
+  result["mean_square_z"] = found.mean_square_z;
+  result["rmse"] = found.rmse;
+  result["p_values"] = plane_array(found.p_values);
+  return result;
+}
+
+}  // namespace
+
+void bind_images(py::module_& module) {
+  module.def("view", &view);
+  module.def("load_image", [](const std::string& file, const std::string& encoding) {
+    Image image = [&] {
+      const py::gil_scoped_release unlocked;
+      return load_image(file, choice<ColorEncoding>(encoding));
+    }();
+    std::vector<std::string> channels = image.channels;
+    return py::make_tuple(image_array(std::move(image)), channels);
+  });
+  module.def("save_image", [](const Floats& pixels, const std::vector<std::string>& channels,
+                              const std::string& file, bool is_exr) {
+    const Image image = image_of(pixels, channels);
+    const py::gil_scoped_release unlocked;
+    if (is_exr)
+      save_exr(image, file, ExrPrecision::single_float);
+    else
+      save_png(image, file);
+  });
+  module.def("load_envi", &load_part);
+  module.def("compare_images", &compare);
+}
+
+}  // namespace lamina::python

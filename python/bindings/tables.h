@@ -1,0 +1,31 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "lamina/core/parallel.h"
+
+namespace lamina::python {
+
+/// Results of several columns, of shape + (columns,), one row after the other on all cores.
+template <class Row>
+[[nodiscard]] py::array_t<double> table_of(const Shape& shape, std::size_t columns,
+                                           const Row& row) {
+  const std::size_t rows = size_of(shape);
+  std::vector<double> values(rows * columns);
+  {
+    const py::gil_scoped_release unlocked;
+    constexpr std::size_t at_once = 64;
+    parallel_for((rows + at_once - 1) / at_once, [&](std::size_t part) {
+      for (std::size_t i = part * at_once; i < std::min(rows, (part + 1) * at_once); ++i)
+        row(i, &values[i * columns]);
+    });
+  }
+  return to_array(std::move(values), with_axis(shape, columns));
+}
+
+}  // namespace lamina::python
