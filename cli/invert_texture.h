@@ -1,0 +1,36 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "lamina/core/memory_budget.h"
+#include "lamina/core/progress.h"
+#include "lamina/exchange/albedo_inversion/half_space_color.h"
+#include "lamina/image/image_file.h"
+
+namespace lamina::cli {
+
+/// What is wanted of the texels of a texture.
+struct TextureInversion {
+  std::string file;
+  ColorEncoding encoding = ColorEncoding::srgb;
+  bool takes_nearest = false;                        ///< of a color that is not reached
+  std::optional<std::array<double, 3>> radius = {};  ///< [mm]; then coefficients are wanted, too
+  RadiusMeaning meaning = RadiusMeaning::mean_free_path;
+};
+
+/// R, G and B are the albedos; sigma_a.R and so on follow if wanted; A is that of the texture.
+struct InvertedTexture {
+  Image image;
+  std::size_t clamped = 0;  ///< texels with a channel that took the nearest color
+};
+
+/// @throws FileError if the texture cannot be read; InvalidInput naming the first texel whose color
+///         is not reached and how many there are; Interrupted if progress asks to stop.
+[[nodiscard]] InvertedTexture invert_texture(const TextureInversion& wanted,
+                                             const HalfSpaceLook& look, MemoryBudget memory,
+                                             const Progress& progress);
+
+}  // namespace lamina::cli
