@@ -119,6 +119,7 @@ void run_export(const ExportCommandOptions& options) {
       find_material_at(options.material, options.bands, options.common.memory);
   ExportOptions what = options.what;
   if (!options.channels.empty()) what.channels = find_enum_value<ExportChannels>(options.channels);
+  what.skips_refused = std::ranges::find(options.formats, "all") != options.formats.end();
   what.progress = make_progress("export " + material.name, Keeps::nothing);
   const std::vector<ExportedMaterial> exported = export_material(material, formats, what);
   const std::vector<fs::path> places = places_of(exported, options.output);
@@ -145,12 +146,14 @@ void run_export(const ExportCommandOptions& options) {
       files.push_back(place.string());
       text += fmt::format("  {}\n", printable(place.string(), ""));
     }
+    if (!one.refusal.empty()) text += fmt::format("  not written: {}\n", one.refusal);
     text += misfit_text(one.misfits);
     for (const std::string& note : one.notes) text += fmt::format("  note: {}\n", note);
     all.push_back({{"format", formats[i]->name},
                    {"files", files},
                    {"misfit", misfit_json(one.misfits)},
                    {"notes", one.notes}});
+    if (!one.refusal.empty()) all.back()["refusal"] = one.refusal;
   }
   result["exports"] = std::move(all);
   write_json(result, options.common);

@@ -7,10 +7,13 @@ import json
 import math
 import os
 import pathlib
+import re
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 LAMINA, ROOT = os.path.abspath(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1)).resolve()
 
@@ -45,7 +48,7 @@ class Folder(unittest.TestCase):
 class Gaussians(Folder):
     def test_sum_to_the_totals_and_say_how_wrong_they_are(self):
         result, files = export(self.folder, "jade", "gaussians", "--mm-per-unit", 10)
-        data = json.loads(files["jade.json"])
+        data = json.loads(files["jade_gaussians.json"])
         sums = data["reflectance"]
         for c, misfit in enumerate(data["misfit"]):
             total = sum(row[c] for row in sums["weights"])
@@ -64,7 +67,7 @@ class Gaussians(Folder):
         errors = []
         for count in (2, 5, 9):
             _, files = export(self.folder, "jade", "gaussians", "--gaussians", count)
-            errors.append(json.loads(files["jade.json"])["reflectance"]["largest_flux_error"])
+            errors.append(json.loads(files["jade_gaussians.json"])["reflectance"]["largest_flux_error"])
         self.assertGreater(errors[0], errors[1])
         self.assertGreater(errors[1], errors[2])
 
@@ -87,6 +90,282 @@ class Mcml(Folder):
         self.assertIn("ground", notes)
         misfit = result["exports"][0]["misfit"][0]["reflectance"]
         self.assertGreater(misfit["wanted_total"], misfit["obtained_total"] + 0.005)  # what the ground returns
+
+
+def diffuse_total(folder, sigma_a, sigma_s, g, ior, thickness="infinite"):
+    """What a medium returns of diffuse light, per channel, by `lamina slab`."""
+    material = {"lamina": "material", "version": 1, "name": "written", "length_unit": "mm", "bands": "rgb",
+                "ior_above": 1.0,
+                "layers": [{"sigma_a": sigma_a, "sigma_s": sigma_s, "g": g, "ior": ior, "thickness": thickness}]}
+    if thickness != "infinite":
+        material["ior_below"] = 1.0
+    (folder / "written.json").write_text(json.dumps(material))
+    result = json.loads(run("slab", folder / "written.json", "--incidence", "diffuse", "--json", "-").stdout)
+    (folder / "written.json").unlink()
+    return result["diffuse_reflectance"], result["transmittance"]
+
+
+class Mixture(Folder):
+    def test_of_three_media_is_nearer_than_one_and_has_the_color(self):
+        _, files = export(self.folder, "donner_jensen_skin", "mixture")
+        data = json.loads(files["donner_jensen_skin_mixture.json"])
+        totals = [diffuse_total(self.folder, medium["sigma_a"], medium["sigma_s"], data["g"], data["ior"])[0]
+                  for medium in data["media"]]
+        for c, (misfit, one) in enumerate(zip(data["misfit"], data["misfit_of_one_medium"])):
+            weights = [medium["weights"][c] for medium in data["media"]]
+            self.assertAlmostEqual(sum(weights), 1, delta=1e-12)
+            self.assertGreaterEqual(min(weights), 0)
+            mixed = sum(weight * total[c] for weight, total in zip(weights, totals))
+            self.assertAlmostEqual(mixed, misfit["reflectance"]["wanted_total"], delta=2e-4)
+            self.assertLess(misfit["reflectance"]["profile_rms"], 0.5 * one["reflectance"]["profile_rms"])
+            self.assertLess(misfit["reflectance"]["profile_rms"], 0.06)
+
+    def test_is_of_something_thick(self):
+        result = run("export", "paper", "--to", "mixture", "-o", self.folder)
+        self.assertEqual((result.returncode, os.listdir(self.folder)), (2, []))
+        self.assertIn("must be thick", result.stderr)
+
+
+# What Mitsuba 3 knows: plugins by kind, and their parameters by type.
+MITSUBA = {("medium", "homogeneous"): {"albedo": ("rgb", "spectrum"), "sigma_t": ("rgb", "spectrum"), "scale": ("float",)},
+           ("phase", "hg"): {"g": ("float",)},
+           ("bsdf", "dielectric"): {"int_ior": ("float",), "ext_ior": ("float",)},
+           ("bsdf", "roughdielectric"): {"int_ior": ("float",), "ext_ior": ("float",), "distribution": ("string",),
+                                         "alpha": ("float",)},
+           ("bsdf", "null"): {}}
+
+
+def mitsuba_plugins(text):
+    """{kind: (type, {name: text})}, of what the table knows."""
+    root = xml.etree.ElementTree.fromstring(text)
+    assert root.tag == "scene" and root.get("version")
+    plugins = {}
+
+    def read(element):
+        known = MITSUBA[element.tag, element.get("type")]
+        values = {}
+        for child in element:
+            if child.get("type"):
+                read(child)
+            else:
+                assert child.tag in known[child.get("name")], (child.tag, child.get("name"))
+                values[child.get("name")] = child.get("value")
+        plugins[element.tag] = element.get("type"), values
+
+    for element in root:
+        read(element)
+    return plugins
+
+
+class Mitsuba(Folder):
+    def test_medium_returns_the_light_of_the_layers(self):
+        result, files = export(self.folder, "donner_jensen_skin", "mitsuba3", "--mm-per-unit", 1000)
+        plugins = mitsuba_plugins(files["donner_jensen_skin.xml"])
+        kind, medium = plugins["medium"]
+        numbers = {name: [float(x) for x in medium[name].split(",")] for name in ("albedo", "sigma_t")}
+        self.assertEqual(max(numbers["sigma_t"]), 1)
+        sigma_t = [x * float(medium["scale"]) / 1000 for x in numbers["sigma_t"]]
+        sigma_s = [a * t for a, t in zip(numbers["albedo"], sigma_t)]
+        total, _ = diffuse_total(self.folder, [t - s for t, s in zip(sigma_t, sigma_s)], sigma_s,
+                                 float(plugins["phase"][1]["g"]), float(plugins["bsdf"][1]["int_ior"]))
+        for value, misfit in zip(total, result["exports"][0]["misfit"]):
+            self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=1e-4)
+            self.assertIn("%.5f" % misfit["reflectance"]["obtained_total"], files["donner_jensen_skin.xml"].decode())
+
+    def test_a_single_rough_layer_is_as_it_was(self):
+        _, files = export(self.folder, "marble", "mitsuba3")
+        plugins = mitsuba_plugins(files["marble.xml"])
+        self.assertEqual(plugins["bsdf"], ("roughdielectric", {"int_ior": "1.5", "ext_ior": "1",
+                                                                "distribution": "beckmann", "alpha": "0.1"}))
+        sigma_t = [float(x) * float(plugins["medium"][1]["scale"]) for x in plugins["medium"][1]["sigma_t"].split(",")]
+        for value, sigma_s, sigma_a in zip(sigma_t, (2.19, 2.62, 3.00), (0.0021, 0.0041, 0.0071)):
+            self.assertAlmostEqual(value, sigma_s + sigma_a, delta=1e-6)
+
+
+# What pbrt-v4 knows: parameters by type of material and medium.
+PBRT = {"homogeneous": {"sigma_a": "rgb spectrum", "sigma_s": "rgb spectrum", "scale": "float", "g": "float"},
+        "subsurface": {"sigma_a": "rgb spectrum", "sigma_s": "rgb spectrum", "scale": "float", "g": "float", "eta": "float",
+                       "roughness": "float", "remaproughness": "bool"},
+        "dielectric": {"eta": "float", "roughness": "float", "remaproughness": "bool"},
+        "interface": {},
+        "diffuse": {"reflectance": "rgb spectrum"},
+        "coateddiffuse": {"reflectance": "rgb spectrum", "eta": "float", "roughness": "float", "remaproughness": "bool"},
+        "diffusetransmission": {"reflectance": "rgb spectrum", "transmittance": "rgb spectrum"}}
+
+
+def pbrt_statements(text):
+    """{name: (directive, type, {parameter: values})}, read as pbrt's tokenizer does."""
+    tokens = re.findall(r'"[^"\n]*"|[\[\]]|[^\s"\[\]]+', re.sub(r"#.*", "", text.decode()))
+    statements, i = {}, 0
+    while i < len(tokens):
+        directive, name = tokens[i], tokens[i + 1].strip('"')
+        assert directive in ("MakeNamedMedium", "MakeNamedMaterial"), directive
+        i += 2
+        values = {}
+        while i < len(tokens) and tokens[i].startswith('"'):
+            kind, parameter = tokens[i].strip('"').split()
+            if tokens[i + 1] == "[":
+                end = tokens.index("]", i)
+                found, i = tokens[i + 2:end], end + 1
+            else:
+                found, i = [tokens[i + 1]], i + 2
+            values[parameter] = kind, found
+        kind, (of_type,) = values.pop("type")
+        of_type = of_type.strip('"')
+        assert kind == "string" and (of_type == "homogeneous") == (directive == "MakeNamedMedium")
+        for parameter, (kind, found) in values.items():
+            assert kind in PBRT[of_type][parameter].split(), (of_type, parameter, kind)
+            if kind == "rgb":
+                assert len(found) == 3
+            elif kind == "spectrum":
+                wavelengths = [float(x) for x in found[::2]]
+                assert len(found) % 2 == 0 and wavelengths == sorted(set(wavelengths))
+                assert wavelengths[0] <= 360 and wavelengths[-1] >= 830
+            elif kind == "float":
+                assert len(found) == 1 and math.isfinite(float(found[0]))
+        assert name not in statements, name
+        statements[name] = directive, of_type, values
+    return statements
+
+
+class Pbrt(Folder):
+    def test_medium_returns_the_light_of_the_layers(self):
+        result, files = export(self.folder, "donner_jensen_skin", "pbrt-v4", "--mm-per-unit", 10)
+        statements = pbrt_statements(files["donner_jensen_skin.pbrt"])
+        self.assertEqual({of_type for _, of_type, _ in statements.values()},
+                         {"homogeneous", "dielectric", "subsurface", "coateddiffuse"})
+        self.assertEqual(len([name for name in statements if "_layer_" in name]), 3)
+        medium = statements["donner_jensen_skin_medium"][2]
+        self.assertEqual(float(medium["scale"][1][0]), 10)
+        numbers = {name: [float(x) for x in medium[name][1]] for name in ("sigma_a", "sigma_s")}
+        total, _ = diffuse_total(self.folder, numbers["sigma_a"], numbers["sigma_s"], float(medium["g"][1][0]),
+                                 float(statements["donner_jensen_skin_boundary"][2]["eta"][1][0]))
+        for value, misfit in zip(total, result["exports"][0]["misfit"]):
+            self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=1e-4)
+        layer = statements["donner_jensen_skin_layer_3"][2]
+        self.assertEqual([float(x) for x in layer["sigma_a"][1]], [0.085, 1.0, 25.0])
+
+    def test_wavelengths_are_spectra(self):
+        _, files = export(self.folder, "snow", "pbrt-v4", "--channels", "bands", "--bands", "500,600")
+        statements = pbrt_statements(files["snow.pbrt"])
+        self.assertEqual(statements["snow_medium"][2]["sigma_s"][0], "spectrum")
+
+
+class Table(Folder):
+    def test_is_read_by_numpy_and_has_what_slab_has(self):
+        import numpy
+        export(self.folder, "jade", "table")
+        data = numpy.load(self.folder / "jade.npz", allow_pickle=False)
+        r, profile = data["r_mm"], data["reflectance_profile"]
+        self.assertEqual(profile.shape, (len(r), 3))
+        slab = json.loads(run("slab", "jade", "--incidence", "diffuse", "--json", "-").stdout)
+        rings = 2 * math.pi * (r[:, None] ** 2 * profile)
+        flux = numpy.sum(0.5 * (rings[1:] + rings[:-1]) * numpy.log(r[1:] / r[:-1])[:, None], axis=0)
+        for c in range(3):
+            self.assertAlmostEqual(data["total_reflectance"][c], slab["diffuse_reflectance"][c], delta=2e-5)
+            self.assertAlmostEqual(flux[c] / data["total_reflectance"][c], 1, delta=0.02)
+        # The BRDF over the hemisphere of a normal beam.
+        theta, phi = (numpy.radians(data[name]) for name in ("theta_o_deg", "phi_o_deg"))
+        self.assertEqual(data["brdf"].shape, (len(data["theta_i_deg"]), len(theta), len(phi), 3))
+        ring = numpy.mean(0.5 * (data["brdf"][0][:, 1:] + data["brdf"][0][:, :-1]), axis=1)
+        ring *= 2 * math.pi * (numpy.sin(theta) * numpy.cos(theta))[:, None]
+        ring, theta = numpy.vstack([ring, numpy.zeros((1, 3))]), numpy.append(theta, math.pi / 2)
+        total = numpy.sum(0.5 * (ring[1:] + ring[:-1]) * numpy.diff(theta)[:, None], axis=0)
+        normal = json.loads(run("slab", "jade", "--json", "-").stdout)["diffuse_reflectance"]
+        for value, wanted in zip(total, normal):
+            self.assertAlmostEqual(value / wanted, 1, delta=0.02)
+
+    def test_pictures_and_csv_say_the_same(self):
+        import numpy
+        _, files = export(self.folder, "jade", "table")
+        data = numpy.load(self.folder / "jade.npz")
+        rows = [line for line in files["jade_profile.csv"].decode().splitlines() if not line.startswith("#")]
+        self.assertEqual(rows[0], "r_mm,R_R,R_G,R_B,T_R,T_G,T_B")
+        numbers = numpy.array([[float(x) for x in row.split(",")] for row in rows[1:]])
+        self.assertTrue(numpy.array_equal(numbers[:, 0], data["r_mm"]))
+        self.assertTrue(numpy.array_equal(numbers[:, 1:4], data["reflectance_profile"]))
+        for name, width, height in (("jade_profile.exr", len(data["r_mm"]), 2), ("jade_brdf.exr", 18 * 13, 6)):
+            picture = files[name]
+            self.assertEqual(struct.unpack("<I", picture[:4])[0], 20000630)  # the magic number of OpenEXR
+            at = picture.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
+            self.assertEqual(struct.unpack("<4i", picture[at:at + 16]), (0, 0, width - 1, height - 1))
+
+
+# MCX's input, as its schema has it.
+MCX = {"Session": {"ID", "Photons", "RNGSeed", "DoMismatch", "DoAutoThread", "DoSaveVolume", "DoSaveRef", "DoNormalize",
+                   "DoSpecular", "BCFlags"},
+       "Forward": {"T0", "T1", "Dt"}, "Optode": {"Source"},
+       "Domain": {"OriginType", "LengthUnit", "Dim", "Media"}, "Shapes": None}
+
+
+class Mcx(Folder):
+    def test_layers_are_voxels_of_the_same_optical_thickness(self):
+        result, files = export(self.folder, "donner_jensen_skin", "mcx")
+        data = json.loads(files["donner_jensen_skin_R.mcx.json"])
+        self.assertEqual(set(data), set(MCX))
+        for part, keys in MCX.items():
+            if keys:
+                self.assertEqual(set(data[part]), keys)
+        media, unit = data["Domain"]["Media"], data["Domain"]["LengthUnit"]
+        self.assertEqual([m["n"] for m in media], [1.0, 1.4, 1.34, 1.4])
+        grid, layers = data["Shapes"][0]["Grid"], data["Shapes"][1]["ZLayers"]
+        self.assertEqual(grid["Size"], data["Domain"]["Dim"])
+        self.assertEqual([first for first, _, _ in layers], [1] + [last + 1 for _, last, _ in layers[:-1]])
+        self.assertEqual(layers[-1][1], grid["Size"][2])
+        for (first, last, tag), thickness, sigma_s in zip(layers, (0.03, 0.05), (48, 32)):
+            self.assertAlmostEqual((last - first + 1) * unit * media[tag]["mus"], thickness * sigma_s, delta=1e-9)
+        for misfit in result["exports"][0]["misfit"]:
+            self.assertAlmostEqual(misfit["reflectance"]["obtained_total"], misfit["reflectance"]["wanted_total"], delta=2e-3)
+
+    def test_python_for_pyxopto_is_in_meters(self):
+        _, files = export(self.folder, "donner_jensen_skin", "mcx")
+        names = {}
+        exec(files["donner_jensen_skin_pyxopto.py"].decode(), names)
+        rows = names["layers"]["G"]
+        self.assertEqual([row["d"] for row in rows], [0.0, 3e-5, 5e-5, float("inf"), 0.0])
+        self.assertEqual(rows[1], {"d": 3e-5, "n": 1.4, "mua": 2100.0, "mus": 60000.0, "g": 0.0})
+
+
+class Everything(Folder):
+    """Every format on materials of every kind: files, or one line and exit code 2."""
+
+    CASES = [("donner_jensen_skin",), ("skin_type_6", "--bands", 550), ("green_leaf", "--bands", 550),
+             ("snow", "--bands", 550), ("dust", "--bands", 550), ("white_paint", "--bands", 550), ("painted_jade",), ("marble",),
+             ("hanrahan_krueger_skin",)]
+
+    def test_is_written_or_refused(self):
+        for material, *args in self.CASES:
+            with self.subTest(material):
+                result, files = export(self.folder / material, material, "all", *args)
+                self.assertEqual([one["format"] for one in result["exports"]], names())
+                for one in result["exports"]:
+                    self.assertNotEqual(bool(one["files"]), "refusal" in one)
+                    for misfit in one["misfit"]:
+                        for light in misfit.values():
+                            if not isinstance(light, str):
+                                self.assertTrue(all(math.isfinite(x) for x in light.values()), light)
+                for name, content in files.items():
+                    self.assertGreater(len(content), 100, name)
+                    if name.endswith((".json", ".mci", ".pbrt", ".xml", ".csv", ".py")):
+                        self.assertNotRegex(content.decode(), r"\bnan\b", name)
+                    if name.endswith(".json"):
+                        json.loads(content)
+                    if name.endswith(".xml"):
+                        mitsuba_plugins(content)
+                    if name.endswith(".pbrt"):
+                        pbrt_statements(content)
+
+    def test_what_does_not_scatter_is_layers_only(self):
+        clear = self.folder / "clear.json"
+        clear.write_text(json.dumps(CLEAR))
+        for name in names():
+            result = run("export", clear, "--to", name, "-o", self.folder / name)
+            if name in ("mcml", "mcx"):
+                self.assertEqual(result.returncode, 0, result.stderr)
+            else:
+                self.assertEqual(result.returncode, 2, name)
+                self.assertEqual(len(result.stderr.strip().splitlines()), 1)
+                self.assertFalse((self.folder / name).exists())
 
 
 class Command(Folder):

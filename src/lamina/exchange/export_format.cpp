@@ -14,22 +14,44 @@
 namespace lamina {
 namespace {
 
-/// To add a format: write its function in internal/NAME_format.cpp, declare it in
-/// internal/formats.h, and give it a row.
+// To add a format: docs/architecture.md, "An export format".
 constexpr std::array formats{
+    ExportFormat{.name = "gaussians",
+                 .about = "sums of Gaussians and a separable kernel for screen space, as JSON",
+                 .ending = ".json",
+                 .needs = ExportNeeds::light,
+                 .write = detail::write_gaussians},
+    ExportFormat{.name = "table",
+                 .about = "profile and BSDF on grids, as NPZ, CSV and EXR",
+                 .ending = ".npz",
+                 .needs = ExportNeeds::light,
+                 .write = detail::write_table},
     ExportFormat{
-        .name = "gaussians",
-        .about = "sums of Gaussians and a separable kernel for screen and texture space, JSON",
+        .name = "mixture",
+        .about = "three media, one taken at random per path, that make the profile, as JSON",
         .ending = ".json",
-        .channels = ExportChannels::rgb,
-        .needs = ExportNeeds::light,
-        .write = detail::write_gaussians},
+        .write = detail::write_mixture},
+    ExportFormat{
+        .name = "pbrt-v4",
+        .about = "a scene fragment: medium and boundary, subsurface, from afar, the layers",
+        .ending = ".pbrt",
+        .write = detail::write_pbrt},
+    ExportFormat{.name = "mitsuba3",
+                 .about = "a scene fragment for Mitsuba 3: medium and boundary, as XML",
+                 .ending = ".xml",
+                 .write = detail::write_mitsuba3},
     ExportFormat{.name = "mcml",
                  .about = "the layers as an input file of MCML 1.2, one run per band",
                  .ending = ".mci",
                  .channels = ExportChannels::bands,
                  .needs = ExportNeeds::layers,
                  .write = detail::write_mcml},
+    ExportFormat{.name = "mcx",
+                 .about = "the layers as JSON for MCX, one file per band, and for PyXOpto",
+                 .ending = ".json",
+                 .channels = ExportChannels::bands,
+                 .needs = ExportNeeds::layers,
+                 .write = detail::write_mcx},
 };
 
 void check(const ExportOptions& options) {
@@ -39,6 +61,31 @@ void check(const ExportOptions& options) {
   if (options.gaussians < 1 || options.gaussians > 40)
     throw InvalidInput("gaussians must lie in [1, 40], but is " +
                        std::to_string(options.gaussians));
+}
+
+/// What formats of some channels need, as far as one has asked for it.
+struct WorkedOut {
+  std::optional<ChannelLight> light;
+  std::optional<HomogeneousFit> fit;
+};
+
+/// Puts into the input what a format needs.
+void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
+              ExportInput& input) {
+  const ExportOptions& options = input.options;
+  input.channels = make_channels(input.material.bands, kind);
+  input.light.reset();
+  input.fit.reset();
+  if (format.needs == ExportNeeds::layers) return;
+  if (!known.light)
+    known.light = channel_light(input.material, input.stacks, kind, options.progress);
+  input.light = known.light;
+  if (format.needs != ExportNeeds::medium) return;
+  if (!known.fit)
+    known.fit = fit_homogeneous(
+        *known.light, input.stacks,
+        {.g = options.g, .ior = options.ior, .goal = options.goal, .progress = options.progress});
+  input.fit = known.fit;
 }
 
 }  // namespace
@@ -63,36 +110,20 @@ std::vector<ExportedMaterial> export_material(const Material& material,
                     .stacks = layer_stacks(material),
                     .stem = file_stem(material.name),
                     .options = options};
-  struct Worked {
-    ChannelLight light;
-    std::optional<HomogeneousFit> fit;
-  };
-  std::map<ExportChannels, Worked> worked;
+  std::map<ExportChannels, WorkedOut> worked_out;
   std::vector<ExportedMaterial> result;
   for (const ExportFormat* const format : formats_wanted) {
-    const ExportChannels kind = options.channels.value_or(format->channels);
-    input.channels = make_channels(material.bands, kind);
-    input.light.reset();
-    input.fit.reset();
-    if (format->needs != ExportNeeds::layers) {
-      if (!worked.contains(kind))
-        worked[kind].light = channel_light(material, input.stacks, kind, options.progress);
-      input.light = worked[kind].light;
+    try {
+      const ExportChannels kind = options.channels.value_or(format->channels);
+      work_out(*format, kind, worked_out[kind], input);
+      result.push_back(format->write(input));
+      if (input.fit)
+        result.back().notes.insert(result.back().notes.end(), input.fit->notes.begin(),
+                                   input.fit->notes.end());
+    } catch (const InvalidInput& error) {
+      if (!options.skips_refused) throw;
+      result.push_back({.refusal = error.what()});
     }
-    if (format->needs == ExportNeeds::medium) {
-      std::optional<HomogeneousFit>& fit = worked[kind].fit;
-      if (!fit)
-        fit = fit_homogeneous(worked[kind].light, input.stacks,
-                              {.g = options.g,
-                               .ior = options.ior,
-                               .goal = options.goal,
-                               .progress = options.progress});
-      input.fit = fit;
-    }
-    result.push_back(format->write(input));
-    if (input.fit)
-      result.back().notes.insert(result.back().notes.end(), input.fit->notes.begin(),
-                                 input.fit->notes.end());
   }
   return result;
 }

@@ -20,7 +20,8 @@ struct ExportOptions {
   std::optional<ExportChannels> channels;  ///< absent: those that the format has best
   std::optional<double> g, ior;  ///< of the one medium that stands for layers, as HomogeneousFit
   FitGoal goal = FitGoal::profile;
-  int gaussians = 6;  ///< how many a sum has, those of no width apart
+  int gaussians = 6;           ///< how many a sum has, those of no width apart
+  bool skips_refused = false;  ///< formats that cannot say what the material is are left out
   Progress progress = {};
 };
 
@@ -45,6 +46,7 @@ struct ExportedMaterial {
   std::vector<ExportedFile> files;     ///< the first is the one to open
   std::vector<std::string> notes;      ///< what the format cannot say, or says in another way
   std::vector<ChannelMisfit> misfits;  ///< per channel of the files; empty if nothing can be told
+  std::string refusal;                 ///< why there are no files, if formats may be left out
 };
 
 /// What a format asks to be worked out before it is written.
@@ -75,7 +77,8 @@ struct ExportFormat {
 /// Nothing is written: the files are handed over as bytes.
 ///
 /// @return  [format]
-/// @throws InvalidInput if a format cannot say what the material is; Interrupted.
+/// @throws InvalidInput if a format cannot say what the material is, unless that is skipped;
+///         Interrupted.
 [[nodiscard]] std::vector<ExportedMaterial> export_material(
     const Material& material, std::span<const ExportFormat* const> formats,
     const ExportOptions& options = {});

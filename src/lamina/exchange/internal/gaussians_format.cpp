@@ -145,7 +145,7 @@ ExportedMaterial write_gaussians(const ExportInput& input) {
   }
   result.misfits = channel_misfits(light, obtained);
   json["misfit"] = misfit_json(result.misfits);
-  result.files.push_back({input.stem + ".json", json.text(1) + "\n"});
+  result.files.push_back({input.stem + "_gaussians.json", json.text(1) + "\n"});
   return result;
 }
 

@@ -5,7 +5,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/exchange/internal/photon_formats.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 
 // Source: [Wang1995] §5.1.
@@ -58,36 +58,17 @@ std::string run_text(const McmlRun& run, const std::string& band) {
   return text + number_text(run.n_below) + "   # n below\n";
 }
 
-std::vector<std::string> notes_of(const Material& material, std::span<const LayerStack> stacks) {
-  std::vector<std::string> notes;
-  const auto any_layer = [&](const auto& holds) {
-    return std::ranges::any_of(stacks, [&](const LayerStack& stack) {
-      return std::ranges::any_of(stack.layers(), holds);
-    });
-  };
-  const auto any_stack = [&](const auto& holds) { return std::ranges::any_of(stacks, holds); };
-  if (!std::ranges::all_of(stacks, [](const LayerStack& s) { return is_smooth(s); }))
-    notes.emplace_back("boundaries are smooth in MCML; those of the material are rough");
-  if (any_layer([](const Layer& layer) {
-        return layer.medium.sigma_s > 0.0 &&
-               !std::holds_alternative<HenyeyGreenstein>(phase_function(layer));
-      }))
-    notes.emplace_back(
-        "MCML scatters by Henyey and Greenstein's function; where the material does by another, g "
-        "is its mean cosine");
-  if (any_layer(
-          [](const Layer& layer) { return layer.medium.sigma_s > 0.0 && layer.medium.g < 0.0; }))
-    notes.emplace_back("MCML 1.2 refuses g < 0; lamina photons and MCML's descendants take it");
-  if (any_stack([](const LayerStack& stack) { return stack.ground().reflectance > 0.0; }))
-    notes.emplace_back("there is no ground that reflects in MCML; light that reaches it leaves");
-  if (material.oiliness > 0.0) notes.emplace_back("the oily coat is left out");
-  return notes;
-}
-
 }  // namespace
 
 ExportedMaterial write_mcml(const ExportInput& input) {
-  ExportedMaterial result{.notes = notes_of(input.material, input.stacks)};
+  ExportedMaterial result{.notes = notes_of_photons("MCML", input)};
+  if (std::ranges::any_of(input.stacks, [](const LayerStack& stack) {
+        return std::ranges::any_of(stack.layers(), [](const Layer& layer) {
+          return layer.medium.sigma_s > 0.0 && layer.medium.g < 0.0;
+        });
+      }))
+    result.notes.emplace_back(
+        "MCML 1.2 refuses g < 0; lamina photons and MCML's descendants take it");
   std::string runs;
   std::vector<LayerStack> written;
   for (std::size_t b = 0; b < input.stacks.size(); ++b) {
@@ -96,15 +77,7 @@ ExportedMaterial write_mcml(const ExportInput& input) {
     written.push_back(layer_stack(run));
     runs += run_text(run, "band " + band + (input.material.bands.is_rgb() ? "" : " nm"));
   }
-  const auto wanted = adding_doubling(input.stacks), obtained = adding_doubling(written);
-  for (std::size_t b = 0; b < written.size(); ++b) {
-    const SlabTotals &from = wanted[b].totals, &to = obtained[b].totals;
-    result.misfits.push_back(
-        {.channel = input.channels.names[b],
-         .reflectance = {from.diffuse_reflectance, to.diffuse_reflectance, {}}});
-    if (!is_semi_infinite(input.stacks[b]))
-      result.misfits.back().transmittance = LightMisfit{from.transmittance, to.transmittance, {}};
-  }
+  result.misfits = beam_misfits(input, written);
   std::vector<std::string> lines = head_lines(input, "MCML 1.2");
   lines.emplace_back("lengths in cm; totals below are of a beam along the normal");
   for (const std::string& line : misfit_lines(result.misfits)) lines.push_back(line);
