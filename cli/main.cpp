@@ -19,6 +19,7 @@
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/reproduction/run_item.h"
+#include "shard_option.h"
 
 namespace {
 
@@ -134,6 +135,7 @@ void hold_closed_streams() {
 int main(int argc, char** argv) {
   hold_closed_streams();
   watch_for_signals();
+  set_words_of_call(argc, argv);
   const int code = run_and_explain(argc, argv);
   if (std::fclose(stdout) == 0) return code;
   say(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));

@@ -1,22 +1,25 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <set>
 
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
+#include "merge_options.h"
 #include "photons_report.h"
+#include "shard_option.h"
+#ifdef LAMINA_RENDER
+#include "lamina/render/film/film_shard.h"
+#endif
 
 namespace lamina::cli {
 namespace {
 
-struct MergeOptions {
-  CommonOptions common;
-  std::vector<std::string> files;
-  std::string plot;
-};
+namespace fs = std::filesystem;
 
 /// Adds the runs of one file to the sum.
 void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
@@ -48,43 +51,141 @@ void add_runs(std::vector<PhotonRun>& sum, const std::vector<PhotonRun>& runs,
   }
 }
 
-void run_merge(const MergeOptions& options) {
+void merge_photons(const MergeOptions& options) {
   std::vector<PhotonRun> sum = load_photon_runs(options.files[0], options.common.memory);
   for (std::size_t i = 1; i < options.files.size(); ++i)
     add_runs(sum, load_photon_runs(options.files[i], options.common.memory), options.files[i]);
   const std::set<int>& done = sum[0].shards;
   const int of = sum[0].of;
-  const std::size_t absent = static_cast<std::size_t>(of) - done.size();
-  if (absent > 0) {
-    std::vector<std::string> missing;
-    for (int i = 0; i < of && missing.size() < 20; ++i)
-      if (!done.contains(i)) missing.push_back(fmt::format("{}/{}", i, of));
-    say(fmt::format("warning: {} of {} shards are missing: {}{}", absent, of,
-                    fmt::join(missing, ", "), absent > missing.size() ? ", ..." : ""));
-  } else {
+  std::vector<int> missing;
+  for (int i = 0; i < of; ++i)
+    if (!done.contains(i)) missing.push_back(i);
+  report_missing(missing, of, options.needs_all,
+                 [](int) { return std::vector<std::string>(); });  // the files do not say
+  if (missing.empty())
     for (PhotonRun& run : sum) run.shards = {0}, run.of = 1;
-  }
   print_photon_runs(sum, "merge", options.common, true, options.plot);
+}
+
+/// The files, and in place of folders the shards in them.
+std::vector<std::string> found_files(const std::vector<std::string>& named) {
+  std::vector<std::string> files;
+  for (const std::string& name : named) {
+    std::error_code error;
+    if (!fs::is_directory(name, error)) {
+      files.push_back(name);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (const fs::directory_entry& entry : fs::directory_iterator(name, error))
+      if (entry.path().extension() == ".shard") files.push_back(entry.path().string());
+    if (error) throw FileError(name + ": " + error.message());
+    if (files.size() == before) throw InvalidInput(name + ": holds no file that ends in .shard");
+    std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+  }
+  return files;
+}
+
+void refuse(const Command& command, const std::vector<const char*>& names, const std::string& why) {
+  for (const char* name : names)
+    if (command.is_given(name)) throw InvalidInput(fmt::format("{}: {}", name, why));
+}
+
+constexpr auto of_pictures = {"--output", "--channels", "--noise", "--exposure", "--denoise"};
+
+void run_merge(MergeOptions& options, const Command& command) {
+  options.files = found_files(options.files);
+#ifdef LAMINA_RENDER
+  if (is_film_shard(options.files[0])) {
+    refuse(command, {"--plot"}, "is for shards of photons, but these are of a picture");
+    return merge_render(options);
+  }
+#endif
+  refuse(command, of_pictures, "is for shards of a picture, but these are of photons");
+  merge_photons(options);
 }
 
 }  // namespace
 
+void report_missing(const std::vector<int>& missing, int of, bool needs_all,
+                    const std::function<std::vector<std::string>(int shard)>& make) {
+  if (missing.empty()) return;
+  constexpr std::size_t most_told = 20;
+  std::vector<std::string> told;
+  for (const int shard : missing) {
+    if (told.size() == most_told) break;
+    told.push_back(fmt::format("{}/{}", shard, of));
+  }
+  const std::string what =
+      fmt::format("{} of {} shards are missing: {}{}", missing.size(), of, fmt::join(told, ", "),
+                  missing.size() > told.size() ? ", ..." : "");
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const std::vector<std::string> words = make(missing[i]);
+    if (!words.empty()) say("missing: " + command_line(words));
+  }
+  if (needs_all) throw FileError(what);
+  say("warning: " + what);
+}
+
 void add_merge_command(CLI::App& app) {
   auto options = std::make_shared<MergeOptions>();
   const Command command(app, "merge",
-                        "Adds the shards of a photon run; all of them make the whole.");
-  command.add_option("files", options->files, "what `lamina photons --shard I/N --json` wrote")
+                        "Adds the shards of photon runs and of pictures; all of them make the "
+                        "whole, bit by bit.");
+  command
+      .add_option(
+          "files", options->files,
+          "what `lamina photons --shard I/N --json` or `lamina render --shard I/N` wrote, in "
+          "any order, or folders of files that end in .shard")
       .required()
       .type_name("FILE");
-  command.add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG",
-                          ".svg");
+  command.add_flag("--all", options->needs_all,
+                   "ends with exit code 2 where shards are missing, in place of a warning");
+  command
+      .add_option("-o,--output", options->output,
+                  "IMAGE as of `lamina render`; or X.shard, which holds the sums of all files and "
+                  "can be merged again")
+      .type_name("FILE")
+      .group("Pictures");
+  command
+      .add_option("--channels", options->channels,
+                  "of IMAGE.exr, as in R,G,B,variance; all, if it is not given. Colors and noise "
+                  "alone take less memory and time")
+      .type_name("NAME,NAME,...")
+      .delimiter(',')
+      .group("Pictures");
+  command
+      .add_option("--noise", options->noise,
+                  "says where the standard error is above this fraction of the brightness, and how "
+                  "many samples would do; exit code 1 then, with the picture written")
+      .type_name("X")
+      .range(0.0, 1.0)
+      .group("Pictures");
+  command
+      .add_flag("--denoise", options->denoises,
+                "averages over what looks alike within the noise, as `lamina render` does")
+      .group("Pictures");
+  options->exposure_given =
+      command.add_option("--exposure", options->exposure, "stops, for the PNG only")
+          .type_name("EV")
+          .range(-50.0, 50.0)
+          .group("Pictures");
+  command
+      .add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG", ".svg")
+      .group("Photons");
   add_common_options(command, options->common);
   command.footer(
+      "Shards of other scenes, seeds, versions or splits, and samples that are there twice, are "
+      "refused by name.\n"
       "Example: two machines share a run\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 0/2 --json a.json\n"
       "  lamina photons donner_jensen_skin --photons 1e9 --shard 1/2 --json b.json\n"
-      "  lamina merge a.json b.json --json all.json");
-  command.callback([options] { run_merge(*options); });
+      "  lamina merge a.json b.json --json all.json\n"
+      "and a picture\n"
+      "  lamina render scenes/sphere_skin.json --shard 0/2 -o a.shard\n"
+      "  lamina render scenes/sphere_skin.json --shard 1/2 -o b.shard\n"
+      "  lamina merge a.shard b.shard -o sphere.png");
+  command.callback([options, command] { run_merge(*options, command); });
 }
 
 }  // namespace lamina::cli

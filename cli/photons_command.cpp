@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -144,20 +143,6 @@ void run_photons(const PhotonsOptions& options) {
 }
 
 }  // namespace
-
-Shard read_shard(const std::string& text) {
-  Shard shard;
-  const char* end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  if (index.ec == std::errc() && index.ptr != end && *index.ptr == '/') {
-    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
-    if (count.ec == std::errc() && count.ptr == end && shard.count >= 1 && shard.index >= 0 &&
-        shard.index < shard.count)
-      return shard;
-  }
-  throw InvalidInput(
-      fmt::format("--shard: must be I/N with 0 <= I < N, such as 0/4, but is \"{}\"", text));
-}
 
 void add_photons_command(CLI::App& app) {
   auto options = std::make_shared<PhotonsOptions>();

@@ -7,6 +7,7 @@
 
 #include "monte_carlo_method.h"
 #include "photons_report.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 
@@ -37,9 +38,6 @@ struct PhotonsOptions {
   bool resumes = false;
   bool with_counts = false;
 };
-
-/// "I/N". @throws InvalidInput
-[[nodiscard]] Shard read_shard(const std::string& text);
 
 /// Whether the result has the raw sums.
 [[nodiscard]] inline bool writes_counts(const PhotonsOptions& options) {

@@ -23,6 +23,7 @@
 #include "lamina/scene/subsurface_methods.h"
 #include "picture_files.h"
 #include "render_comparison.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
@@ -31,10 +32,11 @@ namespace fs = std::filesystem;
 
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, profile, cache, single_scattering;
+  std::string scene, output, method, profile, cache, single_scattering, shard;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
-  bool needs_cache = false, resumes = false, denoises = false, corrects = false;
+  bool needs_cache = false, resumes = false, denoises = false, corrects = false,
+       only_prepares = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -127,9 +129,101 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
                  options.common);
 }
 
+/// Where the part of --shard goes: beside where the picture would be without the option.
+fs::path shard_file(const RenderCommandOptions& options, const Shard& shard) {
+  if (lower_case_ending(options.output) == ".shard") return options.output;
+  std::error_code ignored;
+  if (!options.output.empty() && !fs::is_directory(options.output, ignored))
+    throw InvalidInput("--output: must end in .shard with --shard, but is " + options.output);
+  if (options.scene == "-")
+    throw InvalidInput("--output: must name the shard of what standard input describes");
+  return fs::path(options.output) / fmt::format("{}.{}-of-{}.shard",
+                                                fs::path(options.scene).stem().string(),
+                                                shard.index, shard.count);
+}
+
+/// The options that a part of the samples cannot have.
+void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) {
+  if (options.denoises)
+    throw InvalidInput("--denoise: is for `lamina merge`, which has all samples, not for --shard");
+  if (options.noise > 0.0f || scene.render.noise > 0.0f)
+    throw InvalidInput(
+        "--noise: does not go with --shard, which does not know the noise of the others; `lamina "
+        "merge --noise` tells it. Where the scene file has it, --noise 0");
+}
+
+/// Makes what all shards share.
+void run_preparation(const RenderCommandOptions& options, const Scene& scene) {
+  const RenderResult result = render(scene,
+                                     {.cache = options.cache,
+                                      .memory = options.common.memory,
+                                      .only_prepares = true,
+                                      .on_notice = say},
+                                     make_progress("preparing", Keeps::nothing));
+  if (!result.statistics.is_complete) throw Interrupted();
+  JsonOutput json = make_result("render");
+  json["method"] = std::string(result.statistics.method.name());
+  json["cpu_seconds"] = result.statistics.cpu_seconds;
+  write_json(json, options.common);
+  print(options.common,
+        fmt::format("prepared{}: {:.1f} s CPU\n", options.cache.empty() ? "" : " " + options.cache,
+                    result.statistics.cpu_seconds));
+}
+
+/// Renders the part of --shard.
+void run_shard(const RenderCommandOptions& options, const Scene& scene, const fs::path& file) {
+  const fs::path checkpoint = fs::path(file).replace_extension(".unfinished");
+  const auto say_how_to_go_on = [&] {
+    if (fs::exists(checkpoint))
+      say("stopped early; the same command with --resume goes on from " + checkpoint.string());
+  };
+  RenderResult result;
+  try {
+    result = render(scene,
+                    {.cache = options.cache,
+                     .memory = options.common.memory,
+                     .needs_cache = options.needs_cache,
+                     .checkpoint = checkpoint,
+                     .resumes = options.resumes,
+                     .part = RenderOptions::Part{.shard = read_shard(options.shard),
+                                                 .file = file,
+                                                 .version = LAMINA_VERSION,
+                                                 .command = words_of_shards(words_of_call())},
+                     .on_notice = say},
+                    make_progress("rendering"));
+  } catch (const Interrupted&) {
+    say_how_to_go_on();
+    throw;
+  }
+  const RenderStatistics& s = result.statistics;
+  warn(s.warnings);
+  if (!s.is_complete) {
+    say_how_to_go_on();
+    throw Interrupted();
+  }
+  JsonOutput json = make_result("render");
+  json["method"] = std::string(s.method.name());
+  json["shard"] = options.shard;
+  json["wall_seconds"] = s.wall_seconds;
+  json["cpu_seconds"] = s.cpu_seconds;
+  json["samples_per_pixel"] = s.samples_per_pixel;
+  json["peak_memory_mib"] = s.peak_memory_mib;
+  write_json(json, options.common);
+  print(options.common,
+        fmt::format("{}\n{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {:.0f} MiB\n",
+                    file.string(), s.wall_seconds, s.cpu_seconds, s.samples_per_pixel,
+                    s.peak_memory_mib));
+}
+
 void run_render(const RenderCommandOptions& options) {
-  const PictureFiles files = picture_files(options.output, options.scene);
-  require_different({{"--output", files.exr},
+  const bool is_shard = !options.shard.empty();
+  const std::string shard = is_shard ? shard_file(options, read_shard(options.shard)).string() : "";
+  require_writable(shard);
+  const PictureFiles files = is_shard || options.only_prepares
+                                 ? PictureFiles()
+                                 : picture_files(options.output, options.scene);
+  require_different({{"--output", shard},
+                     {"--output", files.exr},
                      {"--output", files.png},
                      {"--json", options.common.json},
                      {"--cache", options.cache},
@@ -146,6 +240,12 @@ void run_render(const RenderCommandOptions& options) {
   if (options.needs_cache && options.cache.empty())
     throw InvalidInput("--cache-only: goes with --cache, which is not given");
   if (!options.needs_cache) require_writable(options.cache);
+  if (options.only_prepares) return run_preparation(options, scene);
+  if (is_shard) {
+    if (!options.compared.empty()) throw InvalidInput("--compare: does not go with --shard");
+    refuse_with_shard(options, scene);
+    return run_shard(options, scene, shard);
+  }
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
   const fs::path checkpoint = checkpoint_file(files);
@@ -278,6 +378,14 @@ void add_render_command(CLI::App& app) {
   command.add_flag("--resume", options->resumes,
                    "goes on with a picture that was stopped or killed: the result is the same as "
                    "without. A file IMAGE.unfinished keeps what there is, every half minute");
+  command
+      .add_option("--shard", options->shard,
+                  "does part I of N of the samples of all pixels, for `lamina merge`, which makes "
+                  "the same picture of all parts; --output is then X.shard")
+      .type_name("I/N");
+  command.add_flag("--prepare", options->only_prepares,
+                   "makes no picture but what shards share: the light of --cache, and the profiles "
+                   "that lamina keeps on disk");
   command.add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
       .type_name("N")
       .range(1, 16384);

@@ -15,6 +15,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/file_parts.h"
 
 namespace lamina {
 namespace {
@@ -96,7 +97,7 @@ class Beside {
       if (number < 0 && errno == EEXIST) continue;
       if (number < 0) fail();
       // Between opening and locking, another process may have taken it for left over.
-      struct stat status{};
+      struct stat status {};
       const bool is_locked = flock(number, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
       if (is_locked && fstat(number, &status) == 0 && status.st_nlink > 0) {
         name_ = name;
@@ -120,7 +121,7 @@ void sweep(const fs::path& folder) {
     if (!name.starts_with(before_name) || !name.ends_with(after_name)) continue;
     const Descriptor file(
         open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-    struct stat status{};
+    struct stat status {};
     if (file.is_open() && fstat(file.number(), &status) == 0 && S_ISREG(status.st_mode) &&
         status.st_uid == geteuid() && flock(file.number(), LOCK_EX | LOCK_NB) == 0)
       unlink(entry->path().c_str());
@@ -130,25 +131,25 @@ void sweep(const fs::path& folder) {
 /// Whether this is a link that the user or the system has made. Those of others, in a folder that
 /// all may write to, could lead to any of the user's files: they are replaced.
 bool is_to_be_followed(const fs::path& file) {
-  struct stat status{};
+  struct stat status {};
   return lstat(file.c_str(), &status) == 0 && S_ISLNK(status.st_mode) &&
          (status.st_uid == geteuid() || status.st_uid == 0);
 }
 
 /// Such as /dev/stdout: no renaming.
-void write_into(const fs::path& device, std::span<const std::byte> bytes) {
+void write_into(const fs::path& device, const WriteParts& write_parts) {
   Descriptor file(open(device.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
   if (!file.is_open()) fail();
-  file.write(bytes);
+  write_parts([&](std::span<const std::byte> part) { file.write(part); });
   file.close();
 }
 
-void replace(const fs::path& target, std::span<const std::byte> bytes, Lasting lasting) {
+void replace(const fs::path& target, const WriteParts& write_parts, Lasting lasting) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   sweep(folder);
   Beside beside(folder);
-  beside.file().write(bytes);
-  struct stat before{};
+  write_parts([&](std::span<const std::byte> part) { beside.file().write(part); });
+  struct stat before {};
   if (stat(target.c_str(), &before) == 0) fchmod(beside.file().number(), before.st_mode & 0777);
   if (lasting == Lasting::power_loss) beside.file().synchronize();
   beside.take_place_of(target);
@@ -160,19 +161,24 @@ void replace(const fs::path& target, std::span<const std::byte> bytes, Lasting l
 
 }  // namespace
 
-void write_file_bytes(const fs::path& file, std::span<const std::byte> bytes, Lasting lasting) {
+void write_file_parts(const fs::path& file, const WriteParts& write_parts, Lasting lasting) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   try {
     if (fs::is_directory(status)) fail(EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status)) return write_into(file, bytes);
+    if (fs::exists(status) && !fs::is_regular_file(status)) return write_into(file, write_parts);
     fs::path target = file;
     for (int links = 0; links < 40 && is_to_be_followed(target); ++links)
       target = target.parent_path() / fs::read_symlink(target, error);
-    replace(target, bytes, lasting);
+    replace(target, write_parts, lasting);
   } catch (const std::system_error& failure) {
     throw WriteError(file.string() + ": cannot be written: " + failure.code().message());
   }
+}
+
+void write_file_bytes(const fs::path& file, std::span<const std::byte> bytes, Lasting lasting) {
+  write_file_parts(
+      file, [&](const WritePart& write) { write(bytes); }, lasting);
 }
 
 }  // namespace lamina

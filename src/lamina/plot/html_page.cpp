@@ -4,6 +4,7 @@
 #include <span>
 
 #include "lamina/io/base64.h"
+#include "lamina/io/shell_text.h"
 
 namespace lamina {
 namespace {
@@ -81,10 +82,7 @@ std::string html_table(std::span<const HtmlColumn> columns,
 
 std::string lamina_command_line(std::span<const std::string> arguments) {
   std::string line = "lamina";
-  for (const std::string& argument : arguments) {
-    const bool is_plain = argument.find_first_of(" '\"[]{}()*?$&;|<>#~") == std::string::npos;
-    line += is_plain ? ' ' + argument : " '" + argument + "'";
-  }
+  for (const std::string& argument : arguments) line += ' ' + shell_quoted(argument);
   return line;
 }
 

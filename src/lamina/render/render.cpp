@@ -11,9 +11,11 @@
 #include <string>
 
 #include "lamina/core/error.h"
+#include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/compare.h"
 #include "lamina/render/film/film_accumulator.h"
+#include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/film/tile_passes.h"
 #include "lamina/render/geometry/camera_rays.h"
@@ -125,8 +127,9 @@ void report_profiles(const Scene& scene, RenderStatistics& statistics) {
     const auto source = profiles.source(surface->material);
     statistics.profiles.push_back({m, source});
     if (source != profile_of(scene.render) && !surface->material.is_by_diffusion)
-      statistics.warnings.push_back("material \"" + scene.materials[m].name + "\": its profile is by " +
-                                    std::string(name_of(source)) + ", for radiative transfer refuses it: " +
+      statistics.warnings.push_back("material \"" + scene.materials[m].name +
+                                    "\": its profile is by " + std::string(name_of(source)) +
+                                    ", for radiative transfer refuses it: " +
                                     transfer_refusal(surface->material).value_or(""));
   }
 }
@@ -144,12 +147,66 @@ std::string describe(const RenderStatistics& statistics, bool may_end_early) {
          (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s";
 }
 
+/// The samples of each pixel that are asked for.
+IndexRange sample_range(const Scene& scene, const RenderOptions& options) {
+  return range_of(options.part ? options.part->shard : Shard{}, scene.render.samples_per_pixel);
+}
+
+/// What a checkpoint follows from: the picture, and the part of it.
+std::uint64_t checkpoint_key(std::uint64_t picture, const RenderOptions& options) {
+  if (!options.part) return picture;
+  Hash hash;
+  hash.add(picture);
+  hash.add(options.part->shard.index);
+  hash.add(options.part->shard.count);
+  return hash.value();
+}
+
+void check_part(const Scene& scene, const RenderOptions& options) {
+  if (!options.part) return;
+  const auto& [index, count] = options.part->shard;
+  if (count < 1 || count > scene.render.samples_per_pixel)
+    throw InvalidInput("render: a picture of " + std::to_string(scene.render.samples_per_pixel) +
+                       " samples per pixel can have at most as many shards, but is to have " +
+                       std::to_string(count));
+  if (index < 0 || index >= count)
+    throw InvalidInput("render: the shard must lie in [0, " + std::to_string(count) + "), but is " +
+                       std::to_string(index));
+  if (scene.render.noise > 0.0f)
+    throw InvalidInput(
+        "render: noise must be 0 for a shard, which does not know the noise of the others, but "
+        "is " +
+        number_text(static_cast<double>(scene.render.noise)));
+}
+
+/// @param picture_key  of the scene, whose method may have been left open
+void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t picture_key,
+               const RenderStatistics& statistics, const FilmAccumulator& film) {
+  save_film_shard(options.part->file,
+                  {.version = options.part->version,
+                   .program = program_key(),
+                   .key = picture_key,
+                   .method = std::string(statistics.method.name()),
+                   .seed = scene.render.seed,
+                   .width = film.width(),
+                   .height = film.height(),
+                   .samples = scene.render.samples_per_pixel,
+                   .shards = options.part->shard.count,
+                   .ranges = {sample_range(scene, options)},
+                   .view = scene.film.view,
+                   .exposure = static_cast<double>(scene.film.exposure),
+                   .command = options.part->command,
+                   .cpu_seconds = statistics.cpu_seconds},
+                  film);
+}
+
 /// @param cpu_before  time before all that was done for the picture [CPU s]
+/// @param key         becomes that of the picture
 /// @return            whether it was completed
 template <int N>
 bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions& options,
                   const Progress& progress, double cpu_before, FilmAccumulator& film,
-                  RenderStatistics& statistics) {
+                  RenderStatistics& statistics, std::uint64_t& key) {
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
@@ -180,19 +237,22 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   statistics.corrections = report.corrections;
   statistics.warnings = report.warnings;
   report_profiles(*scene.scene, statistics);
-  if (!is_prepared) return false;
+  if (!is_prepared || options.only_prepares) return is_prepared;
 
-  const auto sample = [&](int x, int y, int i) {
+  key = picture_key(*scene.scene, options);
+  const IndexRange range = sample_range(*scene.scene, options);
+  const auto sample = [&](int x, int y, int in_range) {
+    const auto i = static_cast<int>(range.begin) + in_range;
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
                         static_cast<std::uint32_t>(i));
     const Ray ray = camera.make_ray(x, y, random);
     return tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
   };
   return add_tile_passes(sample,
-                         {.samples = settings.samples_per_pixel,
+                         {.samples = static_cast<int>(range.size()),
                           .noise = settings.noise,
                           .checkpoint = options.checkpoint,
-                          .key = picture_key(*scene.scene, options),
+                          .key = checkpoint_key(key, options),
                           .resumes = options.resumes},
                          progress, film);
 }
@@ -215,6 +275,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
           scene.render.max_bounces);
   require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
+  check_part(scene, options);
   require_honoured(scene);
   const BandSet bands = common_bands(scene);
   const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
@@ -222,19 +283,29 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   FilmAccumulator film(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;
+  const auto measure = [&] {
+    statistics.cpu_seconds = cpu_seconds() - cpu_before;
+    statistics.peak_memory_mib = peak_memory_mib();
+    statistics.wall_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  std::uint64_t key = 0;
   statistics.is_complete =
-      (bands.size() <= 4 ? trace_passes<4>
-       : bands.size() <= 8
-           ? trace_passes<8>
-           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film, statistics);
+      (bands.size() <= 4   ? trace_passes<4>
+       : bands.size() <= 8 ? trace_passes<8>
+                           : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film,
+                                               statistics, key);
+  measure();
+  if (options.only_prepares) return result;
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
-  result.image = film.image();
   statistics.samples_per_pixel = film.mean_samples();
-  statistics.relative_noise = relative_noise(result.image, film.measured_pixels());
-  statistics.cpu_seconds = cpu_seconds() - cpu_before;
-  statistics.peak_memory_mib = peak_memory_mib();
-  statistics.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (options.part) {
+    if (statistics.is_complete) save_part(scene, options, key, statistics, film);
+    return result;
+  }
+  result.image = film.image();
+  statistics.relative_noise = relative_noise(result.image, measured_pixels(film.covers()));
+  measure();
   return result;
 }
 

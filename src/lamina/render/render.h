@@ -41,6 +41,7 @@ struct RenderResult {
   /// Channels R, G, B (linear Rec.709), subsurface.*, specular.*, albedo.* (R, G, B), normal.X, .Y,
   /// .Z (outward, world space), depth.Z [mm, infinite where nothing is], samples, and variance (of
   /// the pixel's luminance, if its samples were independent; stratification makes it smaller).
+  /// Empty where RenderOptions asks for a part, or for preparation alone.
   Image image;
   RenderStatistics statistics;
 };

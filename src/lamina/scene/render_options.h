@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lamina/core/memory_budget.h"
+#include "lamina/core/shard.h"
 
 namespace lamina {
 
@@ -32,6 +33,17 @@ struct RenderOptions {
   /// image is complete. Empty: none.
   std::filesystem::path checkpoint;
   bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
+
+  /// A part of the samples of all pixels, whose sums go into a file: render/film/film_shard.h adds
+  /// them up to the picture, bit by bit. The result then has no image.
+  struct Part {
+    Shard shard;
+    std::filesystem::path file;
+    std::string version;               ///< of lamina, for the file
+    std::vector<std::string> command;  ///< that makes a part, without shard and file: also for it
+  };
+  std::optional<Part> part;
+  bool only_prepares = false;  ///< ends before the samples: the cache is then made, and profiles
 
   /// How to make methods that lamina does not bring, see render/subsurface/methods.
   std::vector<const SubsurfaceMethodMaker*> more_methods;

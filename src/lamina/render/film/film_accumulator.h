@@ -7,11 +7,13 @@
 
 #include "lamina/image/image.h"
 #include "lamina/render/film/camera_sample.h"
+#include "lamina/render/film/film_pixel.h"
 
 namespace lamina {
 
-/// Sums of the samples of each pixel. Pixels are independent: different ones may be added to from
-/// different threads.
+/// Sums of the samples of each pixel, exact: films that share the samples among them add up to what
+/// one film of all samples holds, bit by bit. Pixels are independent: different ones may be added
+/// to from different threads.
 class FilmAccumulator {
  public:
   FilmAccumulator(int width, int height);
@@ -21,9 +23,7 @@ class FilmAccumulator {
   /// The means, with the channels that RenderResult lists.
   [[nodiscard]] Image image() const;
 
-  /// [y][x], whether a pixel tells of the noise: all its samples met a translucent surface or, if
-  /// no pixel is like that, any surface.
-  [[nodiscard]] std::vector<bool> measured_pixels() const;
+  [[nodiscard]] std::vector<PixelCover> covers() const;  ///< [y][x]
 
   [[nodiscard]] double mean_samples() const;
   [[nodiscard]] int least_samples() const;  ///< of all pixels
@@ -35,6 +35,9 @@ class FilmAccumulator {
   /// Averages over the pixels from (x0, y0) up to (x1, y1), which is not one of them.
   [[nodiscard]] Luminance luminance_of(int x0, int y0, int x1, int y1) const;
 
+  [[nodiscard]] std::span<const FilmPixel> pixels() const { return pixels_; }  ///< [y][x]
+  [[nodiscard]] std::span<FilmPixel> pixels() { return pixels_; }
+
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
@@ -45,16 +48,12 @@ class FilmAccumulator {
   void restore(std::span<const std::byte> bytes);
 
  private:
-  struct Pixel {
-    Vec3f beauty, subsurface, specular, normal, albedo;
-    float depth = 0.0f;
-    float luminance_mean = 0.0f, luminance_spread = 0.0f;  ///< Welford's running mean and sum
-    int samples = 0, hits = 0, subsurface_hits = 0;
-  };
-  static float variance_of_mean(const Pixel& pixel);
-
   int width_, height_;
-  std::vector<Pixel> pixels_;
+  std::vector<FilmPixel> pixels_;
 };
+
+/// [y][x], whether a pixel tells of the noise: all its samples met a translucent surface or, if no
+/// pixel is like that, any surface.
+[[nodiscard]] std::vector<bool> measured_pixels(std::span<const PixelCover> covers);
 
 }  // namespace lamina

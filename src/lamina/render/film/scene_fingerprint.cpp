@@ -226,6 +226,12 @@ void add_shared(SceneHash& hash, const RenderSettings& settings, const RenderOpt
 
 }  // namespace
 
+std::uint64_t program_key() {
+  Hash hash;
+  hash.add_text(LAMINA_RENDER_FINGERPRINT);
+  return hash.value();
+}
+
 LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options) {
   SceneHash settings(true);
   add_shared(settings, scene.render, options);
@@ -263,12 +269,13 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(samples_per_pixel);
   hash.add(noise);
   add_numbers(hash, scene.render);
-  const auto& [direct_light, cache, memory, needs_cache, checkpoint, resumes, more_methods,
-               on_notice] = options;
+  const auto& [direct_light, cache, memory, needs_cache, checkpoint, resumes, part, only_prepares,
+               more_methods, on_notice] = options;
   (void)direct_light;       // shared
   (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
+  (void)part, (void)only_prepares;
   return hash.value();
 }
 

@@ -19,6 +19,9 @@ struct LightFingerprint {
 
 [[nodiscard]] LightFingerprint light_fingerprint(const Scene& scene, const RenderOptions& options);
 
+/// The program, as far as it makes pictures.
+[[nodiscard]] std::uint64_t program_key();
+
 /// All that the samples of a picture follow from: the scene with its camera, the size of the
 /// picture, how it is rendered, and the program.
 [[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);

@@ -7,6 +7,7 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/progress.h"
+#include "lamina/core/shard.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 #include "lamina/scattering/profile/slab_totals.h"
@@ -31,13 +32,6 @@ inline constexpr auto enum_names<Beam::Shape> =
                                           {"gaussian", Beam::Shape::gaussian},
                                           {"flat", Beam::Shape::flat}});
 
-/// A part of a run, so that several machines can share it: the batches of photons whose number is
-/// `index` modulo `count`.
-struct Shard {
-  int index = 0;  ///< in [0, count)
-  int count = 1;  ///< >= 1
-};
-
 struct MonteCarloOptions {
   std::uint64_t photons = 1'000'000;  ///< of the whole run, all shards together; in [1, 1e15]
   std::uint64_t seed = 0;
@@ -54,7 +48,7 @@ struct MonteCarloOptions {
   /// If > 0, stops after this wall-clock time. What is then finished depends on the machine.
   double seconds = 0.0;
 
-  Shard shard;
+  Shard shard;  ///< of the batches of photons: those whose number is its index modulo its count
 
   /// A photon that has met so many scatterers and boundaries is given up and counted as unfinished.
   std::uint32_t max_events = 500'000;
