@@ -302,8 +302,8 @@ TEST(MeshFile, RefusesWhatItCannotRead) {
     return message_of([&] { (void)load_polygon_mesh(file); });
   };
   EXPECT_EQ(refusal("none.obj"), "none.obj: there is no such file");
-  EXPECT_EQ(refusal("head.fbx"),
-            "head.fbx: a mesh must be .obj, .ply, .gltf or .glb, but is \".fbx\"");
+  EXPECT_EQ(refusal("head.max"),
+            "head.max: a mesh must be .obj, .ply, .gltf or .glb, but is \".max\"");
   const std::string folder = testing::TempDir() + "folder.ply";
   std::filesystem::create_directory(folder);
   EXPECT_EQ(refusal(folder), folder + ": is a folder, but must be a file");

@@ -138,5 +138,59 @@ TEST(CatmullClark, RefusesToFillTheMemory) {
       "rectangle: 160000 faces, subdivided 6 times, must not give more than 100 million faces");
 }
 
+/// The cube [-1, 1]³ with sharp edges around its top, z = 1.
+PolygonMesh creased_cube(float sharpness) {
+  PolygonMesh cube = unified(make_box({2, 2, 2}, 1));
+  for (std::uint32_t a = 0; a < 8; ++a)
+    for (std::uint32_t b = a + 1; b < 8; ++b)
+      if (cube.positions[a].z == 1.0F && cube.positions[b].z == 1.0F &&
+          length(cube.positions[a] - cube.positions[b]) == 2.0F)
+        cube.creases.push_back({a, b, sharpness});
+  return cube;
+}
+
+// [DeRose1998] §3: a crease is a cubic B-spline of its own. By hand: its vertices go to
+// 3/4 (1, 1) + 1/8 ((-1, 1) + (1, -1)) = (3/4, 3/4), its edge points to the middles.
+TEST(Creases, AreCubicBSplinesInTheirPlane) {
+  ASSERT_EQ(creased_cube(1).creases.size(), 4U);
+  const PolygonMesh once = subdivide_catmull_clark(creased_cube(1), 1);
+  EXPECT_TRUE(has_position(once, {0.75F, 0.75F, 1}));
+  EXPECT_TRUE(has_position(once, {1, 0, 1}));
+  constexpr float vertex = 5.0F / 9.0F;
+  EXPECT_TRUE(has_position(once, {vertex, vertex, -vertex}));  // the smooth corner below
+  EXPECT_FALSE(has_position(once, {vertex, vertex, vertex}));
+  // With a sharpness of 5 the rim stays in the plane for five steps; after one it is rounded.
+  const auto reach_of_top = [](float sharpness) {
+    float reach = 0.0F;
+    for (const Vec3f& p : subdivide_catmull_clark(creased_cube(sharpness), 5).positions)
+      if (p.z > 0.9999F) reach = std::max(reach, p.x);
+    return reach;
+  };
+  // The curve of a square's corners passes (23 + 23 - 1 - 1) / 48 in the middle of its sides.
+  EXPECT_NEAR(reach_of_top(5), 11.0F / 12.0F, 5e-4F);
+  EXPECT_LT(reach_of_top(1), 0.8F);
+}
+
+TEST(Creases, OfAFractionAreTheMeanOfSmoothAndSharp) {
+  const PolygonMesh once = subdivide_catmull_clark(creased_cube(0.25F), 1);
+  constexpr float smooth = 5.0F / 9.0F;
+  EXPECT_TRUE(has_position(once, {0.75F * smooth + 0.25F * 0.75F, 0.75F * smooth + 0.25F * 0.75F,
+                                  0.75F * smooth + 0.25F}));
+  EXPECT_TRUE(has_position(once, {0.75F * 0.75F + 0.25F, 0, 0.75F * 0.75F + 0.25F}));
+}
+
+TEST(Creases, OfAllEdgesKeepAPolyhedron) {
+  const PolygonMesh fine =
+      subdivide_catmull_clark(unified(make_box({2, 2, 2}, 1)), 3, {.angle = 1.0});
+  for (const float x : {-1.0F, 1.0F})
+    for (const float y : {-1.0F, 1.0F})
+      for (const float z : {-1.0F, 1.0F}) EXPECT_TRUE(has_position(fine, {x, y, z}));
+  for (const Vec3f& p : fine.positions)
+    EXPECT_EQ(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), 1.0F);
+  const PolygonMesh smooth =
+      subdivide_catmull_clark(unified(make_box({2, 2, 2}, 1)), 3, {.angle = 1.6});
+  EXPECT_FALSE(has_position(smooth, {1, 1, 1}));  // a right angle is less
+}
+
 }  // namespace
 }  // namespace lamina

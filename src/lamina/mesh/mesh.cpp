@@ -72,6 +72,20 @@ std::size_t drop_collapsed_faces(PolygonMesh& mesh) {
   return dropped;
 }
 
+/// Gives white to the corners without a color if others have one.
+void complete_colors(PolygonMesh& mesh) {
+  const auto lacks_color = [](const MeshCorner& corner) { return corner.color == no_index; };
+  if (std::ranges::all_of(mesh.corners, lacks_color)) {
+    mesh.colors.clear();
+    return;
+  }
+  if (std::ranges::none_of(mesh.corners, lacks_color)) return;
+  const auto white = static_cast<std::uint32_t>(mesh.colors.size());
+  mesh.colors.push_back({1, 1, 1});
+  for (MeshCorner& corner : mesh.corners)
+    if (lacks_color(corner)) corner.color = white;
+}
+
 /// Gives (0, 0) to the corners without texture coordinates if others have them.
 /// @return how many faces have such corners.
 std::size_t complete_uvs(PolygonMesh& mesh) {
@@ -135,6 +149,34 @@ std::vector<Vec3> smooth_normals(const PolygonMesh& mesh) {
   return sums;
 }
 
+/// Moves vertices along the smooth normal by the heights that a displacement has there: where
+/// texture coordinates part, by their mean, so that no crack opens. Normals are forgotten.
+void displace(PolygonMesh& mesh, const Displacement& displacement) {
+  if (mesh.uvs.empty())
+    throw InvalidInput(mesh.name +
+                       ": must have texture coordinates, because it is displaced, but has none");
+  const std::vector<Vec3> normals = smooth_normals(mesh);
+  std::vector<double> heights(mesh.positions.size());
+  std::vector<std::uint32_t> counts(mesh.positions.size());
+  for (std::size_t f = 0; f < face_count(mesh); ++f) {
+    Vec2f middle{};
+    const auto corners = face(mesh, f);
+    for (const MeshCorner& corner : corners)
+      middle = middle + (1.0F / static_cast<float>(corners.size())) * mesh.uvs[corner.uv];
+    for (const MeshCorner& corner : corners) {
+      heights[corner.position] += static_cast<double>(displacement(mesh.uvs[corner.uv], middle));
+      ++counts[corner.position];
+    }
+  }
+  for (std::size_t p = 0; p < mesh.positions.size(); ++p) {
+    const double norm = length(normals[p]);
+    if (counts[p] > 0 && norm > 0.0)
+      mesh.positions[p] += to_float((heights[p] / counts[p] / norm) * normals[p]);
+  }
+  mesh.normals.clear();
+  for (MeshCorner& corner : mesh.corners) corner.normal = no_index;
+}
+
 /// Cuts polygons into triangles with one vertex per distinct position, normal and texture
 /// coordinate.
 class TriangleBuilder {
@@ -191,14 +233,19 @@ class TriangleBuilder {
     const Vec3f n = normal(corner, flat);
     const bool has_uv = !polygons_.uvs.empty();
     const Vec2f uv = has_uv ? polygons_.uvs[corner.uv] : Vec2f{};
+    const bool has_color = !polygons_.colors.empty();
+    const Vec3f color = has_color ? polygons_.colors[corner.color] : Vec3f{};
     std::uint32_t found = latest_[corner.position];
     int steps = 64;  // a position with more vertices is made of needles; do not spend their square
     for (; found != no_index && steps > 0; found = earlier_[found], --steps)
-      if (mesh_.normals[found] == n && (!has_uv || mesh_.uvs[found] == uv)) return found;
+      if (mesh_.normals[found] == n && (!has_uv || mesh_.uvs[found] == uv) &&
+          (!has_color || mesh_.colors[found] == color))
+        return found;
     found = static_cast<std::uint32_t>(mesh_.positions.size());
     mesh_.positions.push_back(polygons_.positions[corner.position]);
     mesh_.normals.push_back(n);
     if (has_uv) mesh_.uvs.push_back(uv);
+    if (has_color) mesh_.colors.push_back(color);
     earlier_.push_back(std::exchange(latest_[corner.position], found));
     return found;
   }
@@ -252,11 +299,14 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
   const std::size_t joined = unify_indices(polygons);
   const std::size_t collapsed = drop_collapsed_faces(polygons);
   const std::size_t without_uvs = complete_uvs(polygons);
+  complete_colors(polygons);
   const std::size_t bad_normals = drop_bad_normals(polygons);
 
   if (!options.closes.empty()) close_holes(polygons, options.closes);
   OrientedMesh oriented = orient_mesh(std::move(polygons));
-  polygons = subdivide_catmull_clark(std::move(oriented.mesh), options.subdivision);
+  polygons =
+      subdivide_catmull_clark(std::move(oriented.mesh), options.subdivision, options.creases);
+  if (options.displacement) displace(polygons, options.displacement);
   TriangleBuilder builder(polygons,
                           options.subdivision > 0 && options.normals == NormalSource::file
                               ? NormalSource::smooth

@@ -5,12 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/vec.h"
+#include "lamina/mesh/mesh_subdivision.h"
 #include "lamina/mesh/polygon_mesh.h"
 
 namespace lamina {
@@ -29,6 +31,7 @@ struct Mesh {
   std::vector<Vec3f> positions;  ///< [vertex] [mm]
   std::vector<Vec3f> normals;    ///< [vertex], unit length
   std::vector<Vec2f> uvs;        ///< [vertex], v upward; empty if the mesh has none
+  std::vector<Vec3f> colors;     ///< [vertex], linear; empty if the mesh has none
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> material;  ///< [triangle], an index into Scene::materials
   bool is_closed = false;               ///< every edge joins two faces: it has an inside
@@ -50,13 +53,19 @@ enum class NormalSource {
   flat,    ///< those of the faces
 };
 
+/// Heights by which vertices move along their normals, after subdivision.
+/// @return  [mm] at texture coordinates, of a face whose middle lies at `middle`
+using Displacement = std::function<float(Vec2f uv, Vec2f middle)>;
+
 struct MeshOptions {
   Transform to_world;  ///< from the units of the file to mm
   int subdivision =
       0;  ///< Catmull-Clark steps, in [0, most_subdivisions]; they imply smooth normals
   NormalSource normals = NormalSource::file;
-  std::vector<bool> closes;  ///< [part], whether its holes are closed; empty: none are
-  MemoryBudget memory = {};  ///< that making the mesh may take
+  CreaseOptions creases = {};
+  Displacement displacement = {};  ///< empty: none
+  std::vector<bool> closes;        ///< [part], whether its holes are closed; empty: none are
+  MemoryBudget memory = {};        ///< that making the mesh may take
 };
 
 struct PreparedMesh {

@@ -10,6 +10,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/mesh/internal/gltf_data.h"
+#include "lamina/mesh/internal/gltf_materials.h"
 #include "lamina/mesh/mesh_file.h"
 
 namespace lamina {
@@ -90,20 +91,22 @@ std::vector<std::uint32_t> triangle_indices(std::span<const std::uint32_t> given
 struct Piece {
   PolygonMesh polygons;
   std::vector<std::string> labels;  // of its material and mesh
+  std::optional<std::uint32_t> material;
   JsonInput input;
 };
 
 class GltfReader {
  public:
-  GltfReader(const JsonInput& root, std::string_view binary, const std::filesystem::path& file)
-      : root_(root),
+  GltfReader(const JsonInput& root, std::string_view binary, const std::filesystem::path& file,
+             const MeshFileOptions& options)
+      : options_(options),
+        root_(root),
         data_(root, binary, file),
         nodes_(gltf_list(root, "nodes")),
         meshes_(gltf_list(root, "meshes")),
         pieces_(meshes_.size()) {
     mesh_.name = file.string();
-    for (const JsonInput& material : gltf_list(root, "materials"))
-      material_names_.push_back(name_of(material));
+    mesh_.file_materials = decode_gltf_materials(root, file);
   }
 
   PolygonMesh read() {
@@ -126,6 +129,10 @@ class GltfReader {
         for (const JsonInput& child : children->array()) stack.emplace_back(child, to_world);
     }
     if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no triangles");
+    if (options_.uv_set > 0 && options_.uv_set >= mesh_.uv_sets)
+      throw FileError(mesh_.name + ": has no set " + std::to_string(options_.uv_set) +
+                      " of texture coordinates, but " + std::to_string(mesh_.uv_sets) +
+                      " of them, counted from 0");
     return std::move(mesh_);
   }
 
@@ -178,12 +185,13 @@ class GltfReader {
         mesh_.notes.push_back(primitive.where() + ": points and lines are left out");
         continue;
       }
-      Piece piece{.polygons = read_primitive(primitive), .labels = {}, .input = primitive};
+      Piece piece{
+          .polygons = read_primitive(primitive), .labels = {}, .material = {}, .input = primitive};
       if (const auto material = primitive.peek("material")) {
-        if (material_names_.empty()) material->fail("is an index into a list that is empty");
-        const auto last = static_cast<std::int64_t>(material_names_.size()) - 1;
-        piece.labels.push_back(
-            material_names_[static_cast<std::size_t>(material->integer(0, last))]);
+        if (mesh_.file_materials.empty()) material->fail("is an index into a list that is empty");
+        const auto last = static_cast<std::int64_t>(mesh_.file_materials.size()) - 1;
+        piece.material = static_cast<std::uint32_t>(material->integer(0, last));
+        piece.labels.push_back(mesh_.file_materials[*piece.material].name);
       }
       piece.labels.push_back(name_of(mesh));
       pieces->push_back(std::move(piece));
@@ -209,12 +217,25 @@ class GltfReader {
       return accessor;
     };
     const GltfAccessor* normals = optional("NORMAL", 3);
-    const GltfAccessor* uvs = optional("TEXCOORD_0", 2);
+    const std::string texcoord = "TEXCOORD_" + std::to_string(options_.uv_set);
+    const GltfAccessor* uvs = optional(texcoord, 2);
+    int sets = 0;
+    while (attributes->peek("TEXCOORD_" + std::to_string(sets))) ++sets;
+    mesh_.uv_sets = std::max(mesh_.uv_sets, sets);
+    const auto color = attributes->peek("COLOR_0");
+    const GltfAccessor* colors = nullptr;
+    if (color) {
+      colors = &data_.accessor(*color, 0);
+      if (colors->components() != 3 && colors->components() != 4)
+        color->fail("must have 3 or 4 components, but has " + std::to_string(colors->components()));
+      if (colors->count() != positions.count())
+        color->fail("has not one element for each position");
+    }
 
     const std::vector<std::uint32_t> indices =
         triangle_indices(read_indices(primitive, positions.count()), primitive);
     const std::vector<std::uint32_t> used = used_vertices(indices, positions.count());
-    constexpr std::size_t per_vertex = 2 * sizeof(Vec3f) + sizeof(Vec2f);
+    constexpr std::size_t per_vertex = 3 * sizeof(Vec3f) + sizeof(Vec2f);
     take_memory(
         primitive.memory(),
         checked_sum("a primitive", {checked_product("a primitive", {used.size(), per_vertex}),
@@ -223,7 +244,8 @@ class GltfReader {
     PolygonMesh piece;
     piece.positions = read_vectors(positions, used, &*position);
     if (normals) piece.normals = read_vectors(*normals, used, nullptr);
-    if (uvs) piece.uvs = read_uvs(*uvs, used, *attributes->peek("TEXCOORD_0"));
+    if (uvs) piece.uvs = read_uvs(*uvs, used, *attributes->peek(texcoord));
+    if (colors) piece.colors = read_vectors(*colors, used, &*color);
     piece.corners.reserve(indices.size());
     const bool are_all = used.size() == positions.count();
     for (const std::uint32_t index : indices) {
@@ -231,8 +253,10 @@ class GltfReader {
           are_all
               ? index
               : static_cast<std::uint32_t>(std::ranges::lower_bound(used, index) - used.begin());
-      piece.corners.push_back(
-          {.position = i, .normal = normals ? i : no_index, .uv = uvs ? i : no_index});
+      piece.corners.push_back({.position = i,
+                               .normal = normals ? i : no_index,
+                               .uv = uvs ? i : no_index,
+                               .color = colors ? i : no_index});
     }
     return piece;
   }
@@ -314,11 +338,12 @@ class GltfReader {
     std::size_t label_bytes = sizeof(MeshPart);
     for (const std::string& label : labels) label_bytes += sizeof label + label.size();
     // Twice, for the room that vectors keep to grow.
-    take_memory(piece.input.memory(),
-                2 * (moved.corners.size() * per_corner +
-                     (moved.positions.size() + moved.normals.size()) * sizeof(Vec3f) +
-                     moved.uvs.size() * sizeof(Vec2f) + label_bytes),
-                piece.input.where());
+    take_memory(
+        piece.input.memory(),
+        2 * (moved.corners.size() * per_corner +
+             (moved.positions.size() + moved.normals.size() + moved.colors.size()) * sizeof(Vec3f) +
+             moved.uvs.size() * sizeof(Vec2f) + label_bytes),
+        piece.input.where());
     for (std::uint32_t c = 3; c <= moved.corners.size(); c += 3) moved.face_begin.push_back(c);
     transform_mesh(to_world, moved);
     for (std::size_t i = 0; i < moved.positions.size(); ++i) {
@@ -335,20 +360,22 @@ class GltfReader {
     const std::uint32_t first_position = offset(moved.positions, mesh_.positions);
     const std::uint32_t first_normal = offset(moved.normals, mesh_.normals);
     const std::uint32_t first_uv = offset(moved.uvs, mesh_.uvs);
+    const std::uint32_t first_color = offset(moved.colors, mesh_.colors);
     for (MeshCorner& corner : moved.corners) {
       corner.position += first_position;
       if (corner.normal != no_index) corner.normal += first_normal;
       if (corner.uv != no_index) corner.uv += first_uv;
+      if (corner.color != no_index) corner.color += first_color;
     }
     const auto part = static_cast<std::uint32_t>(mesh_.parts.size());
-    mesh_.parts.push_back({std::move(labels)});
+    mesh_.parts.push_back({.labels = std::move(labels), .material = piece.material});
     for (std::size_t f = 0; f < face_count(moved); ++f) add_face(mesh_, face(moved, f), part);
   }
 
+  MeshFileOptions options_;
   JsonInput root_;
   GltfData data_;
   std::vector<JsonInput> nodes_, meshes_;
-  std::vector<std::string> material_names_;
   std::vector<std::optional<std::vector<Piece>>> pieces_;  // [mesh], of those that nodes have
   PolygonMesh mesh_;
 };
@@ -356,12 +383,12 @@ class GltfReader {
 }  // namespace
 
 PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file,
-                       MemoryBudget memory) {
+                       MemoryBudget memory, const MeshFileOptions& options) {
   const GltfChunks chunks = split_gltf(bytes, file.string());
   std::string_view text = chunks.json;
   while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
   const JsonDocument document = parse_json(text, file.string(), memory);
-  return GltfReader(document.root(), chunks.binary, file).read();
+  return GltfReader(document.root(), chunks.binary, file, options).read();
 }
 
 }  // namespace lamina

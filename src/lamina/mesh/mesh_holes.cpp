@@ -67,7 +67,10 @@ std::size_t close_holes(PolygonMesh& mesh, const std::vector<bool>& closes) {
     mesh.positions.push_back(
         {static_cast<float>(mean.x), static_cast<float>(mean.y), static_cast<float>(mean.z)});
     const auto corner = [&](std::uint32_t position) {
-      return MeshCorner{.position = position, .normal = no_index, .uv = loop.front().from.uv};
+      return MeshCorner{.position = position,
+                        .normal = no_index,
+                        .uv = loop.front().from.uv,
+                        .color = loop.front().from.color};
     };
     for (const BorderEdge& edge : loop)
       add_face(mesh, std::array{corner(edge.to), corner(edge.from.position), corner(middle)},

@@ -1,4 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -68,6 +70,12 @@ class ObjReader {
       }
     }
     if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no faces");
+    mesh_.uv_sets = mesh_.uvs.empty() ? 0 : 1;
+    if (!mesh_.colors.empty()) {
+      mesh_.colors.resize(mesh_.positions.size(), {1, 1, 1});
+      for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
+    }
+    mesh_.material_libraries = std::move(libraries_);
     return std::move(mesh_);
   }
 
@@ -84,6 +92,7 @@ class ObjReader {
     if (keyword == "v") {
       const auto what = [&] { return "vertex " + std::to_string(mesh_.positions.size() + 1); };
       mesh_.positions.push_back({number(words, what), number(words, what), number(words, what)});
+      read_color(words, what);
     } else if (keyword == "vt") {
       const auto what = [&] { return "vt " + std::to_string(mesh_.uvs.size() + 1); };
       mesh_.uvs.push_back({number(words, what), optional_number(words, what)});
@@ -98,7 +107,46 @@ class ObjReader {
       object_ = label(words);
     } else if (keyword == "usemtl") {
       material_ = label(words);
-    }  // the rest (smoothing groups, lines, points, material libraries) does not concern the shape
+    } else if (keyword == "mtllib") {
+      if (const std::string library(words.rest()); !library.empty() && libraries_.size() < 100)
+        libraries_.push_back(library);
+    } else if (keyword == "t") {
+      read_tag(words);
+    }  // the rest (smoothing groups, lines, points) does not concern the shape
+  }
+
+  /// Three numbers behind a position; a single one is a weight, which is left out.
+  template <class What>
+  void read_color(Words& words, const What& what) {
+    const std::string_view r = words.next(), g = words.next(), b = words.next();
+    if (b.empty()) return;
+    take_growing(memory_, sizeof(Vec3f), mesh_.name);
+    mesh_.colors.resize(mesh_.positions.size() - 1, {1, 1, 1});
+    const auto linear = [&](std::string_view word) {
+      return srgb_to_linear(std::clamp(parse_number(word, what), 0.0F, 1.0F));
+    };
+    mesh_.colors.push_back({linear(r), linear(g), linear(b)});
+  }
+
+  /// `t crease 2/1/0 A B SHARPNESS`, vertices counted from 0, as OpenSubdiv's examples have it.
+  void read_tag(Words& words) {
+    if (words.next() != "crease") return;
+    const auto what = [] { return std::string("t crease"); };
+    if (words.next() != "2/1/0") refuse("t crease must read 2/1/0 VERTEX VERTEX SHARPNESS");
+    std::array<std::uint32_t, 2> ends{};
+    for (std::uint32_t& end : ends) {
+      const float given = number(words, what);
+      if (!(given >= 0.0F && given < static_cast<float>(mesh_.positions.size())) ||
+          given != std::floor(given))
+        refuse("a vertex of t crease must lie in [0, " + std::to_string(mesh_.positions.size()) +
+               ")");
+      end = static_cast<std::uint32_t>(given);
+    }
+    const float sharpness = number(words, what);
+    if (!(sharpness >= 0.0F)) refuse("the sharpness of t crease must be >= 0");
+    take_growing(memory_, sizeof(MeshCrease), mesh_.name);
+    if (sharpness > 0.0F && ends[0] != ends[1])
+      mesh_.creases.push_back({ends[0], ends[1], sharpness});
   }
 
   /// A name of the part that the faces to come belong to.
@@ -183,7 +231,7 @@ class ObjReader {
         std::size_t size = sizeof(MeshPart);
         for (const std::string& each : labels) size += sizeof each + each.size();
         take_growing(memory_, size, mesh_.name);
-        mesh_.parts.push_back({std::move(labels)});
+        mesh_.parts.push_back({.labels = std::move(labels)});
       }
       part_ = found->second;
     }
@@ -194,6 +242,7 @@ class ObjReader {
   PolygonMesh mesh_;
   std::vector<MeshCorner> face_;
   std::string material_, group_, object_;
+  std::vector<std::string> libraries_;
   std::map<std::vector<std::string>, std::uint32_t> part_of_labels_;
   std::optional<std::uint32_t> part_;  // that material, group and object name
   int line_ = 0;

@@ -169,6 +169,8 @@ class PlyReader {
         read_vertices(element, values);
       } else if (element.name == "face") {
         read_faces(element, values);
+      } else if (element.name == "edge") {
+        read_edges(element, values);
       } else if (element.name == "tristrips") {
         refuse("holds triangle strips, which must be turned into faces first");
       } else {
@@ -297,22 +299,12 @@ class PlyReader {
   }
 
   void read_vertices(const Element& element, Values& values) {
-    enum Slot { x, y, z, nx, ny, nz, u, v, slots, ignored = slots };
-    constexpr std::array<std::pair<std::string_view, Slot>, 14> names{{
-        {"x", x},
-        {"y", y},
-        {"z", z},
-        {"nx", nx},
-        {"ny", ny},
-        {"nz", nz},
-        {"u", u},
-        {"v", v},
-        {"s", u},
-        {"t", v},
-        {"texture_u", u},
-        {"texture_v", v},
-        {"texture_s", u},
-        {"texture_t", v},
+    enum Slot { x, y, z, nx, ny, nz, u, v, r, g, b, slots, ignored = slots };
+    constexpr std::array<std::pair<std::string_view, Slot>, 20> names{{
+        {"x", x},         {"y", y},         {"z", z},         {"nx", nx},       {"ny", ny},
+        {"nz", nz},       {"u", u},         {"v", v},         {"s", u},         {"t", v},
+        {"texture_u", u}, {"texture_v", v}, {"texture_s", u}, {"texture_t", v}, {"red", r},
+        {"green", g},     {"blue", b},      {"r", r},         {"g", g},         {"b", b},
     }};
     std::vector<Slot> slot_of;  // [property]
     std::array<bool, slots + 1> has{};
@@ -327,11 +319,13 @@ class PlyReader {
       refuse("element vertex must have the properties x, y and z");
     const bool has_normals = has[nx] && has[ny] && has[nz];
     has_uvs_ = has[u] && has[v];
+    has_colors_ = has[r] && has[g] && has[b];
     std::vector<Type> types;  // of what a vertex has at least
     for (const Property& property : element.properties)
       types.push_back(property.list_count.value_or(property.type));
     const std::size_t most = std::min(element.count, values.most(types) + 1);  // one may be cut
-    take_memory(memory_, most, 2 * sizeof(Vec3f) + sizeof(Vec2f), mesh_.name + ": its vertices");
+    take_memory(memory_, most, (has_colors_ ? 3 : 2) * sizeof(Vec3f) + sizeof(Vec2f),
+                mesh_.name + ": its vertices");
     mesh_.positions.reserve(most);
     if (has_normals) mesh_.normals.reserve(most);
     if (has_uvs_) mesh_.uvs.reserve(most);
@@ -345,6 +339,8 @@ class PlyReader {
         }
         const double value = values.next(element.properties[p].type, what);
         given[slot_of[p]] = static_cast<float>(value);
+        if (r <= slot_of[p] && slot_of[p] <= b)
+          given[slot_of[p]] = linear_color(value, element.properties[p].type);
         if (!std::isfinite(given[slot_of[p]]) && !(nx <= slot_of[p] && slot_of[p] <= nz))
           refuse(what() + ": " + element.properties[p].name + " must be finite, but is " +
                  number_text(value));
@@ -352,6 +348,36 @@ class PlyReader {
       mesh_.positions.push_back({given[x], given[y], given[z]});
       if (has_normals) mesh_.normals.push_back({given[nx], given[ny], given[nz]});
       if (has_uvs_) mesh_.uvs.push_back({given[u], given[v]});
+      if (has_colors_) mesh_.colors.push_back({given[r], given[g], given[b]});
+    }
+  }
+
+  /// Of 8 and 16 bits by sRGB; others are linear.
+  static float linear_color(double value, Type type) {
+    const double largest = type == Type::uint8 ? 255.0 : type == Type::uint16 ? 65535.0 : 0.0;
+    return largest > 0.0 ? srgb_to_linear(static_cast<float>(value / largest))
+                         : static_cast<float>(value);
+  }
+
+  /// Creases: vertex1, vertex2, and a sharpness under the name crease or sharpness.
+  void read_edges(const Element& element, Values& values) {
+    for (std::size_t i = 0; i < element.count; ++i) {
+      const auto what = [&] { return place(element, i); };
+      MeshCrease crease{no_index, no_index, 0.0F};
+      for (const Property& property : element.properties) {
+        if (!property.list_count && property.name == "vertex1")
+          crease.a = index(values.next(property.type, what), what);
+        else if (!property.list_count && property.name == "vertex2")
+          crease.b = index(values.next(property.type, what), what);
+        else if (!property.list_count &&
+                 (property.name == "crease" || property.name == "sharpness"))
+          crease.sharpness = static_cast<float>(values.next(property.type, what));
+        else
+          skip(property, values, what);
+      }
+      if (!(crease.sharpness > 0.0F) || crease.a == crease.b) continue;
+      take_growing(memory_, sizeof crease, mesh_.name);
+      mesh_.creases.push_back(crease);
     }
   }
 
@@ -423,6 +449,12 @@ class PlyReader {
         if (face_uvs_.empty() && has_uvs_) corner.uv = corner.position;
       }
     if (!face_uvs_.empty()) mesh_.uvs = std::move(face_uvs_);
+    mesh_.uv_sets = mesh_.uvs.empty() ? 0 : 1;
+    if (has_colors_)
+      for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
+    for (const MeshCrease& crease : mesh_.creases)
+      if (crease.a >= mesh_.positions.size() || crease.b >= mesh_.positions.size())
+        refuse("element edge: a vertex index must be < " + std::to_string(mesh_.positions.size()));
   }
 
   static constexpr std::size_t per_declaration = 256;  // of an element or a property
@@ -431,6 +463,7 @@ class PlyReader {
   Format format_ = Format::ascii;
   std::vector<Element> elements_;
   bool has_uvs_ = false;         // per vertex
+  bool has_colors_ = false;      // per vertex
   std::vector<Vec2f> face_uvs_;  // per corner
 };
 

@@ -31,8 +31,8 @@ inline constexpr int most_tessellation = 4096;
 /// triangles. Texture coordinates form six islands in three columns and two rows.
 [[nodiscard]] PolygonMesh make_bumpy_sphere(double radius, int tessellation);
 
-/// A sculpted head on its plinth, facing +z, closed, without texture coordinates. `height` is that of
-/// the whole, `tessellation` the cells of the sculpting grid along it, at least 16.
+/// A sculpted head on its plinth, facing +z, closed, without texture coordinates. `height` is that
+/// of the whole, `tessellation` the cells of the sculpting grid along it, at least 16.
 [[nodiscard]] PolygonMesh make_bust(double height, int tessellation);
 
 }  // namespace lamina

@@ -43,28 +43,36 @@ void unify_positions(PolygonMesh& mesh) {
     }
     corner.position = name;
   }
+  for (MeshCrease& crease : mesh.creases)
+    crease = {renamed[first[crease.a]], renamed[first[crease.b]], crease.sharpness};
+  std::erase_if(mesh.creases, [](const MeshCrease& crease) {  // of no face
+    return crease.a == no_index || crease.b == no_index || crease.a == crease.b;
+  });
   mesh.positions = std::move(kept);
 }
 
-void unify_uvs(PolygonMesh& mesh) {
-  std::vector<Vec2f> kept;
+/// Texture coordinates or colors.
+template <class T>
+void unify_values(PolygonMesh& mesh, std::vector<T>& values, std::uint32_t MeshCorner::*index) {
+  if (values.empty()) return;
+  std::vector<T> kept;
   std::vector<std::uint32_t> latest(mesh.positions.size(), no_index);  // [position]
-  std::vector<std::uint32_t> earlier;  // [uv], another at the same position
+  std::vector<std::uint32_t> earlier;  // [value], another at the same position
   for (MeshCorner& corner : mesh.corners) {
-    if (corner.uv == no_index) continue;
-    const Vec2f uv = mesh.uvs[corner.uv];
+    if (corner.*index == no_index) continue;
+    const T value = values[corner.*index];
     std::uint32_t found = latest[corner.position];
     int steps =
         64;  // a position with more texture coordinates is a needle's; spend no square of them
-    while (found != no_index && steps > 0 && kept[found] != uv) found = earlier[found], --steps;
+    while (found != no_index && steps > 0 && kept[found] != value) found = earlier[found], --steps;
     if (found == no_index || steps == 0) {
       found = static_cast<std::uint32_t>(kept.size());
-      kept.push_back(uv);
+      kept.push_back(value);
       earlier.push_back(std::exchange(latest[corner.position], found));
     }
-    corner.uv = found;
+    corner.*index = found;
   }
-  mesh.uvs = std::move(kept);
+  values = std::move(kept);
 }
 
 }  // namespace
@@ -127,7 +135,8 @@ void transform_mesh(const Transform& transform, PolygonMesh& mesh) {
 std::size_t unify_indices(PolygonMesh& mesh) {
   unify_positions(mesh);
   const std::size_t joined = join_borders(mesh);
-  unify_uvs(mesh);
+  unify_values(mesh, mesh.uvs, &MeshCorner::uv);
+  unify_values(mesh, mesh.colors, &MeshCorner::color);
   return joined;
 }
 

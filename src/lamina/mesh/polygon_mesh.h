@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "lamina/core/vec.h"
+#include "lamina/mesh/file_material.h"
 
 namespace lamina {
 
@@ -20,12 +22,20 @@ struct MeshCorner {
   std::uint32_t position = 0;
   std::uint32_t normal = no_index;
   std::uint32_t uv = no_index;
+  std::uint32_t color = no_index;
+};
+
+/// An edge between two positions that subdivision keeps sharp, for as many steps as it says.
+struct MeshCrease {
+  std::uint32_t a = 0, b = 0;  ///< positions
+  float sharpness = 0.0f;      ///< [subdivision steps], > 0
 };
 
 /// Faces that a scene can give a material of their own.
 struct MeshPart {
   /// The names it answers to, the most telling first: material, group, object.
   std::vector<std::string> labels;
+  std::optional<std::uint32_t> material = {};  ///< of the file: an index into `file_materials`
 };
 
 /// Polygons as files and shapes give them: positions, normals and texture coordinates are indexed
@@ -35,11 +45,16 @@ struct PolygonMesh {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;  ///< of corners; may be empty
   std::vector<Vec2f> uvs;      ///< v upward; may be empty
+  std::vector<Vec3f> colors;   ///< of corners, linear; may be empty
   std::vector<MeshCorner> corners;
   std::vector<std::uint32_t> face_begin{0};  ///< [face], first corner; one more entry ends the last
   std::vector<std::uint32_t> part;           ///< [face], an index into `parts`
   std::vector<MeshPart> parts;
-  std::vector<std::string> notes;  ///< what the reader left out, one line each
+  std::vector<MeshCrease> creases;
+  std::vector<FileMaterial> file_materials;     ///< what the file says of its materials
+  std::vector<std::string> material_libraries;  ///< that an OBJ file names
+  int uv_sets = 0;                              ///< that the file has, of which `uvs` is one
+  std::vector<std::string> notes;               ///< what the reader left out, one line each
 };
 
 [[nodiscard]] inline std::size_t face_count(const PolygonMesh& mesh) {
@@ -75,9 +90,10 @@ struct Transform {
 /// that outside stays outside. The determinant must not be 0.
 void transform_mesh(const Transform& transform, PolygonMesh& mesh);
 
-/// Gives equal positions one index and, at each position, equal texture coordinates one index, so
-/// that indices tell how the surface and its texture are connected. Along open edges positions that
-/// differ by rounding become equal (join_borders); texture coordinates and normals stay.
+/// Gives equal positions one index and, at each position, equal texture coordinates one index, and
+/// equal colors, so that indices tell how the surface and its texture are connected. Along open
+/// edges positions that differ by rounding become equal (join_borders); texture coordinates and
+/// normals stay.
 /// @return  how many positions became equal to another.
 std::size_t unify_indices(PolygonMesh& mesh);
 

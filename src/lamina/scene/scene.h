@@ -31,7 +31,34 @@ namespace lamina {
 struct ImageMap {
   std::size_t image = 0;  ///< index into Scene::images
   Vec2f repeat{1, 1};     ///< copies over the unit square of texture coordinates
+  /// UDIM: [10 v + u] images of the unit squares of texture coordinates, no_tile where there is
+  /// none; `image` is the first of them. Empty: one image everywhere.
+  std::vector<std::uint32_t> tiles = {};
+  static constexpr std::uint32_t no_tile = 0xffffffff;
 };
+
+/// The colors of a mesh's vertices.
+struct VertexColorMap {
+  Vec3f mean{1, 1, 1};  ///< over the surfaces that have the material, by area
+  Vec3f low{}, high{1, 1, 1};
+};
+
+/// The images of a map.
+[[nodiscard]] inline std::vector<std::size_t> images_of(const ImageMap& map) {
+  if (map.tiles.empty()) return {map.image};
+  std::vector<std::size_t> images;
+  for (const std::uint32_t tile : map.tiles)
+    if (tile != ImageMap::no_tile) images.push_back(tile);
+  return images;
+}
+
+/// The image of the UDIM tile that holds texture coordinates; absent where there is none.
+[[nodiscard]] inline std::optional<std::uint32_t> tile_at(const ImageMap& map, Vec2f uv) {
+  if (!(uv.x >= 0.0f && uv.x < 10.0f && uv.y >= 0.0f && uv.y < 1000.0f)) return std::nullopt;
+  const std::size_t index = 10 * static_cast<std::size_t>(uv.y) + static_cast<std::size_t>(uv.x);
+  if (index >= map.tiles.size() || map.tiles[index] == ImageMap::no_tile) return std::nullopt;
+  return map.tiles[index];
+}
 
 /// Seeded, band-limited noise in space, for surfaces without texture coordinates too.
 struct NoiseMap {
@@ -51,7 +78,7 @@ inline constexpr auto enum_names<NoiseMap::Kind> = std::to_array<EnumName<NoiseM
 
 /// A source of texture values, mapped as offset + scale * value.
 struct TextureMap {
-  std::variant<ImageMap, NoiseMap> source;
+  std::variant<ImageMap, NoiseMap, VertexColorMap> source;
   float scale = 1.0f, offset = 0.0f;
   float low = -std::numeric_limits<float>::infinity();  ///< the result is kept in [low, high]
   float high = std::numeric_limits<float>::infinity();
@@ -161,11 +188,27 @@ struct SurfaceMaterial {
   std::optional<Coat> coat;
   std::optional<TextureMap> bump;      ///< height [mm], outward
   std::optional<ImageMap> normal_map;  ///< tangent space, OpenGL convention
+  Vec3f emission{};  ///< radiance that it gives off on its outer side, of diffuse ones only
 };
 
 struct PointLight {
   Vec3 position;    ///< [mm]
   Vec3f intensity;  ///< [W/sr], linear Rec.709
+};
+/// A point light within a cone: all of its intensity inside the inner angle, none outside the outer
+/// one, and between them a cubic smooth step of the cosine.
+struct SpotLight {
+  Vec3 position;                             ///< [mm]
+  Vec3 direction{0, -1, 0};                  ///< that it shines in, unit length
+  Vec3f intensity;                           ///< along the direction [W/sr]
+  float cos_inner = 1.0f, cos_outer = 0.9f;  ///< cosines of the half angles
+};
+
+/// A ball that shines evenly on all sides.
+struct SphereLight {
+  Vec3 center;          ///< [mm]
+  double radius = 1.0;  ///< [mm]
+  Vec3f radiance;
 };
 struct DirectionalLight {
   Vec3 direction;    ///< towards the light, unit length
@@ -181,7 +224,8 @@ struct EnvironmentLight {
   float rotation = 0.0f;   ///< about +y, the map's up axis [rad]
   bool is_visible = true;  ///< to the camera; else the background is black
 };
-using Light = std::variant<PointLight, DirectionalLight, RectangleLight, EnvironmentLight>;
+using Light = std::variant<PointLight, DirectionalLight, RectangleLight, EnvironmentLight,
+                           SpotLight, SphereLight>;
 
 struct Camera {
   Vec3 position{0, 0, 100}, look_at{}, up{0, 1, 0};  ///< [mm]

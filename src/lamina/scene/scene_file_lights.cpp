@@ -20,6 +20,39 @@ PointLight decode_point(const JsonInput& value, double mm_per_unit) {
   return light;
 }
 
+SpotLight decode_spot(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object =
+      value.object({"type", "position", "look_at", "intensity", "inner_angle", "outer_angle"});
+  SpotLight light{.position = decode_vector(object.required("position"), mm_per_unit),
+                  .intensity = decode_color(object.required("intensity"), light_range)};
+  const JsonInput target = object.required("look_at");
+  const Vec3 towards = decode_vector(target, mm_per_unit) - light.position;
+  if (!(length(towards) > 0.0)) target.fail("must differ from the light's position");
+  light.direction = normalize(towards);
+  light.intensity *= static_cast<float>(mm_per_unit * mm_per_unit);
+  const JsonInput outer = object.required("outer_angle");
+  const double outer_angle =
+      outer.number({.low = 0.0, .high = 180.0, .includes_low = false, .unit = "deg"});
+  double inner_angle = 0.0;
+  if (const auto inner = object.optional("inner_angle")) {
+    inner_angle = inner->number(closed_interval(0.0, 180.0, "deg"));
+    if (inner_angle > outer_angle) inner->fail("must not be larger than \"outer_angle\"");
+  }
+  constexpr double half_in_radians = std::numbers::pi / 360.0;
+  light.cos_inner = static_cast<float>(std::cos(inner_angle * half_in_radians));
+  light.cos_outer = static_cast<float>(std::cos(outer_angle * half_in_radians));
+  return light;
+}
+
+SphereLight decode_sphere(const JsonInput& value, double mm_per_unit) {
+  const JsonObject object = value.object({"type", "position", "radius", "radiance"});
+  return {.center = decode_vector(object.required("position"), mm_per_unit),
+          .radius =
+              mm_per_unit * object.required("radius").number(
+                                {.low = 0.0, .high = longest / mm_per_unit, .includes_low = false}),
+          .radiance = decode_color(object.required("radiance"), light_range)};
+}
+
 DirectionalLight decode_directional(const JsonInput& value) {
   const JsonObject object = value.object({"type", "towards", "irradiance"});
   return {.direction = decode_direction(object.required("towards")),
@@ -90,15 +123,21 @@ EnvironmentLight decode_environment(const JsonInput& value, Images& images) {
 }  // namespace
 
 Light decode_light(const JsonInput& value, Images& images, double mm_per_unit) {
-  enum class Type { point, directional, rectangle, environment };
+  enum class Type { point, spot, sphere, directional, rectangle, environment };
   const auto given = value.peek("type");
   if (!given) value.fail("\"type\" is required, but missing");
   switch (given->choice<Type>({{"point", Type::point},
+                               {"spot", Type::spot},
+                               {"sphere", Type::sphere},
                                {"directional", Type::directional},
                                {"rectangle", Type::rectangle},
                                {"environment", Type::environment}})) {
     case Type::point:
       return decode_point(value, mm_per_unit);
+    case Type::spot:
+      return decode_spot(value, mm_per_unit);
+    case Type::sphere:
+      return decode_sphere(value, mm_per_unit);
     case Type::directional:
       return decode_directional(value);
     case Type::rectangle:

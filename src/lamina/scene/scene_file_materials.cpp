@@ -55,7 +55,7 @@ class MaterialDecoder {
     // A misspelled key is named as such before the kind is missed.
     (void)value.object({"subsurface", "diffuse", "dielectric", "thin", "color", "color_use",
                         "thickness", "single_scattering_weight", "single_scattering_blur",
-                        "opacity", "coat", "bump", "normal_map"});
+                        "opacity", "emission", "coat", "bump", "normal_map"});
     value.fail(
         count == 0
             ? "must have \"subsurface\", \"diffuse\", \"dielectric\" or \"thin\", but has none"
@@ -165,10 +165,15 @@ class MaterialDecoder {
   }
 
   void decode_diffuse(const JsonInput& value) {
-    const JsonObject object = value.object({"diffuse", "opacity", "coat", "bump", "normal_map"});
+    const JsonObject object =
+        value.object({"diffuse", "emission", "opacity", "coat", "bump", "normal_map"});
     result_.material.surface =
         DiffuseSurface{.color = decode_color_parameter(object.required("diffuse"))};
     decode_opacity(object);
+    if (const auto emission = object.optional("emission")) {
+      result_.material.emission = decode_color(*emission, closed_interval(0.0, brightest));
+      if (object.has("opacity")) emission->fail("must not stand beside \"opacity\"");
+    }
     decode_common(object);
   }
 
@@ -257,6 +262,11 @@ class MaterialDecoder {
 
   ColorParameter decode_color_parameter(const JsonInput& value) {
     ColorParameter parameter;
+    if (value.is_string() && value.string() == "vertex_colors") {
+      parameter.map = TextureMap{.source = VertexColorMap{}};
+      result_.vertex_colored = value.path();
+      return parameter;
+    }
     if (!value.is_object()) {
       parameter.value = decode_color(value, closed_interval(0.0, 1.0));
       return parameter;
@@ -298,6 +308,14 @@ class MaterialDecoder {
       map.channel->fail("is for quantities: a color takes red, green and blue");
     const JsonInput& file = *map.file;
     if (result_.mapped.empty()) result_.mapped = file.path();
+    if (is_tiled(file)) {
+      if (map.repeat) map.repeat->fail("must be left out, for the tiles of <UDIM> do not repeat");
+      ImageMap tiled;
+      tiled.tiles = images_.load_tiles(file, encoding, map.channel, use == Use::coverage);
+      tiled.image = images_of(tiled).front();
+      result_.tiled.push_back({tiled, file});
+      return tiled;
+    }
     const std::size_t image = map.channel ? images_.load_channel(file, encoding, *map.channel)
                               : use == Use::coverage ? images_.load_coverage(file, encoding)
                                                      : images_.load(file, encoding);

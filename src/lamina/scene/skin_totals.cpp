@@ -27,8 +27,8 @@ std::vector<SkinTotals> skin_totals(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[i].surface);
     if (surface && surface->material.skin)
-      found.push_back(
-          {i, surface->material.skin->constants, has_transfer_totals(surface->material, scene.render)});
+      found.push_back({i, surface->material.skin->constants,
+                       has_transfer_totals(surface->material, scene.render)});
   }
   return found;
 }

@@ -2,6 +2,7 @@
 #include "lamina/surface/map_range.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -27,14 +28,30 @@ Range range_of(const Image& image, const ValueOf& value_of) {
   return range.first <= range.second ? range : Range{0.0f, 0.0f};
 }
 
-Range luminance_range(const Image& image) {
-  return range_of(image, [](const float* texel) {
-    return luminance({texel[0], texel[1], texel[2]});
-  });
+/// Of all images of a map.
+template <class ValueOf>
+Range range_of(const std::vector<Image>& images, const ImageMap& map, const ValueOf& value_of) {
+  Range range = range_of(images[images_of(map).front()], value_of);
+  for (const std::size_t image : images_of(map)) {
+    const Range other = range_of(images[image], value_of);
+    range = {std::min(range.first, other.first), std::max(range.second, other.second)};
+  }
+  return range;
 }
 
 Range range_of(const NoiseMap& noise) {
   return noise.kind == NoiseMap::Kind::smooth ? Range{-3.3f, 3.3f} : Range{0.0f, 1.0f};
+}
+
+/// @param value_of  of red, green and blue
+template <class ValueOf>
+Range range_of(const std::vector<Image>& images, const TextureMap& map, const ValueOf& value_of) {
+  if (const auto* image = std::get_if<ImageMap>(&map.source))
+    return range_of(images, *image, value_of);
+  if (const auto* colors = std::get_if<VertexColorMap>(&map.source))
+    return {value_of(std::array{colors->low.x, colors->low.y, colors->low.z}.data()),
+            value_of(std::array{colors->high.x, colors->high.y, colors->high.z}.data())};
+  return range_of(std::get<NoiseMap>(map.source));
 }
 
 }  // namespace
@@ -45,9 +62,9 @@ std::pair<float, float> range_of(const std::vector<Image>& images,
   for (const ScalarParameter& term : terms) {
     float a = term.value, b = term.value;
     if (const auto& map = term.map) {
-      const auto* image = std::get_if<ImageMap>(&map->source);
-      const Range source =
-          image ? luminance_range(images[image->image]) : range_of(std::get<NoiseMap>(map->source));
+      const Range source = range_of(images, *map, [](const float* texel) {
+        return luminance({texel[0], texel[1], texel[2]});
+      });
       a *= clamp_to_range(*map, map->offset + map->scale * source.first);
       b *= clamp_to_range(*map, map->offset + map->scale * source.second);
     }
@@ -61,10 +78,7 @@ std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images, const ColorPa
   Vec3f low = color.value, high = color.value;
   if (const auto& map = color.map)
     for (int c = 0; c < 3; ++c) {
-      const auto* image = std::get_if<ImageMap>(&map->source);
-      const Range source =
-          image ? range_of(images[image->image], [c](const float* texel) { return texel[c]; })
-                : range_of(std::get<NoiseMap>(map->source));
+      const Range source = range_of(images, *map, [c](const float* texel) { return texel[c]; });
       const float a = clamp_to_range(*map, map->offset + map->scale * source.first);
       const float b = clamp_to_range(*map, map->offset + map->scale * source.second);
       low[c] *= std::min(a, b);

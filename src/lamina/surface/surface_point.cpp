@@ -41,6 +41,7 @@ SurfacePoint make_surface_point(const std::vector<Mesh>& meshes, const Hit& hit,
     const float double_area = length(cross(e1, e2));
     const Vec2f &t0 = mesh.uvs[i0], &t1 = mesh.uvs[i1], &t2 = mesh.uvs[i2];
     point.uv = w0 * t0 + w1 * t1 + w2 * t2;
+    point.uv_middle = (1.0f / 3.0f) * (t0 + t1 + t2);
     const Vec2f d1 = t1 - t0, d2 = t2 - t0;
     const float determinant = d1.x * d2.y - d1.y * d2.x;
     if (determinant != 0.0f && double_area > 0.0f) {
@@ -48,6 +49,11 @@ SurfacePoint make_surface_point(const std::vector<Mesh>& meshes, const Hit& hit,
       point.dv = (d1.x * e2 - d2.x * e1) / determinant;
       point.uv_footprint = footprint * std::sqrt(std::abs(determinant) / double_area);
     }
+  }
+  if (!mesh.colors.empty()) {
+    const auto [i0, i1, i2] = mesh.triangles[hit.triangle];
+    point.color = (1.0f - hit.u - hit.v) * mesh.colors[i0] + hit.u * mesh.colors[i1] +
+                  hit.v * mesh.colors[i2];
   }
   return point;
 }

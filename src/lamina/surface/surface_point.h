@@ -18,6 +18,8 @@ struct SurfacePoint {
   Vec3f normal;            ///< smooth_normal, bent by bump and normal maps
   Vec3f du, dv;            ///< change of position per unit of u and v [mm]; 0 without coordinates
   Vec2f uv;
+  Vec2f uv_middle;            ///< of its triangle, which says the UDIM tile
+  Vec3f color{1, 1, 1};       ///< of the vertices
   float footprint = 0.0f;     ///< width of the region that is seen [mm]
   float uv_footprint = 0.0f;  ///< the same in texture coordinates
   std::uint32_t mesh = 0, triangle = 0, material = 0;

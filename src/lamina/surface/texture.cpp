@@ -119,31 +119,65 @@ Vec3f TextureStore::bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv
 }
 
 Vec3f TextureStore::color(const ImageMap& map, const SurfacePoint& point) const {
-  const Pyramid& pyramid = pyramids_[map.image];
-  Vec2f uv{point.uv.x * map.repeat.x, point.uv.y * map.repeat.y};
-  uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
-  if (!(uv.x >= 0.0f && uv.y >= 0.0f)) uv = {};  // coordinates that are not numbers
+  if (map.tiles.empty()) {
+    Vec2f uv{point.uv.x * map.repeat.x, point.uv.y * map.repeat.y};
+    uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
+    if (!(uv.x >= 0.0f && uv.y >= 0.0f)) uv = {};  // coordinates that are not numbers
+    return filtered(pyramids_[map.image], uv, map.repeat, point, false);
+  }
+  // The tile of the triangle, so that its far edges do not belong to the next one.
+  const std::optional<std::uint32_t> tile = tile_at(map, point.uv_middle);
+  if (!tile) return {};
+  const Vec2f corner{std::floor(point.uv_middle.x), std::floor(point.uv_middle.y)};
+  const Vec2f uv{std::clamp(point.uv.x - corner.x, 0.0f, 1.0f),
+                 std::clamp(point.uv.y - corner.y, 0.0f, 1.0f)};
+  return filtered(pyramids_[*tile], uv, {1, 1}, point, true);
+}
+
+Vec3f TextureStore::filtered(const Pyramid& pyramid, Vec2f at, Vec2f repeat,
+                             const SurfacePoint& point, bool is_tile) const {
   const float texels =
-      point.uv_footprint * std::max(map.repeat.x * static_cast<float>(pyramid.levels[0].width),
-                                    map.repeat.y * static_cast<float>(pyramid.levels[0].height));
-  if (!(texels > 1.0f)) return bilinear(pyramid, 0, uv);
+      point.uv_footprint * std::max(repeat.x * static_cast<float>(pyramid.levels[0].width),
+                                    repeat.y * static_cast<float>(pyramid.levels[0].height));
+  // Tiles end at their edges, where others come round to the other side.
+  const auto bilinear = [&](std::size_t level) {
+    if (!is_tile) return this->bilinear(pyramid, level, at);
+    const Vec2f half{0.5f / static_cast<float>(pyramid.levels[level].width),
+                     0.5f / static_cast<float>(pyramid.levels[level].height)};
+    return this->bilinear(
+        pyramid, level,
+        {std::clamp(at.x, half.x, 1.0f - half.x), std::clamp(at.y, half.y, 1.0f - half.y)});
+  };
+  if (!(texels > 1.0f)) return bilinear(0);
   const float level = std::min(std::log2(texels), static_cast<float>(pyramid.levels.size() - 1));
   const auto fine = static_cast<std::size_t>(level);
   const float blend = level - static_cast<float>(fine);
-  const Vec3f value = bilinear(pyramid, fine, uv);
+  const Vec3f value = bilinear(fine);
   if (blend == 0.0f || fine + 1 == pyramid.levels.size()) return value;
-  return (1.0f - blend) * value + blend * bilinear(pyramid, fine + 1, uv);
+  return (1.0f - blend) * value + blend * bilinear(fine + 1);
 }
 
-Vec3f TextureStore::mean_color(std::size_t image) const {
-  const Pyramid& pyramid = pyramids_[image];
-  return texel(pyramid, pyramid.levels.size() - 1, 0, 0);
+Vec3f TextureStore::mean_color(const ImageMap& map) const {
+  const auto mean = [&](std::size_t image) {
+    const Pyramid& pyramid = pyramids_[image];
+    return texel(pyramid, pyramid.levels.size() - 1, 0, 0);
+  };
+  if (map.tiles.empty()) return mean(map.image);
+  const std::vector<std::size_t> images = images_of(map);
+  Vec3f sum;
+  for (const std::size_t image : images) sum += mean(image);
+  return sum / static_cast<float>(images.size());
+}
+
+Vec3f TextureStore::source_color(const TextureMap& map, const SurfacePoint& point) const {
+  if (std::holds_alternative<VertexColorMap>(map.source)) return point.color;
+  return color(std::get<ImageMap>(map.source), point);
 }
 
 float TextureStore::scalar(const TextureMap& map, const SurfacePoint& point) const {
   const auto* noise = std::get_if<NoiseMap>(&map.source);
   const float value = noise ? evaluate_noise(*noise, point.position, point.footprint)
-                            : luminance(color(std::get<ImageMap>(map.source), point));
+                            : luminance(source_color(map, point));
   return clamp_to_range(map, map.offset + map.scale * value);
 }
 
@@ -152,7 +186,7 @@ Vec3f TextureStore::color(const TextureMap& map, const SurfacePoint& point) cons
     const float value = scalar(map, point);
     return {value, value, value};
   }
-  Vec3f value = color(std::get<ImageMap>(map.source), point);
+  Vec3f value = source_color(map, point);
   for (int c = 0; c < 3; ++c) value[c] = clamp_to_range(map, map.offset + map.scale * value[c]);
   return value;
 }

@@ -22,8 +22,8 @@ class TextureStore {
   /// the point's footprint. An image of one channel is grey.
   [[nodiscard]] Vec3f color(const ImageMap& map, const SurfacePoint& point) const;
 
-  /// The mean colour of an image.
-  [[nodiscard]] Vec3f mean_color(std::size_t image) const;
+  /// The mean colour of an image, or of all its tiles.
+  [[nodiscard]] Vec3f mean_color(const ImageMap& map) const;
 
   /// offset + scale * value, kept in the range of the map; of a colour, its luminance.
   [[nodiscard]] float scalar(const TextureMap& map, const SurfacePoint& point) const;
@@ -44,8 +44,12 @@ class TextureStore {
     std::vector<Level> levels;            ///< each half the size of the last, down to 1 x 1
   };
 
+  /// Of a map that is no noise.
+  [[nodiscard]] Vec3f source_color(const TextureMap& map, const SurfacePoint& point) const;
   [[nodiscard]] Vec3f texel(const Pyramid& pyramid, std::size_t level, int x, int y) const;
   [[nodiscard]] Vec3f bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv) const;
+  [[nodiscard]] Vec3f filtered(const Pyramid& pyramid, Vec2f uv, Vec2f repeat,
+                               const SurfacePoint& point, bool is_tile) const;
 
   std::vector<Pyramid> pyramids_;
 };

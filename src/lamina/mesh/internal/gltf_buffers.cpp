@@ -63,16 +63,15 @@ std::string decode_percent(std::string_view uri) {
   return path;
 }
 
-/// Where a URI points. A glTF file comes from strangers: what it names must lie beside it.
-std::filesystem::path path_beside(const JsonInput& uri, const std::filesystem::path& folder) {
+}  // namespace
+
+std::filesystem::path gltf_path(const JsonInput& uri, const std::filesystem::path& folder) {
   const std::filesystem::path path = decode_percent(uri.string());
   const bool leads_out = path.is_absolute() || std::ranges::find(path, "..") != path.end();
   if (path.empty() || leads_out || path.native().find('\0') != std::string::npos)
     uri.refuse("must be data or the path of a file in the folder of the glTF file or below it");
   return folder / path;
 }
-
-}  // namespace
 
 GltfChunks split_gltf(std::string_view bytes, const std::string& name) {
   if (!bytes.starts_with("glTF")) return {.json = bytes, .binary = {}};
@@ -123,9 +122,9 @@ GltfBuffers::GltfBuffers(const JsonInput& root, std::string_view binary,
       loaded_(buffers_.size()),
       bytes_(buffers_.size()) {}
 
-std::string GltfBuffers::load(const JsonInput& uri) const {
+std::string load_gltf_uri(const JsonInput& uri, const std::filesystem::path& folder) {
   const std::string text = uri.string();
-  if (!text.starts_with("data:")) return read_file_bytes(path_beside(uri, folder_), uri.memory());
+  if (!text.starts_with("data:")) return read_file_bytes(gltf_path(uri, folder), uri.memory());
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos || !text.substr(0, comma).ends_with(";base64"))
     uri.fail("data within the file must be base64");
@@ -141,7 +140,7 @@ std::string_view GltfBuffers::bytes(const JsonInput& index) {
   const std::size_t size = gltf_size(buffer, "byteLength", 0);
   std::string_view bytes = binary_;
   if (const auto uri = buffer.peek("uri"))
-    bytes = loaded_[place] = load(*uri);
+    bytes = loaded_[place] = load_gltf_uri(*uri, folder_);
   else if (place != 0 || binary_.empty())
     buffer.fail("has no uri, nor is there a binary chunk");
   if (bytes.size() < size)

@@ -31,6 +31,14 @@ struct GltfChunks {
 [[nodiscard]] std::size_t gltf_size(const JsonInput& object, std::string_view key,
                                     std::int64_t otherwise);
 
+/// Where a URI of the file points. A glTF file comes from strangers: what it names must lie beside
+/// it.
+[[nodiscard]] std::filesystem::path gltf_path(const JsonInput& uri,
+                                              const std::filesystem::path& folder);
+
+/// The bytes that a URI says or points to.
+[[nodiscard]] std::string load_gltf_uri(const JsonInput& uri, const std::filesystem::path& folder);
+
 /// The buffers of a glTF file, each read once: the binary chunk, data within the text, or a file in
 /// the folder of the glTF file or below it. Source: [glTF2] §3.6.1.
 class GltfBuffers {
@@ -45,8 +53,6 @@ class GltfBuffers {
   [[nodiscard]] std::string_view bytes(const JsonInput& index);
 
  private:
-  [[nodiscard]] std::string load(const JsonInput& uri) const;
-
   std::filesystem::path folder_;
   std::string_view binary_;
   std::vector<JsonInput> buffers_;

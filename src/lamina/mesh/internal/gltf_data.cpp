@@ -184,7 +184,7 @@ const GltfAccessor& GltfData::accessor(const JsonInput& index, std::size_t compo
   const JsonInput& input = gltf_element(accessor_inputs_, index);
   std::optional<GltfAccessor>& accessor = accessors_[static_cast<std::size_t>(index.number())];
   if (!accessor) accessor = decode(input);
-  if (accessor->components() != components)
+  if (components > 0 && accessor->components() != components)
     required(input, "type").refuse("must be \"" + std::string(types[components - 1]) + "\"");
   return *accessor;
 }

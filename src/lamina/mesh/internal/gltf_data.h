@@ -49,10 +49,13 @@ class GltfData {
 
   /// An accessor: sparse or not, interleaved or not, of any component type; good as long as this.
   /// @param index       of the accessor, the value of an attribute.
-  /// @param components  that the accessor must have.
+  /// @param components  that the accessor must have; 0: any.
   /// @throws FileError if the file that holds its numbers is cut off; InvalidInput if they are
   ///         described wrongly.
   [[nodiscard]] const GltfAccessor& accessor(const JsonInput& index, std::size_t components);
+
+  /// The bytes of a buffer view; good as long as this.
+  [[nodiscard]] std::string_view view_bytes(const JsonInput& index) { return view(index).bytes; }
 
  private:
   struct View {

@@ -142,8 +142,11 @@ std::size_t join_borders(PolygonMesh& mesh) {
       ++count;
     }
   }
-  if (count > 0)
+  if (count > 0) {
     for (MeshCorner& corner : mesh.corners) corner.position = joined[corner.position];
+    for (MeshCrease& crease : mesh.creases)
+      crease.a = joined[crease.a], crease.b = joined[crease.b];
+  }
   return count;
 }
 

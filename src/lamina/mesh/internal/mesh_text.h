@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,11 @@ namespace lamina {
   if (end != word.data() + word.size() || code == std::errc::invalid_argument) return std::nullopt;
   if (code == std::errc::result_out_of_range) return rounded_number(std::string(word));
   return value;
+}
+
+/// IEC 61966-2-1, for colors of vertices.
+[[nodiscard]] inline float srgb_to_linear(float value) {
+  return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
 }
 
 /// Takes what a face or vertex adds to vectors that grow as the file is read: they may have room

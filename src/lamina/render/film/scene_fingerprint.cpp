@@ -37,10 +37,12 @@ class SceneHash : public Hash {
 };
 
 void add(SceneHash& hash, const Mesh& mesh) {
-  const auto& [name, positions, normals, uvs, triangles, material, is_closed, open_parts] = mesh;
+  const auto& [name, positions, normals, uvs, colors, triangles, material, is_closed, open_parts] =
+      mesh;
   hash.add_all(positions);
   hash.add_all(normals);
   hash.add_all(uvs);
+  hash.add_all(colors);
   hash.add(triangles.size());
   for (const auto& triangle : triangles)
     for (const std::uint32_t corner : triangle) hash.add(corner);
@@ -50,9 +52,16 @@ void add(SceneHash& hash, const Mesh& mesh) {
 }
 
 void add(SceneHash& hash, const ImageMap& map) {
-  const auto& [image, repeat] = map;
+  const auto& [image, repeat, tiles] = map;
   hash.add(image);
   hash.add(repeat);
+  hash.add_all(tiles);
+}
+
+void add(SceneHash& hash, const VertexColorMap& map) {
+  const auto& [mean, low, high] = map;
+  hash.add(mean);
+  (void)low, (void)high;  // follow from the meshes
 }
 
 void add(SceneHash& hash, const NoiseMap& map) {
@@ -149,7 +158,8 @@ void add(SceneHash& hash, const Coat& coat) {
 }
 
 void add(SceneHash& hash, const SurfaceMaterial& material) {
-  const auto& [name, surface, opacity, coat, bump, normal_map] = material;
+  const auto& [name, surface, opacity, coat, bump, normal_map, emission] = material;
+  hash.add(emission);
   hash.add(surface.index());
   std::visit([&](const auto& kind) { add(hash, kind); }, surface);
   hash.add_optional(opacity, [&](const ScalarParameter& value) { add_parameter(hash, value); });
@@ -175,6 +185,22 @@ void add(SceneHash& hash, const RectangleLight& light) {
   hash.add(center);
   hash.add(edge_u);
   hash.add(edge_v);
+  hash.add(radiance);
+}
+
+void add(SceneHash& hash, const SpotLight& light) {
+  const auto& [position, direction, intensity, cos_inner, cos_outer] = light;
+  hash.add(position);
+  hash.add(direction);
+  hash.add(intensity);
+  hash.add(cos_inner);
+  hash.add(cos_outer);
+}
+
+void add(SceneHash& hash, const SphereLight& light) {
+  const auto& [center, radius, radiance] = light;
+  hash.add(center);
+  hash.add(radius);
   hash.add(radiance);
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/core/float_pi.h"
 #include "lamina/render/lights/lights.h"
 
 namespace lamina {
@@ -44,6 +45,14 @@ void Lights::make_clusters() {
                                {side * static_cast<float>(x), side * static_cast<float>(y)},
                                {side, side},
                                side * side * area_lights_[i].probability});
+  const auto add_whole = [&](Cluster::Kind kind, std::size_t light, float probability) {
+    if (probability > 0.0f)
+      clusters_.push_back({kind, light, {0.0f, 0.0f}, {1.0f, 1.0f}, probability});
+  };
+  for (std::size_t i = 0; i < ball_lights_.size(); ++i)
+    add_whole(Cluster::Kind::ball, i, ball_lights_[i].probability);
+  for (std::size_t i = 0; i < surface_lights_.size(); ++i)
+    add_whole(Cluster::Kind::surface, i, surface_lights_[i].probability);
   const bool are_too_many = clusters_.size() > max_light_clusters ||
                             clusters_.size() - far_clusters_[0].size() > max_near_light_clusters;
   if (are_too_many) clusters_.clear();
@@ -99,7 +108,20 @@ LightClusters Lights::near_clusters(const Vec3f& position, NearLightClusters& st
     const Cluster& cluster = clusters_[i];
     Vec3f where, strength;
     float area = 0.0f;
-    if (cluster.kind == Cluster::Kind::delta_light) {
+    std::optional<float> spread2;  // [mm²]; absent: of a square
+    if (cluster.kind == Cluster::Kind::ball) {
+      const BallLight& ball = ball_lights_[cluster.light];
+      where = ball.center;
+      area = float_pi * ball.radius * ball.radius;
+      strength = area * ball.radiance;
+      spread2 = 0.5f * ball.radius * ball.radius;  // of a disk
+    } else if (cluster.kind == Cluster::Kind::surface) {
+      const SurfaceLight& surface = surface_lights_[cluster.light];
+      where = surface.triangles.middle();
+      area = 0.25f * surface.triangles.area();  // as it is seen, about
+      strength = area * surface.radiance;
+      spread2 = surface.triangles.spread2();
+    } else if (cluster.kind == Cluster::Kind::delta_light) {
       where = delta_lights_[cluster.light].where;
       strength = delta_lights_[cluster.light].strength;
     } else {
@@ -112,14 +134,14 @@ LightClusters Lights::near_clusters(const Vec3f& position, NearLightClusters& st
     const Vec3f d = where - position;
     const float distance2 = std::max({dot(d, d), 0.1f * area, 1e-12f});
     const Vec3f direction = d / std::sqrt(distance2);
-    const float facing = cluster.kind == Cluster::Kind::delta_light
-                             ? 1.0f
-                             : std::max(0.0f, -dot(direction, area_lights_[cluster.light].normal));
+    const float facing = cluster.kind == Cluster::Kind::area_light
+                             ? std::max(0.0f, -dot(direction, area_lights_[cluster.light].normal))
+                             : 1.0f;
     storage.x[count] = direction.x;
     storage.y[count] = direction.y;
     storage.z[count] = direction.z;
     storage.flux[count] = facing * mean_of_channels(strength) / distance2;
-    storage.spread2[count] = area / (6.0f * distance2);  // of a square
+    storage.spread2[count] = spread2 ? *spread2 / distance2 : area / (6.0f * distance2);
     ++count;
   }
   return {count,
@@ -134,6 +156,9 @@ LightSample Lights::sample_cluster(std::size_t cluster, const Vec3f& position, V
   const auto& [kind, light, low, size, probability] = clusters_[cluster];
   const Vec2f v{low.x + u.x * size.x, low.y + u.y * size.y};
   if (kind == Cluster::Kind::delta_light) return sample_delta_light(delta_lights_[light], position);
+  if (kind == Cluster::Kind::ball) return sample_ball_light(ball_lights_[light], position, v);
+  if (kind == Cluster::Kind::surface)
+    return sample_surface_light(surface_lights_[light], position, v);
   if (kind == Cluster::Kind::area_light) {
     LightSample sample = sample_area_light(area_lights_[light], position, v);
     sample.pdf *= area_lights_[light].probability;

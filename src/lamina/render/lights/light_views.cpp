@@ -10,6 +10,7 @@
 #include "lamina/core/float_pi.h"
 #include "lamina/core/vec_precision.h"
 #include "lamina/render/lights/internal/environment.h"
+#include "lamina/render/lights/internal/light_shapes.h"
 
 namespace lamina {
 namespace {
@@ -29,6 +30,33 @@ void add_views(const RectangleLight& rectangle, int count, std::vector<LightView
     views.push_back({.where = to_float(rectangle.center) + (at.x - 0.5f) * u + (at.y - 0.5f) * v,
                      .strength = (area / static_cast<float>(count)) * rectangle.radiance,
                      .facing = n / area,
+                     .parts = count});
+  }
+}
+
+void add_views(const SphereLight& ball, int count, std::vector<LightView>& views) {
+  const auto radius = static_cast<float>(ball.radius);
+  const float area = 4.0f * float_pi * radius * radius;
+  for (int i = 0; i < count; ++i) {
+    const Vec2f at = spread_point(i);
+    const float z = 1.0f - 2.0f * at.x, r = std::sqrt(std::max(1.0f - z * z, 0.0f));
+    const float phi = 2.0f * float_pi * at.y;
+    const Vec3f normal{r * std::cos(phi), r * std::sin(phi), z};
+    views.push_back({.where = to_float(ball.center) + radius * normal,
+                     .strength = (area / static_cast<float>(count)) * ball.radiance,
+                     .facing = normal,
+                     .parts = count});
+  }
+}
+
+void add_views(const ShiningTriangles& surface, const Vec3f& radiance, int count,
+               std::vector<LightView>& views) {
+  if (!(surface.area() > 0.0f)) return;
+  for (int i = 0; i < count; ++i) {
+    const ShiningPoint point = surface.sample(spread_point(i));
+    views.push_back({.where = point.position,
+                     .strength = (surface.area() / static_cast<float>(count)) * radiance,
+                     .facing = point.normal,
                      .parts = count});
   }
 }
@@ -75,6 +103,14 @@ std::vector<LightView> make_light_views(const Scene& scene, int lamp_views, int 
       views.push_back({.where = normalize(to_float(far_light->direction)),
                        .is_far = true,
                        .strength = far_light->irradiance});
+    else if (const auto* spot = std::get_if<SpotLight>(&light))
+      views.push_back({.where = to_float(spot->position),
+                       .strength = spot->intensity,
+                       .cone_axis = normalize(to_float(spot->direction)),
+                       .cos_inner = spot->cos_inner,
+                       .cos_outer = spot->cos_outer});
+    else if (const auto* ball = std::get_if<SphereLight>(&light))
+      add_views(*ball, lamp_views, views);
     else if (const auto* rectangle = std::get_if<RectangleLight>(&light))
       add_views(*rectangle, lamp_views, views);
     else if (const auto& sky = std::get<EnvironmentLight>(light); sky.image)
@@ -82,6 +118,9 @@ std::vector<LightView> make_light_views(const Scene& scene, int lamp_views, int 
     else
       add_views(Environment(sky.scale), dome_views, views);
   }
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
+    if (mean_of_channels(scene.materials[m].emission) > 0.0f)
+      add_views(ShiningTriangles(scene.meshes, m), scene.materials[m].emission, lamp_views, views);
   return views;
 }
 
@@ -93,6 +132,9 @@ IncidentLight incident_light(const Vec3f& position, const LightView& view) {
   IncidentLight from{d / distance, distance, 1.0f / d2};
   if (dot(view.facing, view.facing) > 0.0f)
     from.irradiance *= std::max(-dot(from.direction, view.facing), 0.0f);
+  if (dot(view.cone_axis, view.cone_axis) > 0.0f)
+    from.irradiance *=
+        spot_share(-dot(from.direction, view.cone_axis), view.cos_inner, view.cos_outer);
   return from;
 }
 

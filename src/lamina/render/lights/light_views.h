@@ -15,7 +15,9 @@ struct LightView {
   bool is_far = false;  ///< `where` is a direction
   Vec3f strength;       ///< radiant intensity [W/sr], or irradiance on a facing surface
   Vec3f facing;         ///< where an area light shines, unit length; 0: everywhere alike
-  int parts = 1;        ///< views of its light
+  Vec3f cone_axis;      ///< of a spot light, unit length; 0: none
+  float cos_inner = 1.0f, cos_outer = 1.0f;
+  int parts = 1;  ///< views of its light
 };
 
 /// A view for every point and distant light, and a set of them for every soft one: points spread

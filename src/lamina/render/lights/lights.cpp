@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lamina/core/float_pi.h"
 #include "lamina/core/vec_precision.h"
@@ -58,12 +59,27 @@ constexpr float most_left = 1.5f;
 Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
   const Vec3f middle = 0.5f * (low + high);
   const float radius = std::max(0.5f * length(high - low), 1e-3f);
+  const auto distance2_to_middle = [&](const Vec3f& where) {
+    return std::max(dot(where - middle, where - middle), 0.25f * radius * radius);
+  };
   for (const Light& light : scene.lights) {
     if (const auto* point = std::get_if<PointLight>(&light)) {
       const Vec3f where = to_float(point->position);
-      const float d2 = std::max(dot(where - middle, where - middle), 0.25f * radius * radius);
-      delta_lights_.push_back(
-          {where, point->intensity, false, mean_of_channels(point->intensity) / d2});
+      delta_lights_.push_back({where, point->intensity, false,
+                               mean_of_channels(point->intensity) / distance2_to_middle(where)});
+    } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
+      const Vec3f where = to_float(spot->position);
+      delta_lights_.push_back({where, spot->intensity, false,
+                               mean_of_channels(spot->intensity) / distance2_to_middle(where),
+                               normalize(to_float(spot->direction)), spot->cos_inner,
+                               spot->cos_outer});
+    } else if (const auto* ball = std::get_if<SphereLight>(&light)) {
+      const Vec3f center = to_float(ball->center);
+      const auto ball_radius = static_cast<float>(ball->radius);
+      if (!(ball_radius > 0.0f)) continue;
+      const float seen = float_pi * ball_radius * ball_radius / distance2_to_middle(center);
+      ball_lights_.push_back({center, ball_radius, ball->radiance,
+                              mean_of_channels(ball->radiance) * std::min(seen, 2.0f * float_pi)});
     } else if (const auto* far_light = std::get_if<DirectionalLight>(&light)) {
       delta_lights_.push_back({normalize(to_float(far_light->direction)), far_light->irradiance,
                                true, mean_of_channels(far_light->irradiance)});
@@ -82,8 +98,7 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
       area_light.axis_v = area_light.edge_v / area_light.size_v;
       area_light.normal = area_normal / area;
       area_light.radiance = rectangle->radiance;
-      const Vec3f to_middle = middle - to_float(rectangle->center);
-      const float d2 = std::max(dot(to_middle, to_middle), 0.25f * radius * radius);
+      const float d2 = distance2_to_middle(to_float(rectangle->center));
       area_light.probability =
           mean_of_channels(area_light.radiance) * std::min(area / d2, 2.0f * float_pi);
       area_lights_.push_back(area_light);
@@ -100,14 +115,32 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
           float_pi * (mean_of_channels(environment.mean_radiance()) - environment.mean_sampled());
     }
   }
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
+    const Vec3f& emission = scene.materials[m].emission;
+    if (!(mean_of_channels(emission) > 0.0f)) continue;
+    ShiningTriangles triangles(scene.meshes, m);
+    if (!(triangles.area() > 0.0f)) continue;
+    // As from the middle, but from no farther than four times its size: a lamp stands among things.
+    const float area = triangles.area();
+    const float d2 = std::min(distance2_to_middle(triangles.middle()), 16.0f * area);
+    const float seen = 0.25f * area / d2;
+    surface_light_of_.resize(scene.materials.size(), no_index);
+    surface_light_of_[m] = static_cast<std::uint32_t>(surface_lights_.size());
+    surface_lights_.push_back({std::move(triangles), emission,
+                               mean_of_channels(emission) * std::min(seen, 2.0f * float_pi)});
+  }
   float total = 0.0f;
   for (const AreaLight& area_light : area_lights_) total += area_light.probability;
   for (const DeltaLight& delta_light : delta_lights_) total += delta_light.probability;
+  for (const BallLight& ball : ball_lights_) total += ball.probability;
+  for (const SurfaceLight& surface : surface_lights_) total += surface.probability;
   for (const InfiniteLight& infinite_light : infinite_lights_) total += infinite_light.probability;
   typical_irradiance_ += total;
   if (!(total > 0.0f)) return;
   for (AreaLight& area_light : area_lights_) area_light.probability /= total;
   for (DeltaLight& delta_light : delta_lights_) delta_light.probability /= total;
+  for (BallLight& ball : ball_lights_) ball.probability /= total;
+  for (SurfaceLight& surface : surface_lights_) surface.probability /= total;
   for (InfiniteLight& infinite_light : infinite_lights_) infinite_light.probability /= total;
   make_strata();
   make_clusters();
@@ -124,6 +157,8 @@ void Lights::make_strata() {
   for (const DeltaLight& delta_light : delta_lights_)
     add(delta_light.probability, 1);  // in the order of sample_light
   for (const AreaLight& area_light : area_lights_) add(area_light.probability, 1);
+  for (const BallLight& ball : ball_lights_) add(ball.probability, 1);
+  for (const SurfaceLight& surface : surface_lights_) add(surface.probability, 1);
   for (const InfiniteLight& infinite_light : infinite_lights_)
     add(infinite_light.probability, of_environment);
   if (strata_.size() > most) strata_ = {{}};
@@ -141,6 +176,14 @@ LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) 
     LightSample sample = sample_area_light(area_light, position, u);
     sample.pdf *= area_light.probability;
     return sample;
+  }
+  for (const BallLight& ball : ball_lights_) {
+    u_light -= ball.probability;
+    if (u_light < 0.0f) return sample_ball_light(ball, position, u);
+  }
+  for (const SurfaceLight& surface : surface_lights_) {
+    u_light -= surface.probability;
+    if (u_light < 0.0f) return sample_surface_light(surface, position, u);
   }
   for (const InfiniteLight& infinite_light : infinite_lights_) {
     u_light -= infinite_light.probability;
@@ -166,7 +209,7 @@ float Lights::next_event_share_of(const Vec3f& radiance) const {
 }
 
 bool Lights::has_next_event_light() const {
-  return !area_lights_.empty() || !delta_lights_.empty() ||
+  return !area_lights_.empty() || !delta_lights_.empty() || !ball_lights_.empty() ||
          std::ranges::any_of(infinite_lights_, [&](const InfiniteLight& infinite_light) {
            const float most = infinite_light.environment.greatest_brightness();
            return next_event_share_of({most, most, most}) > 0.0f;
@@ -180,7 +223,64 @@ LightSample Lights::sample_delta_light(const DeltaLight& delta_light, const Vec3
   const Vec3f d = delta_light.where - position;
   const float distance2 = dot(d, d), distance = std::sqrt(distance2);
   if (!(distance2 > 0.0f)) return {};
-  return {d / distance, distance, delta_light.strength / distance2, delta_light.probability, true};
+  Vec3f irradiance = delta_light.strength / distance2;
+  if (dot(delta_light.axis, delta_light.axis) > 0.0f)
+    irradiance *= spot_share(-dot(d, delta_light.axis) / distance, delta_light.cos_inner,
+                             delta_light.cos_outer);
+  return {d / distance, distance, irradiance, delta_light.probability, true};
+}
+
+LightSample Lights::sample_ball_light(const BallLight& ball, const Vec3f& position, Vec2f u) {
+  const auto seen = see_ball(ball.center, ball.radius, position);
+  if (!seen) return {};
+  const ShiningPoint target = sample_ball(ball.center, ball.radius, position, *seen, u);
+  const Vec3f d = target.position - position;
+  const float distance = length(d);
+  if (!(distance > 0.0f)) return {};
+  return {.direction = d / distance,
+          .distance = distance,
+          .radiance = ball.radiance,
+          .pdf = ball.probability / seen->solid_angle,
+          .normal = target.normal};
+}
+
+/// From inside translucent objects it is left to paths that leave them, which meet it as a surface.
+LightSample Lights::sample_surface_light(const SurfaceLight& surface, const Vec3f& position,
+                                         Vec2f u) {
+  const ShiningPoint target = surface.triangles.sample(u);
+  const Vec3f d = target.position - position;
+  const float distance = length(d);
+  if (!(distance > 0.0f)) return {};
+  const Vec3f direction = d / distance;
+  const float cos_light = -dot(direction, target.normal);
+  if (!(cos_light > 1e-6f)) return {};
+  return {.direction = direction,
+          .distance = distance,
+          .radiance = surface.radiance,
+          .pdf = surface.probability * distance * distance / (cos_light * surface.triangles.area()),
+          .next_event_share = 0.0f,
+          .normal = target.normal};
+}
+
+std::optional<LightSeen> Lights::surface_emission(std::uint32_t material, const Vec3f& normal,
+                                                  const Vec3f& direction, float distance) const {
+  if (surface_light_of_.empty() || surface_light_of_[material] == no_index) return std::nullopt;
+  const float cos_light = -dot(direction, normal);
+  if (!(cos_light > 1e-6f)) return std::nullopt;
+  const SurfaceLight& surface = surface_lights_[surface_light_of_[material]];
+  return LightSeen{
+      surface.radiance,
+      surface.probability * distance * distance / (cos_light * surface.triangles.area()), distance,
+      0.0f};
+}
+
+std::optional<LightSeen> Lights::intersect_ball(const BallLight& ball, const Ray& ray, float from,
+                                                float limit) {
+  const auto distance = meet_ball(ball.center, ball.radius, ray.origin, ray.direction);
+  if (!distance || !(*distance > from) || *distance >= limit) return std::nullopt;
+  const auto seen = see_ball(ball.center, ball.radius, ray.origin);
+  if (!seen) return std::nullopt;
+  return LightSeen{ball.radiance, ball.probability / seen->solid_angle, *distance};
 }
 
 LightSample Lights::sample_area_light(const AreaLight& area_light, const Vec3f& position, Vec2f u) {
@@ -229,6 +329,11 @@ float Lights::pdf_of_area_light(const Vec3f& position, const Vec3f& direction,
   for (const AreaLight& area_light : area_lights_)
     if (const auto seen = intersect_area_light(area_light, {position, direction}, 0.0f,
                                                (1.0f + slack) * distance);
+        seen && seen->distance > (1.0f - slack) * distance)
+      pdf = seen->pdf;
+  for (const BallLight& ball : ball_lights_)
+    if (const auto seen =
+            intersect_ball(ball, {position, direction}, 0.0f, (1.0f + slack) * distance);
         seen && seen->distance > (1.0f - slack) * distance)
       pdf = seen->pdf;
   return pdf;

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include "lamina/core/vec.h"
 #include "lamina/render/lights/internal/environment.h"
+#include "lamina/render/lights/internal/light_shapes.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/ray.h"
 
@@ -22,7 +24,7 @@ struct LightSample {
   float pdf = 0.0f;       ///< [1/sr], or a probability if is_delta; 0: nothing to be had
   bool is_delta = false;  ///< from one direction only, which sampling of surfaces never finds
   float next_event_share = 1.0f;  ///< as LightSeen has it
-  Vec3f normal;           ///< of an area light there, unit length; 0: of any other
+  Vec3f normal;                   ///< of an area light there, unit length; 0: of any other
 };
 
 /// A stratum of the numbers by which sample_light chooses: [low, low + size) draws from these
@@ -39,7 +41,7 @@ struct LightSeen {
   float distance = 0.0f;  ///< [mm]; infinite for the sky
   /// Share that next-event estimation from inside translucent objects finds; the rest is left to
   /// paths that leave them. 1 for an area light; of the sky what is brighter than most of the
-  /// light.
+  /// light; 0 for a surface that shines.
   float next_event_share = 1.0f;
 };
 
@@ -58,9 +60,10 @@ struct NearLightClusters {
   std::array<float, max_near_light_clusters> x, y, z, flux, spread2;
 };
 
-/// All lights of a scene, sampled and intersected: point and directional (delta) lights, rectangles
-/// (area lights), environments (infinite lights). A light casts no shadow: it adds to what is seen
-/// behind it.
+/// All lights of a scene, sampled and intersected: point, spot and directional (delta) lights,
+/// rectangles (area lights), balls, environments (infinite lights). A light casts no shadow: it
+/// adds to what is seen behind it. Surfaces that shine are sampled here, too; paths meet them as
+/// surfaces.
 class Lights {
  public:
   /// @param low, high  corners of a box around the scene [mm]
@@ -96,6 +99,8 @@ class Lights {
                        const OnLight& on_light) const {
     for (const AreaLight& area_light : area_lights_)
       if (const auto seen = intersect_area_light(area_light, ray, from, limit)) on_light(*seen);
+    for (const BallLight& ball : ball_lights_)
+      if (const auto seen = intersect_ball(ball, ray, from, limit)) on_light(*seen);
     if (limit < std::numeric_limits<float>::infinity()) return;
     for (const InfiniteLight& infinite_light : infinite_lights_) {
       if (is_camera_ray && !infinite_light.is_visible) continue;
@@ -105,8 +110,15 @@ class Lights {
     }
   }
 
-  /// Density with which sample_light draws, at a position, the point of an area light that is at a
-  /// distance in a direction [1/sr]; 0 if none is there.
+  /// What a surface gives off where a ray meets it at a distance; absent if nothing.
+  /// @param normal  of its triangle, outward
+  [[nodiscard]] std::optional<LightSeen> surface_emission(std::uint32_t material,
+                                                          const Vec3f& normal,
+                                                          const Vec3f& direction,
+                                                          float distance) const;
+
+  /// Density with which sample_light draws, at a position, the point of an area light or ball that
+  /// is at a distance in a direction [1/sr]; 0 if none is there.
   [[nodiscard]] float pdf_of_area_light(const Vec3f& position, const Vec3f& direction,
                                         float distance) const;
 
@@ -125,10 +137,23 @@ class Lights {
     Vec3f radiance;
     float probability = 0.0f;
   };
-  struct DeltaLight {  ///< point or directional
+  struct DeltaLight {  ///< point, spot or directional
     Vec3f where;       ///< position [mm], or direction towards the light
     Vec3f strength;
     bool is_far;
+    float probability = 0.0f;
+    Vec3f axis{};  ///< of a spot, unit length; 0: none
+    float cos_inner = 1.0f, cos_outer = 1.0f;
+  };
+  struct BallLight {
+    Vec3f center;
+    float radius;
+    Vec3f radiance;
+    float probability = 0.0f;
+  };
+  struct SurfaceLight {  ///< all surfaces of a material
+    ShiningTriangles triangles;
+    Vec3f radiance;
     float probability = 0.0f;
   };
   struct InfiniteLight {
@@ -146,9 +171,17 @@ class Lights {
   [[nodiscard]] static float pdf_area_light(const AreaLight& area_light, const Vec3f& position,
                                             const Vec3f& direction, float distance);
 
+  [[nodiscard]] static std::optional<LightSeen> intersect_ball(const BallLight& ball,
+                                                               const Ray& ray, float from,
+                                                               float limit);
+  [[nodiscard]] static LightSample sample_ball_light(const BallLight& ball, const Vec3f& position,
+                                                     Vec2f u);
+  [[nodiscard]] static LightSample sample_surface_light(const SurfaceLight& surface,
+                                                        const Vec3f& position, Vec2f u);
+
   /// A cluster: what the random numbers of a rectangle in the unit square sample of one light.
   struct Cluster {
-    enum class Kind { infinite_light, delta_light, area_light } kind;
+    enum class Kind { infinite_light, delta_light, area_light, ball, surface } kind;
     std::size_t light;
     Vec2f low, size;
     float probability;
@@ -165,6 +198,9 @@ class Lights {
 
   std::vector<AreaLight> area_lights_;
   std::vector<DeltaLight> delta_lights_;
+  std::vector<BallLight> ball_lights_;
+  std::vector<SurfaceLight> surface_lights_;
+  std::vector<std::uint32_t> surface_light_of_;  ///< [material]; empty if nothing shines
   std::vector<InfiniteLight> infinite_lights_;
   std::vector<LightStratum> strata_;
   std::vector<Cluster> clusters_;                   ///< far ones first

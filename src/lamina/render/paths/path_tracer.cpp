@@ -151,18 +151,21 @@ void PathTracer<N>::pass_unbent(const Hit& hit, const SurfacePoint& point,
 
 template <int N>
 void PathTracer<N>::add_lights_on_ray(float limit, PathState<N>& path) const {
-  world_.scene.lights.for_lights_seen(
-      path.ray, path.t_near, limit, path.is_camera_ray, [&](const LightSeen& seen) {
-        const float left = path.is_from_inside ? 1.0f - seen.next_event_share : 1.0f;
-        if (!(left > 0.0f)) return;
-        const float weight = left *
-                             mis_weight_of_surface_sample(world_.options.direct_light, path.pdf,
-                                                          seen.pdf, path.candidates) /
-                             (path.index * path.index);
-        const Bands arriving = weight * path.throughput * world_.conversion.from_rgb(seen.radiance);
-        const bool is_caustic = path.pdf == 0.0f && !path.is_from_inside;
-        path.radiance += is_caustic ? clamp_indirect(arriving, path) : arriving;
-      });
+  world_.scene.lights.for_lights_seen(path.ray, path.t_near, limit, path.is_camera_ray,
+                                      [&](const LightSeen& seen) { add_light_seen(seen, path); });
+}
+
+template <int N>
+void PathTracer<N>::add_light_seen(const LightSeen& seen, PathState<N>& path) const {
+  const float left = path.is_from_inside ? 1.0f - seen.next_event_share : 1.0f;
+  if (!(left > 0.0f)) return;
+  const float weight = left *
+                       mis_weight_of_surface_sample(world_.options.direct_light, path.pdf, seen.pdf,
+                                                    path.candidates) /
+                       (path.index * path.index);
+  const Bands arriving = weight * path.throughput * world_.conversion.from_rgb(seen.radiance);
+  const bool is_caustic = path.pdf == 0.0f && !path.is_from_inside;
+  path.radiance += is_caustic ? clamp_indirect(arriving, path) : arriving;
 }
 
 template <int N>
@@ -212,6 +215,9 @@ BandValues<N> PathTracer<N>::trace_path(PathState<N> path, PixelSamples& samples
       path.t_near = distance_behind(hit, point);
       continue;
     }
+    if (const auto seen = world_.scene.lights.surface_emission(
+            point.material, point.geometric_normal, path.ray.direction, hit.distance))
+      add_light_seen(*seen, path);
     if (path.is_camera_ray && first) {
       first->depth = hit.distance;
       first->is_hit = true;

@@ -63,6 +63,8 @@ class PathTracer final : public LightGatherer<N> {
   }
   /// Adds the lights that the ray meets before `limit` [mm], by their MIS weights.
   void add_lights_on_ray(float limit, PathState<N>& path) const;
+  /// Adds one that it meets.
+  void add_light_seen(const LightSeen& seen, PathState<N>& path) const;
   /// Whether a path goes straight through a surface: by a hole, or unscattered through a sheet.
   [[nodiscard]] bool passes_straight(const SurfacePoint& point, PathState<N>& path,
                                      PixelSamples& samples) const;

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
 #include <string_view>
 
 #include "lamina/image/map_description.h"
+#include "lamina/mesh/gltf_image.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/subsurface_methods.h"
@@ -26,14 +29,64 @@ std::size_t bytes_of_smaller_copies(const Image& image) {
   return texels * sizeof(Vec3f);
 }
 
+constexpr std::string_view udim = "<UDIM>";
+
+/// A file, or an image inside a glTF file.
+Image load_any_image(const std::filesystem::path& path, ColorEncoding encoding,
+                     MemoryBudget& memory) {
+  const auto inside = gltf_image_name(path);
+  if (!inside) return load_image(path, encoding, memory);
+  MemoryBudget while_reading = memory;  // the bytes of the file end here
+  const std::string bytes = load_gltf_image(*inside, while_reading);
+  return decode_image(std::as_bytes(std::span(bytes)), path.string(), encoding, memory);
+}
+
 }  // namespace
 
+bool is_tiled(const JsonInput& file) {
+  return file.is_string() && file.string().find(udim) != std::string::npos;
+}
+
+std::filesystem::path tile_path(const JsonInput& file, std::size_t index) {
+  std::string path = file.file_path().lexically_normal().string();
+  const std::size_t at = path.rfind(udim);
+  return path.replace(at, udim.size(), std::to_string(1001 + index));
+}
+
+std::vector<std::uint32_t> Images::load_tiles(const JsonInput& file, ColorEncoding encoding,
+                                              const std::optional<JsonInput>& channel,
+                                              bool is_coverage) {
+  constexpr std::size_t rows = 100;
+  std::vector<std::uint32_t> tiles;
+  const std::filesystem::path first = tile_path(file, 0);
+  if (file.file_path().string().find(udim) < file.file_path().string().rfind('/') + 1 &&
+      file.file_path().string().rfind('/') != std::string::npos)
+    file.fail("<UDIM> must stand in the name of the file, not of a folder");
+  for (std::size_t index = 0; index < 10 * rows; ++index) {
+    const std::filesystem::path path = tile_path(file, index);
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) continue;
+    const std::size_t whole = load(file, path, encoding);
+    tiles.resize(index + 1, ImageMap::no_tile);
+    tiles[index] = static_cast<std::uint32_t>(channel       ? channel_of(file, whole, *channel)
+                                              : is_coverage ? coverage_of(file, whole)
+                                                            : whole);
+  }
+  if (tiles.empty()) file.fail("there is no tile of that name, such as " + first.string());
+  return tiles;
+}
+
 std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
-  const std::filesystem::path path = file.file_path().lexically_normal();
+  if (is_tiled(file)) file.fail("must be one image here, but <UDIM> names tiles of it");
+  return load(file, file.file_path().lexically_normal(), encoding);
+}
+
+std::size_t Images::load(const JsonInput& file, const std::filesystem::path& path,
+                         ColorEncoding encoding) {
   const auto found = index_of_.find({path, encoding});
   if (found != index_of_.end()) return found->second;
   Image image = load_for(file, [&] {
-    Image loaded = load_image(path, encoding, file.memory());
+    Image loaded = load_any_image(path, encoding, file.memory());
     lamina::take_memory(file.memory(), bytes_of_smaller_copies(loaded),
                         path.string() + ": its smaller copies");
     require_finite(loaded, path);
@@ -43,13 +96,19 @@ std::size_t Images::load(const JsonInput& file, ColorEncoding encoding) {
 }
 
 std::size_t Images::load_coverage(const JsonInput& file, ColorEncoding encoding) {
-  const std::size_t whole = load(file, encoding);
+  return coverage_of(file, load(file, encoding));
+}
+
+std::size_t Images::coverage_of(const JsonInput& file, std::size_t whole) {
   return channel_index(images_[whole], "A") ? select(file, whole, "A") : whole;
 }
 
 std::size_t Images::load_channel(const JsonInput& file, ColorEncoding encoding,
                                  const JsonInput& channel) {
-  const std::size_t whole = load(file, encoding);
+  return channel_of(file, load(file, encoding), channel);
+}
+
+std::size_t Images::channel_of(const JsonInput& file, std::size_t whole, const JsonInput& channel) {
   return select(file, whole, images_[whole].channels[named_channel(images_[whole], channel)]);
 }
 
@@ -225,6 +284,49 @@ void note_places(const JsonInput& value, const std::string& path, const Settings
       scene.places[path + "." + std::string(setting.key)] = given->where();
 }
 
+/// Calls act(TextureMap) for those of the maps of a material that can have the colors of vertices.
+template <class Act>
+void for_each_color_map(SurfaceMaterial& material, const Act& act) {
+  const auto visit = [&](ColorParameter& color) {
+    if (color.map) act(*color.map);
+  };
+  if (auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) visit(diffuse->color);
+  if (auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface))
+    visit(subsurface->color);
+  if (auto* thin = std::get_if<ThinSurface>(&material.surface)) visit(thin->color);
+}
+
+/// What maps of the colors of vertices say of their range and mean.
+void measure_vertex_colors(Scene& scene) {
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
+    for_each_color_map(scene.materials[m], [&](TextureMap& map) {
+      auto* colors = std::get_if<VertexColorMap>(&map.source);
+      if (!colors) return;
+      Vec3 sum;
+      double total = 0.0;
+      constexpr float most = std::numeric_limits<float>::max();
+      Vec3f low{most, most, most}, high{-most, -most, -most};
+      for (const Mesh& mesh : scene.meshes)
+        for (std::size_t t = 0; t < mesh.triangles.size() && !mesh.colors.empty(); ++t) {
+          if (mesh.material[t] != m) continue;
+          const auto [a, b, c] = mesh.triangles[t];
+          const auto area = static_cast<double>(length(
+              cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
+          for (const std::uint32_t corner : {a, b, c})
+            for (int i = 0; i < 3; ++i) {
+              sum[i] += area / 3.0 * static_cast<double>(mesh.colors[corner][i]);
+              low[i] = std::min(low[i], mesh.colors[corner][i]);
+              high[i] = std::max(high[i], mesh.colors[corner][i]);
+            }
+          total += area;
+        }
+      if (!(total > 0.0)) return;
+      for (int i = 0; i < 3; ++i) colors->mean[i] = static_cast<float>(sum[i] / total);
+      colors->low = low;
+      colors->high = high;
+    });
+}
+
 Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& methods) {
   const JsonObject file = root.file_object("scene", 1,
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
@@ -241,27 +343,35 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
   if (const auto render = file.optional("render"))
     note_places(*render, "render", render_settings, scene);
   scene_file::Images images;
-  std::vector<DecodedMaterial> materials;
+  scene_file::SceneMaterials scene_materials;
+  std::vector<DecodedMaterial>& materials = scene_materials.list;
   for (const auto& [name, value] : file.required("materials").entries()) {
     materials.push_back(decode_surface_material(name, value, images));
     note_places(value, "materials." + name, material_settings, scene);
   }
+  scene_materials.listed = materials.size();
   for (const JsonInput& light : file.required("lights").array(0, 100'000))
     scene.lights.push_back(decode_light(light, images, mm_per_unit));
   for (const JsonInput& mesh : file.required("meshes").array(1, 100'000)) {
-    auto [decoded, warnings] = decode_mesh(mesh, materials, mm_per_unit);
-    scene.meshes.push_back(std::move(decoded));
+    auto [decoded, warnings] = decode_mesh(mesh, scene_materials, images, mm_per_unit);
+    std::ranges::move(decoded, std::back_inserter(scene.meshes));
     scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
   }
   for (const DecodedMaterial& material : materials) {
     for (const std::string& warning : material.warnings)
       scene.warnings.push_back("material \"" + material.material.name + "\": " + warning);
   }
-  if (scene.lights.empty())
+  const bool has_light =
+      !scene.lights.empty() || std::ranges::any_of(materials, [](const DecodedMaterial& decoded) {
+        const Vec3f& e = decoded.material.emission;
+        return e.x > 0.0F || e.y > 0.0F || e.z > 0.0F;
+      });
+  if (!has_light)
     scene.warnings.push_back(file.required("lights").where() +
                              " is empty: the picture will be black");
   for (DecodedMaterial& material : materials)
     scene.materials.push_back(std::move(material.material));
+  measure_vertex_colors(scene);
   make_bands_common(scene);
   for (const BandChange& change : scene.band_changes)
     scene.warnings.push_back(describe_band_change(change, scene));

@@ -47,6 +47,12 @@ class Images {
   [[nodiscard]] std::size_t load_channel(const JsonInput& file, ColorEncoding encoding,
                                          const JsonInput& channel);
 
+  /// The images of the UDIM tiles of a path with "<UDIM>" in it, of all that there are.
+  /// @param channel  as load_channel takes it, or "A" of a coverage; empty: the whole images
+  [[nodiscard]] std::vector<std::uint32_t> load_tiles(const JsonInput& file, ColorEncoding encoding,
+                                                      const std::optional<JsonInput>& channel,
+                                                      bool is_coverage);
+
   /// The index of an image that is made, not loaded.
   [[nodiscard]] std::size_t add(Image image);
 
@@ -54,6 +60,12 @@ class Images {
   [[nodiscard]] std::vector<Image> take() { return std::move(images_); }
 
  private:
+  [[nodiscard]] std::size_t load(const JsonInput& file, const std::filesystem::path& path,
+                                 ColorEncoding encoding);
+  [[nodiscard]] std::size_t coverage_of(const JsonInput& file, std::size_t whole);
+  [[nodiscard]] std::size_t channel_of(const JsonInput& file, std::size_t whole,
+                                       const JsonInput& channel);
+
   std::vector<Image> images_;
   std::map<std::pair<std::filesystem::path, ColorEncoding>, std::size_t> index_of_;
   [[nodiscard]] std::size_t select(const JsonInput& file, std::size_t whole,
@@ -62,10 +74,25 @@ class Images {
   std::map<std::pair<std::size_t, std::string>, std::size_t> channel_of_;
 };
 
+/// Whether a path stands for the tiles of a texture.
+[[nodiscard]] bool is_tiled(const JsonInput& file);
+
+/// The path of a UDIM tile.
+/// @param index  10 v + u
+[[nodiscard]] std::filesystem::path tile_path(const JsonInput& file, std::size_t index);
+
+/// A texture in tiles, and where the scene names it.
+struct TiledTexture {
+  ImageMap map;
+  JsonInput file;
+};
+
 /// A material and whether an image varies it, which takes texture coordinates.
 struct DecodedMaterial {
   SurfaceMaterial material;
-  std::string mapped;  ///< the first field that an image varies; empty if there is none
+  std::string mapped;          ///< the first field that an image varies; empty if there is none
+  std::string vertex_colored;  ///< the field that the colors of vertices vary; empty: none
+  std::vector<TiledTexture> tiled;    ///< whose tiles must be there wherever a mesh needs them
   std::vector<std::string> warnings;  ///< what was done to its maps
 };
 
@@ -82,13 +109,22 @@ struct DecodedMaterial {
                                      const Material& material);
 
 struct DecodedMesh {
-  Mesh mesh;
+  std::vector<Mesh> meshes;  ///< one, or one for each of its instances
   std::vector<std::string> warnings;
 };
 
-[[nodiscard]] DecodedMesh decode_mesh(const JsonInput& value,
-                                      const std::vector<DecodedMaterial>& materials,
-                                      double mm_per_unit);
+/// The materials of a scene: those that it lists, and then those of its mesh files that it uses.
+struct SceneMaterials {
+  std::vector<DecodedMaterial> list;
+  std::size_t listed = 0;                         ///< how many the scene lists
+  std::map<std::string, std::uint32_t> of_files;  ///< by file and index, see decode_mesh
+};
+
+[[nodiscard]] DecodedMesh decode_mesh(const JsonInput& value, SceneMaterials& materials,
+                                      Images& images, double mm_per_unit);
+
+/// Whether a name fits a pattern, in which * stands for any letters and ? for one.
+[[nodiscard]] bool fits_pattern(std::string_view name, std::string_view pattern);
 
 [[nodiscard]] Light decode_light(const JsonInput& value, Images& images, double mm_per_unit);
 

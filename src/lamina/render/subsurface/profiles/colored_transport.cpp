@@ -32,11 +32,15 @@ bool scatters(const LayerStack& stack) {
 Vec3f mean_of_map(const TextureStore& textures, const ColorParameter& color) {
   Vec3f mean{1, 1, 1};
   if (!color.map) return mean;
-  if (const auto* image = std::get_if<ImageMap>(&color.map->source)) {
-    const Vec3f of_image = textures.mean_color(image->image);
-    for (int c = 0; c < 3; ++c)
-      mean[c] = std::max(color.map->offset + color.map->scale * of_image[c], 1e-4f);
-  }
+  Vec3f of_source;
+  if (const auto* image = std::get_if<ImageMap>(&color.map->source))
+    of_source = textures.mean_color(*image);
+  else if (const auto* colors = std::get_if<VertexColorMap>(&color.map->source))
+    of_source = colors->mean;
+  else
+    return mean;
+  for (int c = 0; c < 3; ++c)
+    mean[c] = std::max(color.map->offset + color.map->scale * of_source[c], 1e-4f);
   return mean;
 }
 

@@ -52,11 +52,12 @@ void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
   const WalkLayers<N>& layers = medium.layers;
   const bool has_points = std::ranges::any_of(scene.lights, [](const Light& light) {
     return std::holds_alternative<PointLight>(light) ||
+           std::holds_alternative<SpotLight>(light) ||
            std::holds_alternative<DirectionalLight>(light);
   });
   if (has_points && !layers.sees_out(layers.by_depth().count() - 1))
     throw InvalidInput("material \"" + scene.materials[material].name +
-                       "\": random_walk does not find point and distant lights through layers of "
+                       "\": random_walk does not find point, spot and distant lights through layers of "
                        "different ior; use rectangles, one ior or a rough surface");
 }
 

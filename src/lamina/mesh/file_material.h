@@ -1,0 +1,45 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lamina {
+
+/// An image that a material of a mesh file names, as a scene file would: a path relative to the
+/// folder of the mesh file, or `NAME.glb#3` for an image inside it.
+struct FileTexture {
+  std::string map;
+  int uv_set = 0;
+  double repeat_u = 1.0, repeat_v = 1.0;  ///< KHR_texture_transform, its scale
+};
+
+/// A material as mesh files say it: what glTF 2.0 has with its extensions of materials; MTL has
+/// some of it. Colors are linear Rec. 709.
+struct FileMaterial {
+  std::string name;
+  std::array<double, 3> base_color{1, 1, 1};
+  std::optional<FileTexture> base_color_texture;
+  double metallic = 0.0;
+  double roughness = 1.0;  ///< perceptual: the square root of microfacet alpha
+  double ior = 1.5;
+  bool has_specular = true;  ///< a dielectric boundary over the base
+  std::optional<FileTexture> normal_texture, bump_texture;
+  double bump_scale = 1.0;    ///< of the bump texture, in units of the file
+  double transmission = 0.0;  ///< through a boundary, as of glass
+  double thickness = 0.0;     ///< of a volume; 0: a thin wall
+  std::array<double, 3> attenuation_color{1, 1, 1};
+  double attenuation_distance = 0.0;  ///< [unit of the file]; 0: the volume is clear
+  /// Albedo of what scatters many times inside a volume (KHR_materials_volume_scatter).
+  std::optional<std::array<double, 3>> multiscatter_color;
+  double diffuse_transmission = 0.0;  ///< share of what the base scatters that leaves behind
+  std::array<double, 3> diffuse_transmission_color{1, 1, 1};
+  double opacity = 1.0;      ///< where the alpha mode is not opaque
+  bool has_cutouts = false;  ///< the alpha of the base color's texture is coverage
+  std::array<double, 3> emission{0, 0, 0};
+  std::vector<std::string> ignored;  ///< what the file says and lamina does not take, by its names
+};
+
+}  // namespace lamina

@@ -1,0 +1,178 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/mesh/internal/gltf_materials.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lamina/mesh/internal/gltf_buffers.h"
+
+namespace lamina {
+namespace {
+
+class MaterialReader {
+ public:
+  MaterialReader(const JsonInput& root, const std::filesystem::path& file)
+      : file_(file),
+        textures_(gltf_list(root, "textures")),
+        images_(gltf_list(root, "images")),
+        materials_(gltf_list(root, "materials")) {}
+
+  std::vector<FileMaterial> read() {
+    std::vector<FileMaterial> result;
+    for (const JsonInput& material : materials_) result.push_back(read(material));
+    return result;
+  }
+
+ private:
+  FileMaterial read(const JsonInput& input) {
+    FileMaterial material{};
+    result_ = &material;
+    alpha_ = 1.0;
+    if (const auto name = input.peek("name"); name && name->is_string())
+      material.name = name->string();
+    if (const auto pbr = input.peek("pbrMetallicRoughness"))
+      read_base(*pbr);
+    else
+      material.metallic = 1.0;
+    if (const auto normal = input.peek("normalTexture")) {
+      material.normal_texture = texture(*normal);
+      if (number(*normal, "scale", 1.0) != 1.0) ignore("normalTexture.scale");
+    }
+    if (input.peek("occlusionTexture")) ignore("occlusionTexture");
+    material.emission = color(input, "emissiveFactor", {0, 0, 0});
+    if (input.peek("emissiveTexture")) {
+      ignore("emissiveTexture");
+      material.emission = {0, 0, 0};
+    }
+    if (const auto mode = input.peek("alphaMode"); mode && mode->string() != "OPAQUE") {
+      material.has_cutouts = material.base_color_texture.has_value();
+      material.opacity = alpha_;
+    }
+    if (const auto extensions = input.peek("extensions"))
+      for (const auto& [name, extension] : extensions->entries()) read_extension(name, extension);
+    return material;
+  }
+
+  void read_base(const JsonInput& pbr) {
+    FileMaterial& material = *result_;
+    if (const auto factor = pbr.peek("baseColorFactor")) {
+      std::vector<double> c = factor->numbers(4);
+      for (double& each : c) each = std::clamp(each, 0.0, 1.0);
+      material.base_color = {c[0], c[1], c[2]};
+      alpha_ = c[3];
+    }
+    if (const auto base = pbr.peek("baseColorTexture"))
+      material.base_color_texture = texture(*base);
+    material.metallic = number(pbr, "metallicFactor", 1.0);
+    material.roughness = number(pbr, "roughnessFactor", 1.0);
+    if (pbr.peek("metallicRoughnessTexture")) {
+      ignore("metallicRoughnessTexture");
+      material.metallic = 0.0;  // most of what has one is no metal
+    }
+  }
+
+  void read_extension(const std::string& name, const JsonInput& extension) {
+    FileMaterial& material = *result_;
+    const auto ignore_texture = [&](std::string_view key) {
+      if (extension.peek(key)) ignore(name + "." + std::string(key));
+    };
+    if (name == "KHR_materials_ior") {
+      material.ior = number(extension, "ior", 1.5, 0.0, 10.0);
+    } else if (name == "KHR_materials_transmission") {
+      material.transmission = number(extension, "transmissionFactor", 0.0);
+      ignore_texture("transmissionTexture");
+    } else if (name == "KHR_materials_volume") {
+      material.thickness = number(extension, "thicknessFactor", 0.0, 0.0, 1e9);
+      material.attenuation_distance = number(extension, "attenuationDistance", 0.0, 0.0, 1e9);
+      material.attenuation_color = color(extension, "attenuationColor", {1, 1, 1});
+      ignore_texture("thicknessTexture");
+    } else if (name == "KHR_materials_volume_scatter" || name == "KHR_materials_scatter") {
+      material.multiscatter_color = color(extension, "multiscatterColor", {0, 0, 0});
+      if (number(extension, "scatterAnisotropy", 0.0, -1.0, 1.0) != 0.0)
+        ignore(name + ".scatterAnisotropy");
+    } else if (name == "KHR_materials_diffuse_transmission") {
+      material.diffuse_transmission = number(extension, "diffuseTransmissionFactor", 0.0);
+      material.diffuse_transmission_color =
+          color(extension, "diffuseTransmissionColorFactor", {1, 1, 1});
+      ignore_texture("diffuseTransmissionTexture");
+      ignore_texture("diffuseTransmissionColorTexture");
+    } else if (name == "KHR_materials_emissive_strength") {
+      const double strength = number(extension, "emissiveStrength", 1.0, 0.0, 1e12);
+      for (double& c : material.emission) c *= strength;
+    } else if (name == "KHR_materials_specular") {
+      material.has_specular = number(extension, "specularFactor", 1.0) > 0.0;
+      ignore_texture("specularTexture");
+      ignore_texture("specularColorFactor");
+      ignore_texture("specularColorTexture");
+    } else {
+      ignore(name);
+    }
+  }
+
+  void ignore(std::string name) { result_->ignored.push_back(std::move(name)); }
+
+  static double number(const JsonInput& object, std::string_view key, double otherwise,
+                       double low = 0.0, double high = 1.0) {
+    const auto value = object.peek(key);
+    return value ? std::clamp(value->number(), low, high) : otherwise;
+  }
+
+  static std::array<double, 3> color(const JsonInput& object, std::string_view key,
+                                     const std::array<double, 3>& otherwise) {
+    const auto value = object.peek(key);
+    if (!value) return otherwise;
+    const std::vector<double> c = value->numbers(3);
+    return {std::clamp(c[0], 0.0, 1.0), std::clamp(c[1], 0.0, 1.0), std::clamp(c[2], 0.0, 1.0)};
+  }
+
+  std::optional<FileTexture> texture(const JsonInput& info) {
+    const auto index = info.peek("index");
+    if (!index) info.fail("\"index\" is required, but missing");
+    const auto source = gltf_element(textures_, *index).peek("source");
+    if (!source) {  // that of an extension: WebP, KTX2
+      ignore("an image that is no PNG or JPEG");
+      return std::nullopt;
+    }
+    const JsonInput& image = gltf_element(images_, *source);
+    FileTexture result;
+    if (const auto uri = image.peek("uri"); uri && !uri->string().starts_with("data:"))
+      result.map = gltf_path(*uri, {}).string();
+    else
+      result.map = file_.filename().string() + "#" +
+                   std::to_string(static_cast<std::size_t>(source->number()));
+    if (const auto set = info.peek("texCoord"))
+      result.uv_set = static_cast<int>(set->integer(0, 1000));
+    const auto extensions = info.peek("extensions");
+    if (const auto moved = extensions ? extensions->peek("KHR_texture_transform") : std::nullopt) {
+      if (const auto scale = moved->peek("scale")) {
+        const std::vector<double> s = scale->numbers(2, closed_interval(-1e4, 1e4));
+        result.repeat_u = s[0], result.repeat_v = s[1];
+      }
+      if (const auto set = moved->peek("texCoord"))
+        result.uv_set = static_cast<int>(set->integer(0, 1000));
+      for (const std::string_view key : {"offset", "rotation"})
+        if (moved->peek(key)) ignore("KHR_texture_transform." + std::string(key));
+      if (result.repeat_v != 1.0)
+        ignore("KHR_texture_transform.scale of v, which counts from below");
+    }
+    return result;
+  }
+
+  const std::filesystem::path& file_;
+  std::vector<JsonInput> textures_, images_, materials_;
+  FileMaterial* result_ = nullptr;
+  double alpha_ = 1.0;
+};
+
+}  // namespace
+
+std::vector<FileMaterial> decode_gltf_materials(const JsonInput& root,
+                                                const std::filesystem::path& file) {
+  return MaterialReader(root, file).read();
+}
+
+}  // namespace lamina

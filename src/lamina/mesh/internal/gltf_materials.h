@@ -1,0 +1,18 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "lamina/io/json_input.h"
+#include "lamina/mesh/file_material.h"
+
+namespace lamina {
+
+/// What a glTF file says of its materials, by index: metallic-roughness and the extensions that
+/// FileMaterial has a place for; the names of all others are listed as ignored.
+/// Source: [glTF2] §3.9, and the extensions KHR_materials_*.
+[[nodiscard]] std::vector<FileMaterial> decode_gltf_materials(const JsonInput& root,
+                                                              const std::filesystem::path& file);
+
+}  // namespace lamina

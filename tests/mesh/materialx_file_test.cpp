@@ -1,0 +1,76 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/mesh/materialx_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "lamina/core/error.h"
+#include "lamina/core/random.h"
+#include "mesh/mesh_samples.h"
+
+namespace lamina {
+namespace {
+
+std::string sample() {
+  std::ifstream stream(std::filesystem::path(LAMINA_SOURCE_DIR) /
+                       "tests/inputs/scene/good/look.mtlx");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(MaterialX, InputsAreValuesOrImages) {
+  const std::vector<FileMaterial> materials = parse_materialx(sample(), "look.mtlx");
+  ASSERT_EQ(materials.size(), 2U);
+  EXPECT_EQ(materials[0].name, "head_left");
+  EXPECT_EQ(materials[0].multiscatter_color, (std::array{0.8, 0.6, 0.4}));
+  EXPECT_EQ(materials[0].attenuation_distance, 0.05);
+  EXPECT_EQ(materials[0].roughness, 0.4);
+  EXPECT_EQ(materials[0].ignored, std::vector<std::string>{"coat_weight"});
+  ASSERT_TRUE(materials[1].base_color_texture);
+  EXPECT_EQ(materials[1].base_color_texture->map, "tiles.1001.png");
+  EXPECT_FALSE(materials[1].has_specular);
+}
+
+TEST(MaterialX, FaultsAreNamedWithTheirLine) {
+  for (const auto& [text, says] :
+       {std::pair{"", "is cut off"}, std::pair{"text", "is cut off"},
+        std::pair{"<a>\n<b></a>", "2: an element must end with its own name, b"},
+        std::pair{"<a b></a>", "1: an attribute must have a value"},
+        std::pair{"<a b=c></a>", "a value must stand in quotes"},
+        std::pair{"<usd></usd>", "must be a MaterialX file, but is <usd>"}})
+    EXPECT_NE(message_of([&, given = text] { (void)parse_materialx(given, "a.mtlx"); }).find(says),
+              std::string::npos)
+        << text << ": "
+        << message_of([&, given = text] { (void)parse_materialx(given, "a.mtlx"); });
+  std::string deep;
+  for (int i = 0; i < 1000; ++i) deep += "<a>";
+  EXPECT_NE(message_of([&] { (void)parse_materialx(deep, "a.mtlx"); }).find("64 deep"),
+            std::string::npos);
+  EXPECT_NE(message_of([] {
+              std::string text = sample();
+              text.replace(text.find("0.8, 0.6"), 3, "0.x");
+              (void)parse_materialx(text, "a.mtlx");
+            }).find("subsurface_color must be numbers"),
+            std::string::npos);
+}
+
+TEST(MaterialX, CutOrDamagedNeverCrashes) {
+  const std::string whole = sample();
+  for (std::size_t size = 0; size < whole.size() - 2; size += 7)
+    EXPECT_NE(message_of([&] { (void)parse_materialx(whole.substr(0, size), "a.mtlx"); }), "");
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    Random random = make_random(9, i);
+    std::string damaged = whole;
+    for (int k = 0; k < 3; ++k)
+      damaged[static_cast<std::size_t>(random.uniform() * static_cast<double>(damaged.size()))] =
+          static_cast<char>(random.bits() & 255);
+    (void)message_of([&] { (void)parse_materialx(damaged, "a.mtlx"); });
+  }
+}
+
+}  // namespace
+}  // namespace lamina
