@@ -70,6 +70,7 @@ int run(int argc, char** argv) {
   add_export_command(app);
   add_filters_command(app);
   add_fit_command(app);
+  add_info_command(app);
   add_invert_command(app);
   add_maps_command(app);
   add_materials_command(app);

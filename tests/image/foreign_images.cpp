@@ -11,7 +11,7 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
-// jpeglib.h wants FILE.
+// In this order: libjpeg's header wants FILE.
 // clang-format off
 #include <cstdio>
 #include <jpeglib.h>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// jpeglib.h wants FILE, and jerror.h wants jpeglib.h.
+// In this order: libjpeg's header wants FILE, and that of its errors wants that.
 // clang-format off
 #include <cstdio>
 #include <jpeglib.h>

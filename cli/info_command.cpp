@@ -1,0 +1,317 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/mesh_report.h"
+#include "lamina/scene/file_materials.h"
+#include "lamina/scene/scene.h"
+
+namespace lamina::cli {
+namespace {
+
+struct InfoOptions {
+  CommonOptions common;
+  std::string file;
+  double mm_per_unit = 0.0;
+  int uv_set = 0;
+  std::vector<std::string> settings;
+};
+
+/// Translucent things of another size are rare: an eyelash, a house.
+constexpr double smallest_plausible = 3.0, largest_plausible = 3000.0;  // [mm]
+
+double longest_side(const FaceCounts& counts) {
+  const Vec3f d = counts.high - counts.low;
+  return static_cast<double>(std::max({d.x, d.y, d.z}));
+}
+
+/// 20 m, 183 mm, 1.2 mm.
+std::string length_text(double mm) {
+  return mm >= 1e4 ? fmt::format("{:.3g} m", mm / 1e3) : fmt::format("{:.4g} mm", mm);
+}
+
+/// A sentence if a translucent thing of that size is likely a mistake of units.
+std::optional<std::string> implausible_size(const std::string& name, double longest_mm,
+                                            double mm_per_unit) {
+  if (!(longest_mm > 0.0) || (longest_mm >= smallest_plausible && longest_mm <= largest_plausible))
+    return std::nullopt;
+  // The power of ten that makes it about as large as a head.
+  const double factor = std::pow(10.0, std::round(std::log10(200.0 / longest_mm)));
+  const std::string hint = mm_per_unit > 0.0
+                               ? fmt::format("with mm_per_unit {:g} it would be {}",
+                                             mm_per_unit * factor, length_text(longest_mm * factor))
+                               : fmt::format("with mm_per_unit {:g} times as large it would be {}",
+                                             factor, length_text(longest_mm * factor));
+  return fmt::format("{} is {} long, and light spreads some mm in most materials; {}", name,
+                     length_text(longest_mm), hint);
+}
+
+JsonOutput json_of(const Vec3f& v) { return JsonOutput::array({v.x, v.y, v.z}); }
+
+/// @param mm  of a unit; 0: unknown
+JsonOutput json_of(const FaceCounts& counts, double mm) {
+  const Vec3f size = counts.high - counts.low;
+  JsonOutput json = {{"faces", counts.faces},
+                     {"triangles", counts.triangles},
+                     {"open_edges", counts.open_edges},
+                     {"nonmanifold_edges", counts.nonmanifold_edges},
+                     {"degenerate_faces", counts.degenerate_faces},
+                     {"size", json_of(size)}};
+  if (mm > 0.0) json["size_mm"] = json_of(static_cast<float>(mm) * size);
+  return json;
+}
+
+JsonOutput json_of(const MeshReport& report, double mm) {
+  JsonOutput json = json_of(report.counts, mm);
+  json["vertices"] = report.vertices;
+  json["surfaces"] = report.surfaces;
+  json["uv_sets"] = report.uv_sets;
+  json["uv_islands"] = report.uv_islands;
+  json["faces_without_uv"] = report.faces_without_uv;
+  json["udim_tiles"] = report.tiles;
+  json["vertex_colors"] = report.has_colors;
+  json["creases"] = report.creases;
+  json["memory_bytes"] = rendering_memory(report.vertices, report.counts.triangles);
+  return json;
+}
+
+std::string size_text(const Vec3f& size, double mm) {
+  const auto s = [&](float x) { return static_cast<double>(x) * mm; };
+  return fmt::format("{:.4g} x {:.4g} x {:.4g}", s(size.x), s(size.y), s(size.z));
+}
+
+std::string counted(std::size_t count, const std::string& noun, const std::string& nouns) {
+  return fmt::format("{} {}", count, count == 1 ? noun : nouns);
+}
+
+/// The lines that meshes of files and of scenes have in common.
+std::string topology_text(const MeshReport& report) {
+  const FaceCounts& c = report.counts;
+  std::string text = fmt::format("  {:<10}{} of {}, {}\n", "faces", c.faces,
+                                 counted(c.triangles, "triangle", "triangles"),
+                                 counted(report.vertices, "vertex", "vertices"));
+  text += fmt::format(
+      "  {:<10}{}, {}; {} of more than two faces; {} without area\n", "surfaces", report.surfaces,
+      c.open_edges == 0 ? std::string("closed") : counted(c.open_edges, "open edge", "open edges"),
+      counted(c.nonmanifold_edges, "edge", "edges"), counted(c.degenerate_faces, "face", "faces"));
+  if (report.uv_sets == 0) {
+    text += fmt::format("  {:<10}no coordinates\n", "texture");
+  } else {
+    text += fmt::format("  {:<10}{} of coordinates, {}", "texture",
+                        counted(static_cast<std::size_t>(report.uv_sets), "set", "sets"),
+                        counted(report.uv_islands, "island", "islands"));
+    if (report.faces_without_uv > 0)
+      text += fmt::format(", {} without", counted(report.faces_without_uv, "face", "faces"));
+    if (report.tiles != std::vector<int>{1001} && !report.tiles.empty()) {
+      text += fmt::format(", UDIM tiles {}", report.tiles.front());
+      if (report.tiles.size() > 1)
+        text += fmt::format(" to {} ({})", report.tiles.back(), report.tiles.size());
+    }
+    text += "\n";
+  }
+  if (report.has_colors) text += fmt::format("  {:<10}of vertices\n", "colors");
+  if (report.creases > 0)
+    text += fmt::format("  {:<10}{}\n", "creases", counted(report.creases, "edge", "edges"));
+  text += fmt::format("  {:<10}about {} when rendered\n", "memory",
+                      memory_size_text(rendering_memory(report.vertices, c.triangles)));
+  return text;
+}
+
+std::string joined(std::vector<std::string> texts, const std::string& by) {
+  texts.erase(std::unique(texts.begin(), texts.end()), texts.end());
+  return texts.empty() ? "(no name)" : fmt::format("{}", fmt::join(texts, by));
+}
+
+void show_mesh(const InfoOptions& options) {
+  MemoryBudget memory = options.common.memory;
+  const std::filesystem::path file = options.file;
+  const PolygonMesh mesh = load_polygon_mesh(file, memory, {.uv_set = options.uv_set});
+  const bool is_gltf = lower_case_ending(file) == ".glb" || lower_case_ending(file) == ".gltf";
+  // glTF is in metres.
+  const double mm = options.mm_per_unit > 0.0 ? options.mm_per_unit : is_gltf ? 1000.0 : 0.0;
+  const MeshReport report = report_mesh(mesh);
+  const Vec3f size = report.counts.high - report.counts.low;
+  std::string text = fmt::format("{}\n", options.file);
+  if (mm > 0.0) {
+    text += fmt::format("  {:<10}{} mm, with mm_per_unit {:g}{}\n", "size", size_text(size, mm), mm,
+                        is_gltf && options.mm_per_unit == 0.0 ? ", for glTF is in metres" : "");
+  } else {
+    text += fmt::format("  {:<10}{} units: the longest is {} if they are mm, {} if cm, {} if m\n",
+                        "size", size_text(size, 1.0), length_text(longest_side(report.counts)),
+                        length_text(10.0 * longest_side(report.counts)),
+                        length_text(1000.0 * longest_side(report.counts)));
+  }
+  text += topology_text(report);
+  JsonOutput result = make_result("info");
+  result["file"] = options.file;
+  result["kind"] = "mesh";
+  if (mm > 0.0) result["mm_per_unit"] = mm;
+  result.update(json_of(report, mm));
+  std::vector<std::string> warnings = mesh.notes;
+  if (mm > 0.0)
+    if (auto warning = implausible_size(options.file, mm * longest_side(report.counts), mm))
+      warnings.push_back(std::move(*warning));
+
+  result["parts"] = JsonOutput::array();
+  text += fmt::format("  {:<10}{:>9} {:>10}  {}\n", "parts", "triangles", "open edges",
+                      "names, by which \"parts\" of a scene finds them");
+  for (std::size_t p = 0; p < report.parts.size(); ++p) {
+    const PartReport& part = report.parts[p];
+    text += fmt::format("  {:<10}{:>9} {:>10}  {}\n", "", part.counts.triangles,
+                        part.counts.open_edges, joined(part.labels, ", "));
+    JsonOutput json = {{"names", part.labels}};
+    json.update(json_of(part.counts, mm));
+    if (const auto m = mesh.parts[p].material) json["material"] = *m;
+    result["parts"].push_back(std::move(json));
+  }
+  result["materials"] = JsonOutput::array();
+  if (!mesh.file_materials.empty())
+    text += fmt::format("  {:<10}as a scene would say them\n", "materials");
+  for (const FileMaterial& material : mesh.file_materials) {
+    const SceneMaterialText scene =
+        scene_material_text(material, mm > 0.0 ? mm : 1.0, options.uv_set);
+    text += fmt::format("    \"{}\": {}\n", material.name, scene.json);
+    if (!scene.ignored.empty())
+      text += fmt::format("      not taken: {}\n", joined(scene.ignored, "; "));
+    result["materials"].push_back({{"name", material.name},
+                                   {"scene", JsonOutput(parse_json(scene.json, "").root())},
+                                   {"ignored", scene.ignored}});
+  }
+  result["warnings"] = warnings;
+  write_json(result, options.common);
+  for (const std::string& warning : warnings) say("warning: " + warning);
+  print(options.common, text);
+}
+
+std::string kind_of(const SurfaceMaterial& material) {
+  constexpr std::array names = {"diffuse", "subsurface", "dielectric", "thin"};
+  std::string text = names[material.surface.index()];
+  if (material.coat) text += ", coat";
+  const Vec3f& e = material.emission;
+  if (e.x > 0.0F || e.y > 0.0F || e.z > 0.0F) text += ", emission";
+  return text;
+}
+
+std::size_t bytes_of(const Image& image) {
+  // With the smaller copies that textures are looked up in, three numbers each.
+  const std::size_t texels =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  return image.pixels.size() * sizeof(float) + texels / 3 * sizeof(Vec3f);
+}
+
+void show_scene(const InfoOptions& options) {
+  MemoryBudget budget = options.common.memory;
+  const JsonDocument document = load_json(options.file, budget, options.settings);
+  const auto unit = document.root().is_object() ? document.root().peek("mm_per_unit")
+                                                : std::optional<JsonInput>();
+  const Scene scene = load_scene(options.file, options.common.memory, options.settings);
+  const double mm_per_unit = unit && unit->is_number() ? unit->number() : 0.0;
+  std::vector<std::string> warnings = scene.warnings;
+  std::size_t memory = 0, triangles = 0;
+  JsonOutput result = make_result("info");
+  result["file"] = options.file;
+  result["kind"] = "scene";
+  result["mm_per_unit"] = mm_per_unit;
+  result["meshes"] = JsonOutput::array();
+  std::string meshes;
+  for (const Mesh& mesh : scene.meshes) {
+    const PolygonMesh polygons = polygons_of(mesh);
+    const MeshReport report = report_mesh(polygons);
+    meshes += fmt::format("{}\n  {:<10}{} mm\n", mesh.name, "size",
+                          size_text(report.counts.high - report.counts.low, 1.0));
+    meshes += topology_text(report);
+    JsonOutput json = {{"name", mesh.name}};
+    json.update(json_of(report, 1.0));
+    json["parts"] = JsonOutput::array();
+    bool is_translucent = false;
+    for (std::size_t p = 0; p < report.parts.size(); ++p) {
+      const SurfaceMaterial& material = scene.materials[*polygons.parts[p].material];
+      is_translucent |= std::holds_alternative<SubsurfaceSurface>(material.surface);
+      meshes += fmt::format("  {:<10}{} ({}): {}{}\n", p == 0 ? "materials" : "", material.name,
+                            kind_of(material),
+                            counted(report.parts[p].counts.triangles, "triangle", "triangles"),
+                            is_closed(mesh, *polygons.parts[p].material) ? ", closed" : ", open");
+      JsonOutput part = {{"material", material.name}, {"kind", kind_of(material)}};
+      part.update(json_of(report.parts[p].counts, 1.0));
+      json["parts"].push_back(std::move(part));
+    }
+    result["meshes"].push_back(std::move(json));
+    if (is_translucent)
+      if (auto warning = implausible_size(mesh.name, longest_side(report.counts), mm_per_unit))
+        warnings.push_back(std::move(*warning));
+    memory += rendering_memory(mesh.positions.size(), mesh.triangles.size());
+    triangles += mesh.triangles.size();
+  }
+  std::size_t of_images = 0;
+  for (const Image& image : scene.images) of_images += bytes_of(image);
+  const std::size_t of_film =
+      static_cast<std::size_t>(scene.film.width) * static_cast<std::size_t>(scene.film.height) * 80;
+  result["triangles"] = triangles;
+  result["images"] = scene.images.size();
+  result["lights"] = scene.lights.size();
+  result["materials"] = scene.materials.size();
+  result["memory_bytes"] = memory + of_images + of_film;
+  result["warnings"] = warnings;
+  write_json(result, options.common);
+  for (const std::string& warning : warnings) say("warning: " + warning);
+  print(options.common,
+        fmt::format("{}\n  {:<10}{} in {}, {}, {}, {}\n  {:<10}about {}: meshes {}, images {}, "
+                    "picture {}; methods take more\n{}",
+                    options.file, "holds", counted(triangles, "triangle", "triangles"),
+                    counted(scene.meshes.size(), "mesh", "meshes"),
+                    counted(scene.materials.size(), "material", "materials"),
+                    counted(scene.images.size(), "image", "images"),
+                    counted(scene.lights.size(), "light", "lights"), "memory",
+                    memory_size_text(memory + of_images + of_film), memory_size_text(memory),
+                    memory_size_text(of_images), memory_size_text(of_film), meshes));
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  auto options = std::make_shared<InfoOptions>();
+  const Command command(app, "info",
+                        "Say what a mesh file or a scene holds, and what is odd about it");
+  command
+      .add_option("file", options->file,
+                  "a mesh (.obj, .ply, .gltf, .glb) or a scene (.json): its parts, materials, "
+                  "triangles, size in mm, open edges, texture islands and memory")
+      .type_name("FILE")
+      .required();
+  command
+      .add_option("--mm-per-unit", options->mm_per_unit,
+                  "of a mesh: millimetres of one unit; without it 1000 of glTF, and unknown else")
+      .range(1e-6, 1e6);
+  command.add_option("--uv-set", options->uv_set, "of glTF: which TEXCOORD_n is looked at")
+      .range(0, 1000);
+  add_settings_option(command, options->settings, "scene");
+  add_common_options(command, options->common);
+  command.footer(
+      "Example: a mesh before it is rendered\n"
+      "  lamina info head.obj --mm-per-unit 10");
+  command.callback([command, options] {
+    const bool is_scene = lower_case_ending(options->file) == ".json";
+    if (is_scene && (command.is_given("--mm-per-unit") || command.is_given("--uv-set")))
+      throw InvalidInput("--mm-per-unit and --uv-set: a scene says these itself");
+    if (!is_scene && !options->settings.empty()) throw InvalidInput("--set: is for scenes");
+    if (is_scene)
+      show_scene(*options);
+    else
+      show_mesh(*options);
+  });
+}
+
+}  // namespace lamina::cli

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+# `lamina info`: what it prints of meshes and scenes, and how it ends.   info_command_test.sh LAMINA PYTHON SOURCE
+set -euo pipefail
+lamina=$1 python=$2 source=$3
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+# expect CODE TEXT ARGUMENT...: `lamina info ARGUMENT...` ends with CODE and prints TEXT.
+expect() {
+  local code=$1 text=$2 got=0; shift 2
+  "$lamina" info "$@" >output 2>&1 || got=$?
+  [ "$got" = "$code" ] || fail "info $*: exit code $got instead of $code"
+  grep -qF -- "$text" output || fail "info $*: no '$text' in: $(cat output)"
+}
+
+good=$source/tests/inputs/scene/good
+expect 0 'Example:' --help
+expect 0 'UDIM tiles 1001 to 1002 (2)' "$good/two_tiles.obj"
+expect 0 'units: the longest is 2 mm if they are mm, 20 mm if cm, 2000 mm if m' "$good/two_tiles.obj"
+expect 0 'with mm_per_unit 1000, for glTF is in metres' "$good/triangle.gltf"
+expect 0 '"paint": {"diffuse":[0.8,0.4,0.2],"coat":{"ior":1.5,"roughness":0.25,"distribution":"ggx"}}' "$good/triangle.gltf"
+expect 0 'with mm_per_unit 100 it would be 200 mm' "$good/two_tiles.obj" --mm-per-unit 1
+expect 0 'is 20 m long' "$good/two_tiles.obj" --mm-per-unit 10000
+expect 2 'which lamina does not read' head.abc
+expect 2 'there is no such file' none.obj
+expect 2 '--set: is for scenes' "$good/two_tiles.obj" --set film.width=3
+expect 2 'a scene says these itself' "$good/minimal.json" --mm-per-unit 3
+expect 0 'wall (diffuse): 2 triangles, open' "$good/minimal.json"
+
+# A head of 20 m, and one of 2 mm.
+cat >head.json <<'END'
+{ "lamina": "scene", "version": 1, "mm_per_unit": 1000,
+  "camera": { "position": [0, 0, 50], "look_at": [0, 0, 0] },
+  "materials": { "skin": { "subsurface": "jensen_skin1" } },
+  "meshes": [ { "shape": "bust", "height": 20, "tessellation": 16, "material": "skin" } ],
+  "lights": [ { "type": "point", "position": [0, 9, 9], "intensity": 1 } ] }
+END
+expect 0 'warning: bust is 19.9 m long' head.json
+expect 0 'with mm_per_unit 10 it would be 199.4 mm' head.json
+expect 0 'bust is 1.994 mm long' head.json --set mm_per_unit=0.1
+"$lamina" info head.json --set mm_per_unit=10 2>&1 | grep -q warning && fail "a head of 200 mm is likely"
+
+"$lamina" info --json - "$good/two_tiles.obj" | "$python" -c '
+import json, sys
+result = json.load(sys.stdin)
+assert result["command"] == "info" and result["kind"] == "mesh"
+assert result["faces"] == 2 and result["triangles"] == 4 and result["open_edges"] == 6
+assert result["udim_tiles"] == [1001, 1002] and result["vertex_colors"] and result["creases"] == 1
+assert [part["names"] for part in result["parts"]] == [["head_left"], ["head_right"]]
+assert result["memory_bytes"] > 0 and "size_mm" not in result
+'
+"$lamina" info --json - "$good/meshes.json" 2>/dev/null | "$python" -c '
+import json, sys
+result = json.load(sys.stdin)
+assert result["kind"] == "scene" and len(result["meshes"]) == 6 and result["lights"] == 2
+assert any("emission" in part["kind"] for mesh in result["meshes"] for part in mesh["parts"])
+'
