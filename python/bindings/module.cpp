@@ -9,6 +9,7 @@
 #include "edit.h"
 #include "errors.h"
 #include "fit.h"
+#include "half_spaces.h"
 #include "images.h"
 #include "layer_stacks.h"
 #include "map_photons.h"
@@ -43,6 +44,7 @@ PYBIND11_MODULE(_lamina, module) {
   bind_bsdf(module);
   bind_optics(module);
   bind_media(module);
+  bind_half_spaces(module);
   bind_surfaces(module);
   bind_map_photons(module);
   bind_reproduction(module);
