@@ -181,7 +181,7 @@ Samples sample_all() {
   };
   parallel_for(ior_orders, sample_ior);
   for (std::size_t d = 0; d < distributions; ++d) {
-    bridge_to_matched(d, ior_orders - 3, 0.35, samples);
+    bridge_to_matched(d, ior_orders - 3, 0.17, samples);
     bridge_to_matched(d, ior_orders - 2, 0.0, samples);
   }
   return samples;

@@ -2,6 +2,7 @@
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <string>
@@ -32,6 +33,27 @@ bool is_in_diffuse_light(ColorDefinition definition) {
   return definition == ColorDefinition::diffuse || definition == ColorDefinition::furnace;
 }
 
+using Orders = std::array<double, detail::s_orders>;
+
+/// Powers of x in Chebyshev polynomials, [order][power].
+constexpr std::array<Orders, detail::s_orders> chebyshev_powers() {
+  std::array<Orders, detail::s_orders> powers = {};
+  powers[0][0] = powers[1][1] = 1.0;
+  for (std::size_t n = 2; n < powers.size(); ++n)  // T_n = 2 x T_(n-1) - T_(n-2)
+    for (std::size_t k = 0; k <= n; ++k)
+      powers[n][k] = (k > 0 ? 2.0 * powers[n - 1][k - 1] : 0.0) - powers[n - 2][k];
+  return powers;
+}
+
+/// A sum of Chebyshev polynomials by powers of x. They are few enough that no digits are lost.
+Orders in_powers(const Orders& chebyshev) {
+  constexpr std::array<Orders, detail::s_orders> powers = chebyshev_powers();
+  Orders sum = {};
+  for (std::size_t n = 0; n < chebyshev.size(); ++n)
+    for (std::size_t k = n % 2; k <= n; k += 2) sum[k] += chebyshev[n] * powers[n][k];
+  return sum;
+}
+
 /// Four digits, rounded into the range of colors.
 std::string limit_text(double limit, bool is_high) {
   const double digits = 1e4;
@@ -42,11 +64,12 @@ std::string limit_text(double limit, bool is_high) {
 
 HalfSpaceColor::HalfSpaceColor(const HalfSpaceLook& look) : g_(look.g) {
   check(look);
-  static_assert(orders == detail::s_orders);
   const bool is_diffuse = is_in_diffuse_light(look.definition);
   const detail::ColorCoefficients found =
       detail::color_coefficients(look.ior, look.g, look.top, is_diffuse);
-  exponent_ = found.q;
+  const auto powers = in_powers(found.q);
+  static_assert(2 * pairs == powers.size());
+  for (std::size_t k = 0; k < powers.size(); ++k) (k % 2 == 0 ? even_ : odd_)[k / 2] = powers[k];
   trapped_ = fresnel_diffuse(1.0 / look.ior);
   const bool is_smooth = is_specular(make_rough_interface<double>(look.top, 1.0, look.ior));
   const double mirrored = is_diffuse ? fresnel_diffuse(look.ior) : fresnel(1.0, look.ior);
@@ -56,27 +79,22 @@ HalfSpaceColor::HalfSpaceColor(const HalfSpaceLook& look) : g_(look.g) {
     brightest_ = 1.0 - first_reflection;
 }
 
-/// q(s) by Clenshaw's recurrence, and dq/ds.
-double HalfSpaceColor::log_share(double s, double& slope) const {
-  const double x2 = 2.0 * detail::s_coordinate(s);
-  double b1 = 0.0, b2 = 0.0, d1 = 0.0, d2 = 0.0;
-  for (std::size_t k = orders; k-- > 1;) {
-    const double d = x2 * d1 - d2 + 2.0 * b1;
-    d2 = d1;
-    d1 = d;
-    const double b = x2 * b1 - b2 + exponent_[k];
-    b2 = b1;
-    b1 = b;
+HalfSpaceColor::Exponent HalfSpaceColor::exponent(double s) const {
+  const double x = detail::s_coordinate(s), x2 = x * x;
+  double even = 0.0, odd = 0.0, even_slope = 0.0, odd_slope = 0.0;  // over x2
+  for (std::size_t k = pairs; k-- > 0;) {
+    even_slope = even_slope * x2 + even;
+    odd_slope = odd_slope * x2 + odd;
+    even = even * x2 + even_[k];
+    odd = odd * x2 + odd_[k];
   }
-  slope = 2.0 * (0.5 * x2 * d1 - d2 + b1);  // x = 2 s - 1
-  return 0.5 * x2 * b1 - b2 + exponent_[0];
+  return {even + x * odd, 2.0 * (2.0 * x * even_slope + odd + 2.0 * x2 * odd_slope)};
 }
 
 double HalfSpaceColor::color(double albedo) const {
   assert(0.0 <= albedo && albedo <= 1.0);
   const double s = std::sqrt((1.0 - albedo) / (1.0 - albedo * g_));
-  double slope;
-  return darkest_ + (brightest_ - darkest_) * (1.0 - s) * std::exp(s * log_share(s, slope));
+  return darkest_ + (brightest_ - darkest_) * (1.0 - s) * std::exp(s * exponent(s).q);
 }
 
 double HalfSpaceColor::albedo(double color) const {
@@ -100,13 +118,12 @@ double HalfSpaceColor::nearest_albedo(double color) const {
   double bright = 0.0, dark = 1.0;
   s = std::clamp(s, 1e-9, 1.0 - 1e-9);
   for (int step = 0; step < 60; ++step) {
-    double slope;
-    const double q = log_share(s, slope);
-    const double excess = std::log1p(-s) + s * q - wanted;
+    const auto [q, slope] = exponent(s);
+    const double excess = std::log(1.0 - s) + s * q - wanted;
     (excess > 0.0 ? bright : dark) = s;
     const double newton = s - excess / (q + s * slope - 1.0 / (1.0 - s));
     const double next = bright < newton && newton < dark ? newton : 0.5 * (bright + dark);
-    const bool is_near = std::abs(next - s) < 1e-12;
+    const bool is_near = std::abs(next - s) < 1e-6 * (1.0 - s);  // what is left is its square
     s = next;
     if (is_near) break;
   }
@@ -136,11 +153,11 @@ double color_on_grid(const HalfSpaceLook& look, double albedo, int nodes) {
   return totals.diffuse_reflectance;
 }
 
-/// The same; where grids do not resolve how rough surfaces refract, the difference that roughness
-/// makes is in proportion to ior - 1, and taken from an index that they do resolve.
+/// The same; where grids do not resolve how little rough surfaces refract, the difference that
+/// roughness makes is in proportion to ior - 1, and taken from an index that they do resolve.
 double bridged_color(const HalfSpaceLook& look, double albedo, int nodes) {
-  constexpr double resolved = 1.004;
-  if (look.top.roughness == 0.0 || look.ior >= resolved) return color_on_grid(look, albedo, nodes);
+  const double resolved = 1.0 + 0.006 * look.top.roughness;
+  if (look.ior == 1.0 || look.ior >= resolved) return color_on_grid(look, albedo, nodes);
   HalfSpaceLook smooth = look, rough_there = look, smooth_there = look;
   smooth.top.roughness = smooth_there.top.roughness = 0.0;
   rough_there.ior = smooth_there.ior = resolved;

@@ -67,13 +67,17 @@ class HalfSpaceColor {
   [[nodiscard]] double nearest_albedo(double color) const;
 
  private:
-  static constexpr std::size_t orders = 14;
+  static constexpr std::size_t pairs = 7;  // of orders
 
-  [[nodiscard]] double log_share(double s, double& slope) const;
+  /// q of the table and its derivative.
+  struct Exponent {
+    double q, slope;
+  };
+  [[nodiscard]] Exponent exponent(double s) const;
 
   double g_, darkest_ = 0.0, brightest_ = 1.0;
   double trapped_ = 0.0;  ///< of diffuse light inside, where a smooth surface would reflect it
-  std::array<double, orders> exponent_ = {};  ///< Chebyshev coefficients over s in [0, 1]
+  std::array<double, pairs> even_ = {}, odd_ = {};  ///< q by powers of x^2, and x times such
 };
 
 /// The color that adding-doubling finds, without the table.

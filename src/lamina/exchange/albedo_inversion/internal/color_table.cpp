@@ -33,6 +33,8 @@ ColorTable read_table() {
           for (std::size_t s = 0; s < size; ++s)
             table.values.push_back(color_table_unit * color_table_rows[next++]);
         }
+  // Loops of one length after the other: processors guess their ends.
+  for (std::vector<Row>& rows : table.rows) std::ranges::stable_sort(rows, {}, &Row::size);
   return table;
 }
 
@@ -58,13 +60,19 @@ ColorCoefficients color_coefficients(double ior, double g, const Interface& top,
     for (std::size_t n = 0; n < ior_orders; ++n)
       by_surface[r * ior_orders + n] = by_roughness[r] * by_ior[n];
 
-  ColorCoefficients found;
+  // Several sums, so that none waits for the last row.
+  std::array<std::array<double, s_orders>, 4> sums = {};
+  std::size_t next = 0;
   for (const Row& row : table.rows[part]) {
     const double weight =
         by_surface[std::size_t{row.roughness} * ior_orders + row.ior] * by_g[row.g];
     const double* const values = &table.values[row.at];
-    for (std::size_t s = 0; s < row.size; ++s) found.q[s] += weight * values[s];
+    std::array<double, s_orders>& sum = sums[next++ % sums.size()];
+    for (std::size_t s = 0; s < row.size; ++s) sum[s] += weight * values[s];
   }
+  ColorCoefficients found;
+  for (const auto& sum : sums)
+    for (std::size_t s = 0; s < s_orders; ++s) found.q[s] += sum[s];
   const auto reflection =
       first_reflection_rows.subspan(part * by_surface.size(), by_surface.size());
   for (std::size_t i = 0; i < by_surface.size(); ++i)
