@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,38 +26,12 @@ constexpr std::size_t channels = 3;
 constexpr std::array<const char*, channels> channel_names = {"R", "G", "B"};
 using Rgb = std::array<double, channels>;
 
-enum class LengthUnit { mm, cm, um, m };
-
-}  // namespace
-}  // namespace lamina::cli
-
-namespace lamina {
-
-template <>
-inline constexpr auto enum_names<cli::LengthUnit> =
-    std::to_array<EnumName<cli::LengthUnit>>({{"mm", cli::LengthUnit::mm},
-                                              {"cm", cli::LengthUnit::cm},
-                                              {"um", cli::LengthUnit::um},
-                                              {"m", cli::LengthUnit::m}});
-
-}  // namespace lamina
-
-namespace lamina::cli {
-namespace {
-
-double mm_per(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::mm:
-      break;
-    case LengthUnit::cm:
-      return 10.0;
-    case LengthUnit::um:
-      return 1e-3;
-    case LengthUnit::m:
-      return 1e3;
-  }
-  return 1.0;
-}
+/// What --radius may be given in.
+struct LengthUnit {
+  std::string name;
+  double mm;
+};
+const std::vector<LengthUnit> length_units = {{"mm", 1.0}, {"cm", 10.0}, {"um", 1e-3}, {"m", 1e3}};
 
 struct InvertOptions {
   CommonOptions common;
@@ -66,7 +39,7 @@ struct InvertOptions {
   std::vector<std::string> color;
   bool is_srgb = false, checks = false;
   std::vector<double> radius;
-  LengthUnit unit = LengthUnit::mm;
+  std::string unit = "mm";
   TextureInversion texture;
   std::string output;
 };
@@ -118,8 +91,9 @@ Rgb radius_of(const InvertOptions& options) {
   if (options.radius.size() != 0 && options.radius.size() != 1 && options.radius.size() != channels)
     throw InvalidInput(fmt::format("--radius: must be three lengths, or one for all, but are {}",
                                    options.radius.size()));
+  const double mm = std::ranges::find(length_units, options.unit, &LengthUnit::name)->mm;
   for (std::size_t c = 0; c < channels && !options.radius.empty(); ++c)
-    radius[c] = mm_per(options.unit) * options.radius[options.radius.size() == 1 ? 0 : c];
+    radius[c] = mm * options.radius[options.radius.size() == 1 ? 0 : c];
   return radius;
 }
 
@@ -317,9 +291,9 @@ void add_invert_command(CLI::App& app) {
       .type_name("R G B|#RRGGBB");
   command.add_flag("--srgb", options->is_srgb, "the numbers of --color are sRGB, 1 is white");
   command
-      .add_option(
-          "--texture", options->texture.file,
-          "an image of colors (PNG, EXR, TIFF) in place of --color; --output gets the albedos")
+      .add_option("--texture", options->texture.file,
+                  "an image of colors (PNG, EXR, TIFF, JPEG, HDR) in place of --color; --output "
+                  "gets the albedos")
       .type_name("FILE");
   command.add_choice("--encoding", options->texture.encoding,
                      "what the integers of --texture mean; floating point is always linear");
@@ -346,7 +320,9 @@ void add_invert_command(CLI::App& app) {
                      "of the facets of a rough surface; OpenPBR's is ggx");
   command.add_option("--radius", options->radius, "mean free path of each channel, or one for all")
       .type_name("R G B");
-  command.add_choice("--radius-unit", options->unit, "of --radius");
+  std::vector<std::string> units;
+  for (const LengthUnit& unit : length_units) units.push_back(unit.name);
+  command.add_option("--radius-unit", options->unit, "of --radius").one_of(units).show_default();
   command.add_choice("--radius-meaning", options->texture.meaning,
                      "1 / sigma_t, 1 / sigma_t_prime or 1 / sigma_tr");
   command.add_flag("--check", options->checks,

@@ -64,7 +64,7 @@ def invert(
 
     >>> import lamina
     >>> lamina.invert([0.8, 0.5, 0.2], g=0.8).albedo.round(4)
-    array([0.9996, 0.9955, 0.9716])
+    array([0.9996, 0.9955, 0.9705])
     """
     one_of("radius_meaning", radius_meaning, _MEANINGS)
     arrays, _ = broadcast({
@@ -104,7 +104,7 @@ def half_space_color(
 
     >>> import lamina
     >>> lamina.half_space_color([0.5, 0.9, 1.0], definition="furnace").round(3)
-    array([0.129, 0.345, 1.   ])
+    array([0.13 , 0.326, 1.   ])
     """
     arrays, _ = broadcast({"albedo": doubles("albedo", albedo, 0.0, 1.0), **_looks(ior, g, roughness, distribution, definition)})
     return _lamina.half_space_color(

@@ -146,7 +146,7 @@ void sample_surface(const std::vector<LayerOperators>& media, std::size_t distri
   }
 }
 
-/// Between matched indices and 1.004 grids of directions do not resolve how facets refract, and the
+/// Near matched indices grids of directions do not resolve how little facets refract, and the
 /// more the rougher they are. There the difference that roughness makes is in proportion to
 /// ior - 1: it is taken from the point before.
 void bridge_to_matched(std::size_t distribution, std::size_t ior, double least_roughness,
