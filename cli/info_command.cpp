@@ -14,7 +14,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_report.h"
 #include "lamina/scene/file_materials.h"
 #include "lamina/scene/scene.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/materialx_file.h"
+#include "lamina/mesh/files/materialx_file.h"
 
 #include <gtest/gtest.h>
 

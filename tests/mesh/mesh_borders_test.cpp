@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_file.h"
 #include "lamina/mesh/mesh_orientation.h"
 #include "lamina/mesh/mesh_shapes.h"
 

@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "lamina/core/error.h"
-#include "lamina/mesh/gltf_image.h"
+#include "lamina/mesh/files/gltf_image.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 #include "mesh/mesh_samples.h"
 

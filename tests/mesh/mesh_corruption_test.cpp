@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "lamina/core/random.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 #include "mesh/mesh_samples.h"
 

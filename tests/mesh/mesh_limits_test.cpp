@@ -13,8 +13,8 @@
 #include <fstream>
 
 #include "image/peak_memory.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 #include "lamina/mesh/mesh_triangulation.h"
 #include "mesh/mesh_samples.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "lamina/core/random.h"
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 #include "lamina/mesh/mesh_triangulation.h"
 #include "mesh/mesh_samples.h"

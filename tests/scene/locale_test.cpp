@@ -15,7 +15,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
 #include "lamina/materials/material_file.h"
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/plot/plot.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"

@@ -18,16 +18,16 @@ namespace lamina {
 namespace {
 
 // libjpeg reports errors by a long jump here. So the functions that call setjmp have no objects
-// with destructors; everything that owns memory lives in Reader and in decode_jpeg.
+// with destructors; everything that owns memory lives in JpegReader and in decode_jpeg.
 
 /// Scans that a progressive file may have: a small file could ask for a whole decoding in each.
 constexpr int most_scans = 200;
 
-struct Reader {
-  explicit Reader(std::span<const std::byte> bytes);
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() { jpeg_destroy_decompress(&info); }
+struct JpegReader {
+  explicit JpegReader(std::span<const std::byte> bytes);
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+  ~JpegReader() { jpeg_destroy_decompress(&info); }
 
   std::span<const std::byte> bytes;
   jpeg_decompress_struct info{};
@@ -37,10 +37,12 @@ struct Reader {
   std::array<char, JMSG_LENGTH_MAX> message{};
 };
 
-Reader& reader_of(j_common_ptr info) { return *static_cast<Reader*>(info->client_data); }
+JpegReader& jpeg_reader_of(j_common_ptr info) {
+  return *static_cast<JpegReader*>(info->client_data);
+}
 
-[[noreturn]] void leave(j_common_ptr info) {
-  Reader& reader = reader_of(info);
+[[noreturn]] void leave_jpeg(j_common_ptr info) {
+  JpegReader& reader = jpeg_reader_of(info);
   info->err->format_message(info, reader.message.data());
   std::longjmp(reader.on_error, 1);  // NOLINT(cert-err52-cpp): the way out of a C library
 }
@@ -49,7 +51,8 @@ Reader& reader_of(j_common_ptr info) { return *static_cast<Reader*>(info->client
 void refuse_damage(j_common_ptr info, int level) {
   if (level >= 0) return;
   const int code = info->err->msg_code;
-  if (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE) leave(info);
+  if (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE)
+    leave_jpeg(info);
 }
 
 void refuse_too_many_scans(j_common_ptr info) {
@@ -58,15 +61,15 @@ void refuse_too_many_scans(j_common_ptr info) {
     ERREXIT(info, JERR_BAD_SCAN_SCRIPT);
 }
 
-Reader::Reader(std::span<const std::byte> encoded) : bytes(encoded) {
+JpegReader::JpegReader(std::span<const std::byte> encoded) : bytes(encoded) {
   info.err = jpeg_std_error(&errors);
-  errors.error_exit = leave;
+  errors.error_exit = leave_jpeg;
   errors.emit_message = refuse_damage;
   progress.progress_monitor = refuse_too_many_scans;
 }
 
 /// Everything before the pixels. Afterwards rows have one number per pixel, or red, green and blue.
-bool read_header(Reader& reader) {
+bool read_jpeg_header(JpegReader& reader) {
   if (setjmp(reader.on_error)) return false;
   jpeg_create_decompress(&reader.info);
   reader.info.client_data = &reader;
@@ -80,19 +83,19 @@ bool read_header(Reader& reader) {
   return true;
 }
 
-bool start(Reader& reader) {
+bool start_jpeg(JpegReader& reader) {
   if (setjmp(reader.on_error)) return false;
   (void)jpeg_start_decompress(&reader.info);
   return true;
 }
 
-bool read_row(Reader& reader, JSAMPROW row) {
+bool read_jpeg_row(JpegReader& reader, JSAMPROW row) {
   if (setjmp(reader.on_error)) return false;
   (void)jpeg_read_scanlines(&reader.info, &row, 1);
   return true;
 }
 
-bool read_end(Reader& reader) {
+bool read_jpeg_end(JpegReader& reader) {
   if (setjmp(reader.on_error)) return false;
   (void)jpeg_finish_decompress(&reader.info);
   return true;
@@ -101,9 +104,9 @@ bool read_end(Reader& reader) {
 }  // namespace
 
 Image decode_jpeg(const EncodedImage& file) {
-  Reader reader(file.bytes);
+  JpegReader reader(file.bytes);
   const auto fail = [&] { fail_to_decode(file, "JPEG", reader.message.data()); };
-  if (!read_header(reader)) fail();
+  if (!read_jpeg_header(reader)) fail();
   const jpeg_decompress_struct& info = reader.info;
   const std::size_t width = info.output_width, height = info.output_height;
   if (info.num_components != 1 && info.num_components != 3)
@@ -125,13 +128,13 @@ Image decode_jpeg(const EncodedImage& file) {
   for (std::uint32_t v = 0; v < 256; ++v)
     linear[v] = decoded_value(v, 255, file.encoding == ColorEncoding::srgb);
   std::vector<unsigned char> row(width * channels);
-  if (!start(reader)) fail();
+  if (!start_jpeg(reader)) fail();
   for (std::size_t y = 0; y < height; ++y) {
-    if (!read_row(reader, row.data())) fail();
+    if (!read_jpeg_row(reader, row.data())) fail();
     float* to = image.at(0, static_cast<int>(y));
     for (std::size_t i = 0; i < row.size(); ++i) to[i] = linear[row[i]];
   }
-  if (!read_end(reader)) fail();
+  if (!read_jpeg_end(reader)) fail();
   return image;
 }
 

@@ -66,7 +66,7 @@ double single_scattering_albedo(double multiple) {
   return std::clamp(1.0 - s * s, 0.0, 0.9999);
 }
 
-JsonOutput material_file(const JsonOutput& layer) {
+JsonOutput file_of_layer(const JsonOutput& layer) {
   JsonOutput file = JsonOutput::object();
   file["lamina"] = "material";
   file["version"] = 1;
@@ -76,9 +76,9 @@ JsonOutput material_file(const JsonOutput& layer) {
   return file;
 }
 
-class Writer {
+class SceneMaterialWriter {
  public:
-  Writer(const FileMaterial& material, double mm_per_unit, int uv_set)
+  SceneMaterialWriter(const FileMaterial& material, double mm_per_unit, int uv_set)
       : material_(material), mm_per_unit_(mm_per_unit), uv_set_(uv_set) {
     result_.ignored = material.ignored;
   }
@@ -204,7 +204,7 @@ class Writer {
         each_of([&](std::size_t c) { return sigma_t(c) * single_scattering_albedo(albedo[c]); });
     layer["g"] = 0.0;
     layer["ior"] = std::clamp(m.ior, 1.0, 4.0);
-    scene["subsurface"] = material_file(layer);
+    scene["subsurface"] = file_of_layer(layer);
     write_coat(scene);
     if (!is_white()) ignore("base color: the volume has its own");
   }
@@ -224,7 +224,7 @@ class Writer {
     layer["sigma_s"] = each_of([&](std::size_t c) { return coefficients(c).sigma_s / thickness; });
     layer["g"] = 0.0;
     layer["ior"] = 1.0;
-    scene["thin"] = material_file(layer);
+    scene["thin"] = file_of_layer(layer);
     scene["thin"]["ior_below"] = 1.0;
     if (m.base_color_texture) scene["color"] = color();
     write_coat(scene);
@@ -241,7 +241,7 @@ class Writer {
 
 SceneMaterialText scene_material_text(const FileMaterial& material, double mm_per_unit,
                                       int uv_set) {
-  return Writer(material, mm_per_unit, uv_set).write();
+  return SceneMaterialWriter(material, mm_per_unit, uv_set).write();
 }
 
 }  // namespace lamina

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "lamina/image/map_description.h"
-#include "lamina/mesh/gltf_image.h"
+#include "lamina/mesh/files/gltf_image.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/subsurface_methods.h"

@@ -6,8 +6,8 @@
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/json_input.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_file.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
 
 namespace lamina {

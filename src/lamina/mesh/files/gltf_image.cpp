@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/gltf_image.h"
+#include "lamina/mesh/files/gltf_image.h"
 
 #include <charconv>
 
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
-#include "lamina/mesh/internal/gltf_data.h"
+#include "lamina/mesh/files/internal/gltf_data.h"
 
 namespace lamina {
 

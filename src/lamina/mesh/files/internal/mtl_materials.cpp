@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/internal/mtl_materials.h"
+#include "lamina/mesh/files/internal/mtl_materials.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "lamina/core/error.h"
-#include "lamina/mesh/internal/mesh_text.h"
+#include "lamina/mesh/files/internal/mesh_text.h"
 
 namespace lamina {
 namespace {

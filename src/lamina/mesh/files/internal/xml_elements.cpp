@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/internal/xml_elements.h"
+#include "lamina/mesh/files/internal/xml_elements.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/materialx_file.h"
+#include "lamina/mesh/files/materialx_file.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
-#include "lamina/mesh/internal/mesh_text.h"
-#include "lamina/mesh/internal/xml_elements.h"
+#include "lamina/mesh/files/internal/mesh_text.h"
+#include "lamina/mesh/files/internal/xml_elements.h"
 
 namespace lamina {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "lamina/core/error.h"
-#include "lamina/mesh/internal/mesh_text.h"
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/internal/mesh_text.h"
+#include "lamina/mesh/files/mesh_file.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/io/json_input.h"
-#include "lamina/mesh/internal/gltf_buffers.h"
+#include "lamina/mesh/files/internal/gltf_buffers.h"
 
 namespace lamina {
 

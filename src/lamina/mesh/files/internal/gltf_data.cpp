@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/internal/gltf_data.h"
+#include "lamina/mesh/files/internal/gltf_data.h"
 
 #include <algorithm>
 #include <array>

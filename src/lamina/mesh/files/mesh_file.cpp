@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/mesh_file.h"
 
 #include <algorithm>
 #include <cctype>
 
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
-#include "lamina/mesh/internal/mtl_materials.h"
+#include "lamina/mesh/files/internal/mtl_materials.h"
 
 namespace lamina {
 

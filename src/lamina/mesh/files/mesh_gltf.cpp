@@ -9,9 +9,9 @@
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/mesh/internal/gltf_data.h"
-#include "lamina/mesh/internal/gltf_materials.h"
-#include "lamina/mesh/mesh_file.h"
+#include "lamina/mesh/files/internal/gltf_data.h"
+#include "lamina/mesh/files/internal/gltf_materials.h"
+#include "lamina/mesh/files/mesh_file.h"
 
 namespace lamina {
 namespace {
