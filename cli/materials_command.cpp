@@ -11,13 +11,16 @@
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "material_bands.h"
+#ifdef LAMINA_RENDER
+#include "render_swatch.h"
+#endif
 
 namespace lamina::cli {
 namespace {
 
 struct MaterialsOptions {
   CommonOptions common;
-  std::string name, bands;
+  std::string name, bands, swatch;
 };
 
 std::string bands_text(const BandSet& bands) {
@@ -74,6 +77,13 @@ void add_materials_command(CLI::App& app) {
                   "built-in materials are listed")
       .type_name("NAME");
   add_bands_option(command, options->bands);
+#ifdef LAMINA_RENDER
+  command
+      .add_output_file("--swatch", options->swatch,
+                       "render a ball of the material, as it looks, in place of printing it",
+                       ".png")
+      .type_name("FILE.png");
+#endif
   add_common_options(command, options->common);
   command.footer(
       "Example: a material of your own, starting from a built-in one\n"
@@ -81,6 +91,15 @@ void add_materials_command(CLI::App& app) {
   command.callback([options] {
     if (options->name.empty() && !options->bands.empty())
       throw InvalidInput("--bands: must be left out without a material");
+    if (options->name.empty() && !options->swatch.empty())
+      throw InvalidInput("--swatch: must be left out without a material");
+#ifdef LAMINA_RENDER
+    if (!options->swatch.empty()) {
+      save_swatch(find_material_at(options->name, options->bands, options->common.memory),
+                  options->swatch);
+      return;
+    }
+#endif
     if (options->name.empty())
       list_materials(options->common);
     else

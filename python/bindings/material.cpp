@@ -12,6 +12,7 @@
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/material_file.h"
+#include "lamina/scene/swatch_scene.h"
 #include "layer_stacks.h"
 
 namespace lamina::python {
@@ -63,6 +64,9 @@ void bind_material(py::module_& module) {
         return LayerStacks{.stacks = layer_stacks(material),
                            .shape = {static_cast<py::ssize_t>(material.bands.size())}};
       });
+  module.def("swatch_scene", [](const Material& material, int side) {
+    return swatch_scene(material, side).text();
+  });
   module.def("decode_material", &decode_text, py::arg("text"), py::arg("name"),
              py::arg("wavelengths"));
   module.def(

@@ -87,6 +87,19 @@ class Material:
         result: dict[str, Any] = json.loads(self.to_json())
         return result
 
+    def swatch(self, *, side: int = 256, samples: int = 64, progress: Any = None) -> Any:
+        """A `Picture` of a ball of 20 mm, lit by a window and, from behind, by a lamp.
+
+        :param side: of the picture [pixels], in [1, 16384].
+        :param samples: per pixel, in [1, 2^24].
+        :raises InvalidInput: for other numbers; Interrupted.
+        """
+        from ._input import whole
+        from ._render import render
+
+        scene = json.loads(_lamina.swatch_scene(self._material, whole("side", side, 1, 16384)))
+        return render(scene, samples=samples, progress=progress)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Material):
             return NotImplemented

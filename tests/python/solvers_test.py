@@ -194,3 +194,10 @@ def test_nothing_heavy_is_imported() -> None:
     place = {**os.environ, "PYTHONPATH": str(Path(lamina.__file__).parents[1])}
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=place)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_swatch_shows_the_material() -> None:
+    picture = lamina.material("jade").swatch(side=16, samples=1)
+    red, green, blue = picture.image[8, 6]
+    assert green > red and green > blue  # jade
+    assert lamina.material("green_leaf").swatch(side=8, samples=1).image.shape == (8, 8, 3)
