@@ -8,6 +8,7 @@
 #include "bsdf.h"
 #include "edit.h"
 #include "errors.h"
+#include "exchange.h"
 #include "fit.h"
 #include "half_spaces.h"
 #include "images.h"
@@ -48,6 +49,7 @@ PYBIND11_MODULE(_lamina, module) {
   bind_surfaces(module);
   bind_map_photons(module);
   bind_reproduction(module);
+  bind_exchange(module);
   bind_images(module);
   bind_render(module);
 }

@@ -373,3 +373,16 @@ def reproduce(
     sources: str,
     run: Callable[[list[str], str], str],
 ) -> dict[str, Any]: ...
+
+def export_formats() -> list[tuple[str, str]]: ...
+def export_files(
+    material: Material,
+    formats: list[str],
+    mm_per_unit: float,
+    goal: str,
+    gaussians: int,
+    channels: Optional[str],
+    g: Optional[float],
+    ior: Optional[float],
+    callback: _Callback,
+) -> list[tuple[dict[str, bytes], list[str], dict[str, Any]]]: ...

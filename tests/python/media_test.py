@@ -228,3 +228,16 @@ def test_wrong_input_is_refused(call: Callable[[], Any], message: str) -> None:
     with pytest.raises(lamina.InvalidInput) as refused:
         call()
     assert message in str(refused.value)
+
+
+def test_materials_are_exported_as_the_command_does(tmp_path: Path) -> None:
+    if not COMMAND.exists():
+        pytest.skip(f"there is no command at {COMMAND}")
+    found = lamina.export("marble", "mcml")
+    assert isinstance(found, lamina.Exported)
+    paths = found.save(tmp_path / "ours")
+    subprocess.run([str(COMMAND), "export", "marble", "--to", "mcml"], cwd=tmp_path, check=True, capture_output=True)
+    for path in paths:
+        assert Path(path).read_bytes() == (tmp_path / Path(path).name).read_bytes()
+    with pytest.raises(lamina.InvalidInput, match='did you mean "mcml"'):
+        lamina.export("marble", "mcmll")

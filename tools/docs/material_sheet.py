@@ -21,8 +21,10 @@ SIDE, COLUMNS = 104, 7
 def swatch(name, profile):
     material = lamina.material(name)
     scene = json.loads(_lamina.swatch_scene(material._material, SIDE))
-    is_thin = "thin" in scene["materials"]["swatch"]
-    return lamina.render(scene, samples=24, denoise=True, profile=None if is_thin else profile).srgb()
+    try:
+        return lamina.render(scene, samples=24, denoise=True, profile=profile).srgb()
+    except lamina.InvalidInput:  # of methods that need no profile
+        return lamina.render(scene, samples=24, denoise=True).srgb()
 
 
 def main():

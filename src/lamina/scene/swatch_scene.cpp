@@ -11,7 +11,8 @@ namespace lamina {
 JsonOutput swatch_scene(const Material& material, int side) {
   const std::string text = format_material(material);
   const JsonDocument document = parse_json(text, material.name);
-  const bool is_thin = !is_semi_infinite(layer_stack(material, 0));
+  const LayerStack stack = layer_stack(material, 0);
+  const bool is_thin = !is_semi_infinite(stack) && stack.ground().reflectance == 0.0;
   const auto lamp = [](double x, double y, double z, double width, double height,
                        double radiance) -> JsonOutput {
     return {{"type", "rectangle"},
