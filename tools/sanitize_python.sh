@@ -27,6 +27,7 @@ ninja -t commands lamina_python | tail -1 |
   sed "s|python/CMakeFiles/lamina_python.dir/bindings/\([a-z_]*\)\.cpp\.o|$out/\1.o|g; s|-o [^ ]*_lamina[^ ]*\.so|-fsanitize=address -o $out/lamina/_lamina.so|" > "$out/link"
 sh "$out/link"
 
+cd "$source"
 export LD_PRELOAD="$(c++ -print-file-name=libasan.so) $(c++ -print-file-name=libstdc++.so)"
 # Python keeps memory to its end; what is asked for here are wrong accesses.
 export ASAN_OPTIONS=detect_leaks=0:abort_on_error=1:allocator_may_return_null=1

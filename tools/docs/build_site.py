@@ -51,6 +51,17 @@ def moved(link, page, pages):
     return f"{depth}files/{inside}"
 
 
+def with_titles(text, page):
+    """Links that are called by the name of a file are called by its title."""
+
+    def titled(match):
+        target = (page.parent / match[2]).resolve()
+        heading = re.search(r"^# (.+)$", target.read_text(), re.MULTILINE) if target.exists() else None
+        return f"[{heading[1]}]({match[2]})" if heading else match[0]
+
+    return re.sub(r"\[(?:[\w-]+/)*([\w-]+\.md)\]\(([\w./-]+\.md)\)", titled, text)
+
+
 def with_lists(text):
     """mkdocs wants an empty line before a list, and four spaces before what belongs to its items."""
     lines, in_code = [], False
@@ -73,7 +84,8 @@ def copy_pages(pages):
         if source.suffix != ".md":
             shutil.copyfile(source, target)
             continue
-        text = re.sub(r"(\]\()([^)\s]+)(\))", lambda m: m[1] + moved(m[2], source, pages) + m[3], source.read_text())
+        text = re.sub(r"(\]\()([^)\s]+)(\))", lambda m: m[1] + moved(m[2], source, pages) + m[3],
+                      with_titles(source.read_text(), source))
         target.write_text(with_lists(text))
     for name in TOP_PAGES:
         source = ROOT / name
