@@ -49,5 +49,5 @@ def test_the_guide_runs(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = re.findall(r"```python\n(.*?)```", (SOURCE / page).read_text(), re.DOTALL)
     assert blocks
     for block in blocks:
-        draft = block.replace("width=200, samples=16", "width=24, samples=1").replace('.save("arm.png")', "")
+        draft = block.replace("width=200, samples=16", "width=24, samples=1, profile=\"diffusion\"").replace('.save("arm.png")', "")
         exec(compile(draft, page, "exec"), {})
