@@ -194,7 +194,7 @@ void add_export_command(CLI::App& app) {
       .add_option(
           "--g", options->what.g,
           "mean cosine of the one medium that stands for layers; otherwise that of a single "
-          "layer, and 0 for several")
+          "layer, and 0 for several, or in sheets their mean if that is nearer")
       .range(-0.99, 0.99);
   command.add_option("--ior", options->what.ior, "its index; otherwise that of the upper layer")
       .range(0.1, 10.0);

@@ -65,8 +65,9 @@ TEST(HomogeneousFit, FindsTheMediumOfAHalfSpaceThatWasCutInTwo) {
 
 TEST(HomogeneousFit, FindsTheMediumOfASheetThatWasCutInTwo) {
   const Material cut = material_of({milky, milky}, {0.2, 0.3}, 1.0);
-  const HomogeneousFit fit = fit_of(cut, {.g = milky.g});
+  const HomogeneousFit fit = fit_of(cut);  // g is found, too
   ASSERT_TRUE(fit.is_thin());
+  EXPECT_DOUBLE_EQ(fit.g(), milky.g);
   EXPECT_DOUBLE_EQ(fit.thickness, 0.5);
   for (std::size_t c = 0; c < 3; ++c) {
     const double sigma_a = cut.layers[0].sigma_a[c];

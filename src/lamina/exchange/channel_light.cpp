@@ -9,6 +9,7 @@
 #include "lamina/core/error.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/transport_profile/doubtful_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "lamina/spectrum/band_color.h"
 
@@ -88,6 +89,7 @@ ChannelLight channel_light(const Material& material, std::span<const LayerStack>
                                                           .illumination = Illumination::diffuse,
                                                           .progress = progress})
                                      .result;
+  refuse_doubtful(solved.mean_error, "lamina export --to mcml");
   ChannelLight light{.channels = make_channels(material.bands, kind)};
   const Profile& from = solved.profile;
   Profile& to = light.profile;

@@ -187,25 +187,9 @@ LightMisfit light_misfit(const Profile& wanted, const Profile& obtained, std::si
               .profile_rms = profile_difference(wanted, obtained, channel, reflected)}};
 }
 
-}  // namespace
-
-std::vector<ChannelMisfit> channel_misfits(const ChannelLight& wanted, const Profile& obtained) {
-  std::vector<ChannelMisfit> misfits;
-  for (std::size_t c = 0; c < wanted.channels.size(); ++c) {
-    misfits.push_back({.channel = wanted.channels.names[c],
-                       .reflectance = light_misfit(wanted.profile, obtained, c, true)});
-    if (wanted.transmits)
-      misfits.back().transmittance = light_misfit(wanted.profile, obtained, c, false);
-  }
-  return misfits;
-}
-
-HomogeneousFit fit_homogeneous(const ChannelLight& light, std::span<const LayerStack> stacks,
-                               const HomogeneousFitOptions& options) {
-  if (options.g && !(-1.0 < *options.g && *options.g < 1.0))
-    throw InvalidInput("g must lie in (-1, 1), but is " + number_text(*options.g));
-  if (options.ior && !(0.1 <= *options.ior && *options.ior <= 10.0))
-    throw InvalidInput("ior must lie in [0.1, 10], but is " + number_text(*options.ior));
+/// With g as options say; 0 for several layers if they do not.
+HomogeneousFit fit_of_one_g(const ChannelLight& light, std::span<const LayerStack> stacks,
+                            const HomogeneousFitOptions& options) {
   const auto upper = [](const LayerStack& stack) { return stack.layers().front().medium; };
   HomogeneousFit fit{.channels = light.channels,
                      .thickness = light.transmits ? thickness_of(stacks.front())
@@ -239,6 +223,55 @@ HomogeneousFit fit_homogeneous(const ChannelLight& light, std::span<const LayerS
   fit.misfits = channel_misfits(
       light, obtained_profile(fit, table ? &*table : nullptr, light.profile, options.progress));
   return fit;
+}
+
+/// The mean cosine of all scattering, by optical thickness; half-spaces are left out.
+double mean_g(std::span<const LayerStack> stacks) {
+  double sum = 0.0, weights = 0.0;
+  for (const LayerStack& stack : stacks)
+    for (const Layer& layer : stack.layers()) {
+      if (!std::isfinite(layer.thickness)) continue;
+      const double weight = layer.medium.sigma_s * layer.thickness;
+      sum += weight * layer.medium.g;
+      weights += weight;
+    }
+  return weights > 0.0 ? sum / weights : 0.0;
+}
+
+double mean_profile_rms(const HomogeneousFit& fit) {
+  double sum = 0.0;
+  for (const ChannelMisfit& misfit : fit.misfits) {
+    sum += misfit.reflectance.spread->profile_rms;
+    if (misfit.transmittance) sum += misfit.transmittance->spread->profile_rms;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<ChannelMisfit> channel_misfits(const ChannelLight& wanted, const Profile& obtained) {
+  std::vector<ChannelMisfit> misfits;
+  for (std::size_t c = 0; c < wanted.channels.size(); ++c) {
+    misfits.push_back({.channel = wanted.channels.names[c],
+                       .reflectance = light_misfit(wanted.profile, obtained, c, true)});
+    if (wanted.transmits)
+      misfits.back().transmittance = light_misfit(wanted.profile, obtained, c, false);
+  }
+  return misfits;
+}
+
+HomogeneousFit fit_homogeneous(const ChannelLight& light, std::span<const LayerStack> stacks,
+                               const HomogeneousFitOptions& options) {
+  if (options.g && !(-1.0 < *options.g && *options.g < 1.0))
+    throw InvalidInput("g must lie in (-1, 1), but is " + number_text(*options.g));
+  if (options.ior && !(0.1 <= *options.ior && *options.ior <= 10.0))
+    throw InvalidInput("ior must lie in [0.1, 10], but is " + number_text(*options.ior));
+  HomogeneousFit fit = fit_of_one_g(light, stacks, options);
+  if (options.g || !fit.is_thin() || stacks.front().layers().size() == 1) return fit;
+  HomogeneousFitOptions forward = options;
+  forward.g = mean_g(stacks);
+  HomogeneousFit other = fit_of_one_g(light, stacks, forward);
+  return mean_profile_rms(other) < mean_profile_rms(fit) ? other : fit;
 }
 
 }  // namespace lamina

@@ -47,7 +47,9 @@ struct ChannelMisfit {
                                                          const Profile& obtained);
 
 struct HomogeneousFitOptions {
-  std::optional<double> g;    ///< absent: that of a single layer; 0 of several
+  /// Absent: that of a single layer; of several 0, and in sheets their mean if the profile is then
+  /// nearer. In thick skin 0 is nearer than its own .8.
+  std::optional<double> g;
   std::optional<double> ior;  ///< absent: that of the upper layer, the mean of its bands
   FitGoal goal = FitGoal::profile;
   Progress progress = {};

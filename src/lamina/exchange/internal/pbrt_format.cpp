@@ -110,6 +110,9 @@ ExportedMaterial write_pbrt(const ExportInput& input) {
   if (!input.channels.wavelengths.empty())
     result.notes.emplace_back(
         "the spectra go on to 360 and 830 nm with their first and last values");
+  if (fit.is_thin())
+    result.notes.push_back("thin: give it to a closed sheet of a thickness of " +
+                           number_text(fit.thickness / mm_per_unit) + " units");
   Coefficients numbers;
   std::vector<double> base, reflectance, transmittance;
   for (std::size_t c = 0; c < fit.media.size(); ++c) {
