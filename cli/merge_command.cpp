@@ -12,9 +12,6 @@
 #include "merge_options.h"
 #include "photons_report.h"
 #include "shard_option.h"
-#ifdef LAMINA_RENDER
-#include "lamina/render/film/film_shard.h"
-#endif
 
 namespace lamina::cli {
 namespace {
@@ -96,7 +93,7 @@ constexpr auto of_pictures = {"--output", "--channels", "--noise", "--exposure",
 void run_merge(MergeOptions& options, const Command& command) {
   options.files = found_files(options.files);
 #ifdef LAMINA_RENDER
-  if (is_film_shard(options.files[0])) {
+  if (is_render_shard(options.files[0])) {
     refuse(command, {"--plot"}, "is for shards of photons, but these are of a picture");
     return merge_render(options);
   }

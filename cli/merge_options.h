@@ -29,6 +29,9 @@ struct MergeOptions {
 void report_missing(const std::vector<int>& missing, int of, bool needs_all,
                     const std::function<std::vector<std::string>(int shard)>& make);
 
+/// Whether a file starts as a shard of a picture does.
+[[nodiscard]] bool is_render_shard(const std::string& file);
+
 /// Shards of pictures.
 void merge_render(const MergeOptions& options);
 

@@ -127,6 +127,8 @@ std::string write_picture(const Image& image, const FilmShardInfo& info, const P
 
 }  // namespace
 
+bool is_render_shard(const std::string& file) { return is_film_shard(file); }
+
 void merge_render(const MergeOptions& options) {
   const bool to_sums = lower_case_ending(options.output) == ".shard";
   PictureFiles files;
