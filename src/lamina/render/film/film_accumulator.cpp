@@ -9,12 +9,10 @@
 #include <limits>
 #include <type_traits>
 
+#include "lamina/core/vec_precision.h"
+
 namespace lamina {
 namespace {
-
-Vec3 to_double(const Vec3f& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
 
 /// As luminance() in color.h; linear but for the rounding of doubles, so that the luminance of a
 /// sum is the sum of luminances.
