@@ -60,6 +60,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error,
 }
 
 int run(int argc, char** argv) {
+  set_words_of_call(argc, argv);
   CLI::App app("Light in layered translucent materials: predict and render.", "lamina");
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);
@@ -136,7 +137,6 @@ void hold_closed_streams() {
 int main(int argc, char** argv) {
   hold_closed_streams();
   watch_for_signals();
-  set_words_of_call(argc, argv);
   const int code = run_and_explain(argc, argv);
   if (std::fclose(stdout) == 0) return code;
   say(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <new>
 
 #include "console.h"
 
@@ -49,13 +50,15 @@ std::string printable(std::string_view text, std::string_view also) {
   return shown;
 }
 
-void say(std::string_view message) {
+void say(std::string_view message) try {
   constexpr std::size_t longest = 2000, end = 500;  // its end says what is wrong, as a rule
   std::string line(message);
   if (line.size() > longest) line.replace(longest - end, line.size() - longest, " ... ");
   if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);  // the bar may be there
   // Where this cannot be written there is nowhere else to say so.
   std::fputs(fmt::format("lamina: {}\n", printable(line, "")).c_str(), stderr);
+} catch (const std::bad_alloc&) {
+  std::fputs("lamina: not enough memory\n", stderr);
 }
 
 }  // namespace lamina::cli

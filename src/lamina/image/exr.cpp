@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <set>
 #include <stdexcept>
 
@@ -229,6 +230,14 @@ Image read_pixels(const EncodedImage& file, const Imf::Header& header) {
   return cropped(image, data, display);
 }
 
+/// OpenEXR says nothing of lines whose compression found no memory, nor of a table that it could
+/// not write: such lines have no place in the table.
+/// @throws std::bad_alloc
+void require_complete(std::span<const std::byte> bytes) {
+  MemoryInput stream(bytes);
+  if (!Imf::InputFile(stream, 0).isComplete()) throw std::bad_alloc();
+}
+
 }  // namespace
 
 Image decode_exr(const EncodedImage& file) {
@@ -280,6 +289,7 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
     output.setFrameBuffer(buffer);
     output.writePixels(image.height);
   }  // the table of line positions is written here
+  require_complete(stream.bytes);
   return std::move(stream.bytes);
 }
 

@@ -130,7 +130,7 @@ JsonOutput JsonOutput::array(std::initializer_list<JsonOutput> elements) {
 }
 
 JsonOutput& JsonOutput::operator[](std::string_view key) {
-  if (std::holds_alternative<std::nullptr_t>(value_)) value_ = Object();
+  if (std::holds_alternative<Null>(value_)) value_ = Object();
   auto& entries = std::get<Object>(value_);
   const auto found = std::ranges::find(entries, key, &Entry::key);
   if (found != entries.end()) return found->value;
@@ -139,7 +139,7 @@ JsonOutput& JsonOutput::operator[](std::string_view key) {
 }
 
 void JsonOutput::update(const JsonOutput& other) {
-  if (std::holds_alternative<std::nullptr_t>(value_)) value_ = Object();
+  if (std::holds_alternative<Null>(value_)) value_ = Object();
   for (const Entry& entry : std::get<Object>(other.value_)) (*this)[entry.key] = entry.value;
 }
 
@@ -148,7 +148,7 @@ void JsonOutput::erase(std::string_view key) {
 }
 
 JsonOutput& JsonOutput::push_back(JsonOutput element) {
-  if (std::holds_alternative<std::nullptr_t>(value_)) value_ = Array();
+  if (std::holds_alternative<Null>(value_)) value_ = Array();
   return std::get<Array>(value_).emplace_back(std::move(element));
 }
 

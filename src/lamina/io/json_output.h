@@ -84,9 +84,15 @@ class JsonOutput {
   explicit JsonOutput(Object entries);
   void write(std::string& text, int indent, std::size_t column) const;
 
-  std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array,
-               Object>
-      value_;
+  /// Not trivial to copy: of a variant of none but trivial types, strings and vectors, the library
+  /// of GCC 12 takes for granted that it has a value, and destroys one that it has not when copying
+  /// it finds no memory.
+  struct Null {
+    Null() = default;
+    Null(const Null&) noexcept {}  // NOLINT: see above
+    Null& operator=(const Null&) noexcept { return *this; }
+  };
+  std::variant<Null, bool, std::int64_t, std::uint64_t, double, std::string, Array, Object> value_;
 };
 
 struct JsonOutput::Entry {

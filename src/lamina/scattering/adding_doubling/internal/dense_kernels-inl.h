@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <new>
 #include <utility>
 
 HWY_BEFORE_NAMESPACE();
@@ -26,6 +27,15 @@ using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 
 inline std::size_t lanes() { return hn::Lanes(D()); }
+
+using AlignedDoubles = hwy::AlignedFreeUniquePtr<double[]>;
+
+/// @throws std::bad_alloc, where Highway's own function returns null
+inline AlignedDoubles aligned_doubles(std::size_t count) {
+  AlignedDoubles doubles = hwy::AllocateAligned<double>(count);
+  if (!doubles) throw std::bad_alloc();
+  return doubles;
+}
 
 /// One matrix: a vector holds rows of a column.
 struct AlongRows {
@@ -53,7 +63,7 @@ class Dense {
         column_((((rows + Kind::rows_of_vector() - 1) / Kind::rows_of_vector()) | 1) * lanes()),
         size_(column_ * columns),
         // What starts within a column may be read in vectors, and so beyond the last.
-        values_(hwy::AllocateAligned<double>(size_ + lanes())) {
+        values_(aligned_doubles(size_ + lanes())) {
     const std::size_t end = rows * Kind::element_size();
     for (std::size_t j = 0; j < columns; ++j)
       std::fill_n(values_.get() + j * column_ + end, column_ - end, 0.0);
@@ -84,7 +94,7 @@ class Dense {
 
  private:
   std::size_t rows_, columns_, column_, size_;
-  hwy::AlignedFreeUniquePtr<double[]> values_;
+  AlignedDoubles values_;
 };
 
 /// Columns of whole vectors.
@@ -232,12 +242,11 @@ HWY_INLINE void scale_column(Target x, std::size_t vectors, std::size_t j, V sca
 /// The lower Cholesky factor L of a matrix.
 template <class Kind>
 struct Cholesky {
-  static constexpr std::size_t block = 4;       ///< columns that are worked on together
-  Dense<Kind> root;                             ///< L; what lies above its diagonal is arbitrary
-  hwy::AlignedFreeUniquePtr<double[]> inverse;  ///< of the diagonal, a vector each
+  static constexpr std::size_t block = 4;  ///< columns that are worked on together
+  Dense<Kind> root;                        ///< L; what lies above its diagonal is arbitrary
+  AlignedDoubles inverse;                  ///< of the diagonal, a vector each
 
-  explicit Cholesky(std::size_t n)
-      : root(n, n), inverse(hwy::AllocateAligned<double>((n + 1) * lanes())) {}
+  explicit Cholesky(std::size_t n) : root(n, n), inverse(aligned_doubles((n + 1) * lanes())) {}
 
   /// Replaces the matrix that `root` holds by its factor.
   void factor() {
