@@ -21,6 +21,7 @@ exact = lamina.profile(skin, r_min=0.02, r_max=8.0, radii=96)
 counted = lamina.profile(skin, method="monte_carlo", r_min=0.02, r_max=8.0, radii=24,
                          photons=2e5 if draft else 5e6, seed=1)
 diffusion = lamina.profile(skin, method="diffusion", r_min=0.02, r_max=8.0, radii=96)
+assert counted.standard_error  # photons have one
 
 # %%
 figure, (above, below) = plt.subplots(2, 1, figsize=(7, 7), sharex=True, height_ratios=[3, 1.4], layout="constrained")

@@ -34,7 +34,7 @@ free = {"per_band": True, "scale": "logarithmic", "low": 1e-4, "high": 1e3}
 samples = lamina.fit([
     {"name": f"plate {i}",
      "material": {"lamina": "material", "version": 1, "length_unit": "mm", "bands": [600], "ior_below": 1, "layers": [layer]},
-     "free": [{"parameter": f"layers[0].{name}", **free} for name in ("sigma_a", "sigma_s")],
+     "free": [dict(free, parameter=f"layers[0].{name}") for name in ("sigma_a", "sigma_s")],
      "measured": [{"kind": "totals", "wavelength_nm": [600], "unit": "fraction", "specular": "excluded", "sd": 0.002,
                    "reflectance": [totals.diffuse_reflectance[i]], "transmittance": [totals.transmittance[i]]}]}
     for i in range(len(sigma_a))])

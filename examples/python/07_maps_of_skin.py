@@ -16,7 +16,7 @@ draft = "LAMINA_DRAFT" in os.environ
 here = Path(globals().get("__file__", "./notebook")).resolve().parent
 size = 96 if draft else 384
 maps = lamina.maps(here.parent / "skin/freckles.json", changes={"width": size, "height": size})
-nm = [450, 550, 650] if draft else lamina.SPECTRAL_BANDS
+nm = [550] if draft else lamina.SPECTRAL_BANDS
 light = lamina.patch(**maps.arguments(), wavelengths=nm)
 tanned = maps.arguments()
 tanned["melanin"] = np.minimum(2.5 * tanned["melanin"] + 0.02, 0.5)
@@ -24,7 +24,7 @@ after = lamina.patch(**tanned, wavelengths=nm)
 
 # %%
 figure, axes = plt.subplots(1, 3, figsize=(12, 4), layout="constrained")
-width = size * maps.mm_per_pixel
+width = size * light.mm_per_pixel
 shown = axes[0].imshow(100 * maps.maps["melanin"], cmap="copper_r", extent=(0, width, width, 0))
 axes[0].set(title="melanin [% of the epidermis]", xlabel="mm", ylabel="mm")
 figure.colorbar(shown, ax=axes[0], shrink=0.8)
@@ -41,7 +41,7 @@ by_itself = lamina.skin_colors(
     **{k: v for k, v in alone.items() if k not in ("dermis_thickness", "junction_absorption")}, incidence="normal",
     wavelengths=nm)
 row = size // 2
-across = (np.arange(size) + 0.5) * maps.mm_per_pixel
+across = (np.arange(size) + 0.5) * light.mm_per_pixel
 figure, ax = plt.subplots(figsize=(8, 3.2), layout="constrained")
 ax.plot(across, light.srgb_linear[row, :, 0], label="with light that travels sideways")
 ax.plot(across, by_itself.srgb_linear[row, :, 0], lw=1, label="each texel by itself")

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 draft = "LAMINA_DRAFT" in os.environ
-size, samples = (80, 4) if draft else (320, 32)
+size, samples = (48, 2) if draft else (320, 32)
 
 
 def bust(material):

@@ -16,14 +16,13 @@ except ImportError:
     print("skipped: SciPy is not installed (python3-scipy)")
     sys.exit(0)
 
-PLATE = {"g": 0.8, "ior": 1.4, "thickness": 1.0}
 NAMES = ("diffuse_reflectance", "transmittance")
 
 
 def totals(logarithms):
     sigma_a, sigma_s = np.exp(logarithms)
     return lamina.slab(
-        lamina.layers(sigma_a=sigma_a, sigma_s=sigma_s, **PLATE), derivatives=True, accuracy=1e-7)
+        lamina.layers(sigma_a=sigma_a, sigma_s=sigma_s, g=0.8, ior=1.4, thickness=1.0), derivatives=True, accuracy=1e-7)
 
 
 def main():

@@ -11,7 +11,6 @@
 
 #include "arrays.h"
 #include "json_files.h"
-#include "lamina/core/parallel.h"
 #include "lamina/fit/measurement_fit.h"
 #include "work.h"
 
@@ -87,30 +86,27 @@ py::dict fit_dict(const Measurement& measurement, const MeasurementFit& fit) {
 
 using Source = std::pair<std::string, std::optional<std::string>>;
 
-py::list fit_all(const std::vector<Source>& sources, const std::vector<std::string>& settings,
-                 std::uint64_t seed, const py::object& callback) {
+/// All fits, and whether they were interrupted: None then stands for those that have not ended.
+py::tuple fit_all(const std::vector<Source>& sources, const std::vector<std::string>& settings,
+                  std::uint64_t seed, const py::object& callback) {
   std::vector<Measurement> measurements;
   for (const auto& [path, text] : sources)
     measurements.push_back(load_unlocked(json_file(path, text), [&](const JsonFile& file) {
       return load_measurement(file, {}, settings);
     }));
   Work work(callback);
-  const std::vector<MeasurementFit> fits = work.run([&](const Progress& progress) {
-    std::vector<MeasurementFit> found(measurements.size());
-    const bool is_one = found.size() == 1;
-    parallel_for(
-        found.size(),
-        [&](std::size_t i) {
-          found[i] = fit_measurement(
-              measurements[i],
-              {.seed = seed, .progress = is_one ? progress : of_unknown_length(progress)});
-        },
-        progress);
-    return found;
+  const auto fits = work.run_partly([&](const Progress& progress) {
+    const bool is_one = measurements.size() == 1;
+    return solve_each<MeasurementFit>(measurements.size(), progress, [&](std::size_t i) {
+      return fit_measurement(
+          measurements[i],
+          {.seed = seed, .progress = is_one ? progress : of_unknown_length(progress)});
+    });
   });
   py::list result;
-  for (std::size_t i = 0; i < fits.size(); ++i) result.append(fit_dict(measurements[i], fits[i]));
-  return result;
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    result.append(fits[i] ? py::object(fit_dict(measurements[i], *fits[i])) : py::none());
+  return py::make_tuple(result, work.was_interrupted());
 }
 
 }  // namespace

@@ -1,7 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "slab.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -57,35 +62,81 @@ std::vector<SlabTotals> totals_of(const std::vector<Solved>& solved) {
   return totals;
 }
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// What stands for stacks that are not solved when work is stopped: NaN everywhere.
+template <class Solved>
+Solved unsolved(const LayerStacks& stacks) {
+  const std::size_t layers = stacks.layers();
+  const SlabTotals totals{.specular_reflectance = nan,
+                          .diffuse_reflectance = nan,
+                          .transmittance = nan,
+                          .absorptance = std::vector<double>(layers, nan)};
+  if constexpr (std::is_same_v<Solved, SlabTotals>)
+    return totals;
+  else if constexpr (std::is_same_v<Solved, AddingDoublingTotals>)
+    return {.totals = totals,
+            .unscattered_transmittance = nan,
+            .unscattered_reflectance = nan,
+            .estimated_error = nan};
+  else {
+    const std::vector<LayerDerivatives> by(layers, {nan, nan, nan, nan});
+    return {unsolved<AddingDoublingTotals>(stacks), by, by, by, by};
+  }
+}
+
+/// All stacks, each by `solve(i)`.
+template <class Solved, class Solve>
+std::vector<Solved> solve_stacks(Work& work, const LayerStacks& stacks, const Solve& solve) {
+  return work.run_partly([&](const Progress& progress) {
+    std::vector<Solved> all;
+    for (auto& one : solve_each<Solved>(stacks.stacks.size(), progress, solve))
+      all.push_back(one ? std::move(*one) : unsolved<Solved>(stacks));
+    return all;
+  });
+}
+
 py::dict by_radiative_transfer(const LayerStacks& stacks, bool is_diffuse, double theta,
                                double accuracy, const py::object& callback) {
+  const std::span<const LayerStack> all = stacks.stacks;
+  // Blocks that all threads share, so that a stop loses no more than one of them.
+  const std::size_t block = 128 * static_cast<std::size_t>(thread_count());
   Work work(callback);
-  const std::vector<AddingDoublingTotals> solved = work.run([&](const Progress& progress) {
-    return adding_doubling(stacks.stacks, {is_diffuse, theta},
-                           {.accuracy = accuracy, .progress = progress});
+  const std::vector<AddingDoublingTotals> solved = work.run_partly([&](const Progress& progress) {
+    std::vector<AddingDoublingTotals> found;
+    const auto fraction = [&](std::size_t done) {
+      return static_cast<double>(done) / static_cast<double>(all.size());
+    };
+    try {
+      while (found.size() < all.size()) {
+        const std::size_t begin = found.size(), count = std::min(block, all.size() - begin);
+        const Progress part = part_of(progress, fraction(begin), fraction(begin + count));
+        const auto more = adding_doubling(all.subspan(begin, count), {is_diffuse, theta},
+                                          {.accuracy = accuracy, .progress = part});
+        found.insert(found.end(), more.begin(), more.end());
+      }
+    } catch (const Interrupted&) {
+      if (found.empty()) throw;
+      found.resize(all.size(), unsolved<AddingDoublingTotals>(stacks));
+    }
+    return found;
   });
   py::dict result = totals_dict(totals_of(solved), stacks);
   add_trust(solved, stacks.shape, result);
+  result["was_interrupted"] = work.was_interrupted();
   return result;
 }
 
 py::dict with_derivatives(const LayerStacks& stacks, bool is_diffuse, double theta, double accuracy,
                           const py::object& callback) {
   Work work(callback);
-  const std::vector<AddingDoublingDerivatives> solved = work.run([&](const Progress& progress) {
-    std::vector<AddingDoublingDerivatives> all(stacks.stacks.size());
-    parallel_for(
-        all.size(),
-        [&](std::size_t i) {
-          try {
-            all[i] = adding_doubling_derivatives(stacks.stacks[i], {is_diffuse, theta},
-                                                 {.accuracy = accuracy});
-          } catch (const InvalidInput& error) {
-            throw InvalidInput("derivatives: " + place_text(i, stacks.shape) + error.what());
-          }
-        },
-        progress);
-    return all;
+  const auto solved = solve_stacks<AddingDoublingDerivatives>(work, stacks, [&](std::size_t i) {
+    try {
+      return adding_doubling_derivatives(stacks.stacks[i], {is_diffuse, theta},
+                                         {.accuracy = accuracy});
+    } catch (const InvalidInput& error) {
+      throw InvalidInput("derivatives: " + place_text(i, stacks.shape) + error.what());
+    }
   });
   std::vector<AddingDoublingTotals> totals;
   for (const AddingDoublingDerivatives& one : solved) totals.push_back(one.totals);
@@ -101,6 +152,7 @@ py::dict with_derivatives(const LayerStacks& stacks, bool is_diffuse, double the
   add("d_diffuse_reflectance", &AddingDoublingDerivatives::diffuse_reflectance);
   add("d_transmittance", &AddingDoublingDerivatives::transmittance);
   add("d_unscattered_transmittance", &AddingDoublingDerivatives::unscattered_transmittance);
+  result["was_interrupted"] = work.was_interrupted();
   return result;
 }
 
@@ -108,21 +160,16 @@ py::dict by_diffusion(const LayerStacks& stacks, bool is_diffuse, double theta,
                       const std::string& interreflections, const py::object& callback) {
   const DiffusionOptions options{.interreflections = choice<Interreflections>(interreflections)};
   Work work(callback);
-  const std::vector<SlabTotals> totals = work.run([&](const Progress& progress) {
-    std::vector<SlabTotals> all(stacks.stacks.size());
-    parallel_for(
-        all.size(),
-        [&](std::size_t i) {
-          try {
-            all[i] = diffusion_totals(stacks.stacks[i], {is_diffuse, theta}, options);
-          } catch (const InvalidInput& error) {
-            throw InvalidInput(place_text(i, stacks.shape) + error.what());
-          }
-        },
-        progress);
-    return all;
+  const auto totals = solve_stacks<SlabTotals>(work, stacks, [&](std::size_t i) {
+    try {
+      return diffusion_totals(stacks.stacks[i], {is_diffuse, theta}, options);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(place_text(i, stacks.shape) + error.what());
+    }
   });
-  return totals_dict(totals, stacks);
+  py::dict result = totals_dict(totals, stacks);
+  result["was_interrupted"] = work.was_interrupted();
+  return result;
 }
 
 py::dict by_monte_carlo(const LayerStacks& stacks, bool is_diffuse, double theta,

@@ -3,8 +3,12 @@
 
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "lamina/core/progress.h"
 
@@ -66,6 +70,24 @@ class Work {
 
   std::unique_ptr<State> state_;
 };
+
+/// `solve(i)` for each i in [0, count), on all threads. Where it is stopped, what is not done by
+/// then is absent.
+/// @throws Interrupted if nothing is done by then
+template <class Result, class Solve>
+[[nodiscard]] std::vector<std::optional<Result>> solve_each(std::size_t count,
+                                                            const Progress& progress,
+                                                            const Solve& solve) {
+  std::vector<std::optional<Result>> results(count);
+  try {
+    parallel_for(
+        count, [&](std::size_t i) { results[i] = solve(i); }, progress);
+  } catch (const Interrupted&) {
+    const auto is_done = [](const std::optional<Result>& result) { return result.has_value(); };
+    if (std::ranges::none_of(results, is_done)) throw;
+  }
+  return results;
+}
 
 void bind_work(py::module_& module);
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
-from ._files import FileLike, opened, settings_of
+from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
 from ._input import PathLike, doubles, number, one_of, refuse, whole
 from ._lamina import InvalidInput
 from ._maps import Map, SkinMaps, maps_of_skin
@@ -52,14 +52,11 @@ class AcquiredMaps(Result):
         """Writes the maps, their standard deviations and the files that load them, as the command.
 
         :raises WriteError: if they cannot be written.
-        :raises InvalidInput: of a copy.
         """
-        if self._found is None:
-            raise InvalidInput("save: a copy has no files to write; save what acquire returned")
         self._found.save(os.fspath(folder))
 
     def __reduce__(self) -> Any:
-        return _restored, (type(self), self.to_dict())
+        return _restored, (type(self), self.to_dict(), folder_of(self.save))
 
     def _draw(self, ax: Axes) -> None:
         name = min(self.prior_share, key=lambda n: self.prior_share[n])
@@ -72,8 +69,8 @@ class AcquiredMaps(Result):
         ax.figure.colorbar(shown, ax=ax)
 
 
-def _restored(kind: type[AcquiredMaps], fields: dict[str, Any]) -> AcquiredMaps:
-    return kind(**fields)
+def _restored(kind: type[AcquiredMaps], fields: dict[str, Any], files: dict[str, bytes]) -> AcquiredMaps:
+    return kind(**fields, _found=SavedFolder(files))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

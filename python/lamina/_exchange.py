@@ -6,14 +6,13 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple, Union, overload
 
 from numpy.typing import ArrayLike
 
 from . import _lamina
+from ._files import SavedFolder
 from ._input import PathLike, number, one_of, refuse, whole
-from ._lamina import WriteError
 from ._materials import MaterialLike
 from ._materials import material as material_of
 from ._progress import Progress, progress_of
@@ -51,18 +50,38 @@ class Exported(Result):
 
         :raises WriteError: if they cannot be written.
         """
-        place = Path(folder)
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-            for name, content in self.files.items():
-                unfinished = place / f".{name}.{os.getpid()}"
-                unfinished.write_bytes(content)
-                unfinished.replace(place / name)
-        except OSError as error:
-            raise WriteError(str(error)) from None
-        return [str(place / name) for name in self.files]
+        SavedFolder(self.files).save(os.fspath(folder))
+        return [os.path.join(folder, name) for name in self.files]
 
 
+@overload
+def export(
+    material: MaterialLike,
+    formats: str,
+    *,
+    wavelengths: ArrayLike | None = None,
+    mm_per_unit: float = 1.0,
+    channels: str | None = None,
+    g: float | None = None,
+    ior: float | None = None,
+    goal: str = "profile",
+    gaussians: int = 6,
+    progress: Progress = None,
+) -> Exported: ...
+@overload
+def export(
+    material: MaterialLike,
+    formats: list[str] | tuple[str, ...],
+    *,
+    wavelengths: ArrayLike | None = None,
+    mm_per_unit: float = 1.0,
+    channels: str | None = None,
+    g: float | None = None,
+    ior: float | None = None,
+    goal: str = "profile",
+    gaussians: int = 6,
+    progress: Progress = None,
+) -> list[Exported]: ...
 def export(
     material: MaterialLike,
     formats: Union[str, Sequence[str]],

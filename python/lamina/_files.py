@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Union
 
 import numpy as np
@@ -13,13 +15,41 @@ from numpy.typing import NDArray
 
 from . import _lamina
 from ._input import PathLike, doubles, json_text
-from ._lamina import InvalidInput
+from ._lamina import InvalidInput, WriteError
 
 #: What functions take for a file: its path, or a dict with its keys.
 FileLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 #: Keys whose value is the path of an image: an array (y, x) or (y, x, channel) may stand there.
 _IMAGES = ("image", "map", "dark", "parallel", "mask", "light")
+
+
+def folder_of(save: Callable[[str], object]) -> dict[str, bytes]:
+    """The files that something is saved as, by name: what a pickle keeps of it."""
+    with tempfile.TemporaryDirectory(prefix="lamina_") as folder:
+        save(folder)
+        return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+
+
+@dataclass(frozen=True)
+class SavedFolder:
+    """A folder in memory, which can be saved again."""
+
+    files: dict[str, bytes]
+
+    def save(self, folder: str) -> None:
+        """
+        :raises WriteError: if it cannot be written; what is there stays.
+        """
+        place = Path(folder)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            for name, content in self.files.items():
+                unfinished = place / f".{name}.{os.getpid()}"
+                unfinished.write_bytes(content)
+                unfinished.replace(place / name)
+        except OSError as error:
+            raise WriteError(str(error)) from None
 
 
 class opened:

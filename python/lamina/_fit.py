@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ._lamina import InvalidInput
 from ._materials import Material
 from ._progress import Progress, progress_of
 from ._result import Array, Result, quantity, setting
+from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,6 +104,24 @@ class Fit(Result):
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
 
+@overload
+def fit(
+    measurement: FileLike,
+    *,
+    folder: PathLike | None = None,
+    changes: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    progress: Progress = None,
+) -> Fit: ...
+@overload
+def fit(
+    measurement: list[FileLike] | tuple[FileLike, ...],
+    *,
+    folder: PathLike | None = None,
+    changes: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    progress: Progress = None,
+) -> list[Fit]: ...
 def fit(
     measurement: FileLike | Sequence[FileLike],
     *,
@@ -119,7 +138,8 @@ def fit(
     :param changes: values by their paths.
     :param seed: of further starts.
     :raises InvalidInput: naming the key that is wrong, or if a solver refuses the material.
-    :raises FileError: if a file cannot be read; Interrupted after Ctrl-C.
+    :raises FileError: if a file cannot be read.
+    :raises Interrupted: after Ctrl-C; of a list `result` has the fits that had ended, None for others.
 
     >>> import lamina
     >>> found = lamina.fit({
@@ -140,8 +160,11 @@ def fit(
     with ExitStack() as files:
         sources = [files.enter_context(opened("measurement", "measurement", one, folder)) for one in each]
         callback = files.enter_context(progress_of(progress, "fit"))
-        found = _lamina.fit(sources, settings_of(changes), whole("seed", seed, 0, 2**64 - 1), callback)
-    fits = [_fit_of(one) for one in found]
+        found, interrupted = _lamina.fit(sources, settings_of(changes), whole("seed", seed, 0, 2**64 - 1), callback)
+    if interrupted:
+        ended = [None if one is None else _fit_of(one) for one in found]
+        raise interrupted_with(ended if many else ended[0])
+    fits = [_fit_of(one) for one in found if one is not None]
     return fits if many else fits[0]
 
 

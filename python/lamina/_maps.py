@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Union
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
-from ._files import FileLike, opened, settings_of
+from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
 from ._input import PathLike, doubles, number, one_of, refuse, suggestion, whole
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
@@ -78,8 +79,8 @@ class SkinMaps(Result):
         return _lamina.EditableSkin(maps, self.numbers, self.constants, self.mm_per_pixel or 0.0)
 
     def __reduce__(self) -> Any:
-        # A copy keeps what arrays say: what is the library's, inks, is not.
-        return _restored, (self.to_dict(),)
+        # Inks and what else the library knows travel as the files that hold it.
+        return _restored, (self.to_dict(), None if self._skin is None else folder_of(self.save))
 
     def _draw(self, ax: Axes) -> None:
         linear = np.clip(self.preview(), 0.0, 1.0)
@@ -90,16 +91,25 @@ class SkinMaps(Result):
         ax.set(xlabel="mm" if self.mm_per_pixel else "texel", ylabel="mm" if self.mm_per_pixel else "texel")
 
 
-def _restored(fields: dict[str, Any]) -> SkinMaps:
-    return SkinMaps(**fields)
+def _restored(fields: dict[str, Any], files: dict[str, bytes] | None) -> SkinMaps:
+    if files is None:
+        return SkinMaps(**fields)
+    with tempfile.TemporaryDirectory(prefix="lamina_") as folder:
+        SavedFolder(files).save(folder)
+        skin = _lamina.EditableSkin.load(folder)
+    for array in (*fields["maps"].values(), *fields["deviations"].values()):
+        array.flags.writeable = False
+    return SkinMaps(**fields, _skin=skin)
 
 
 def maps_of_skin(skin: Any, clamped: dict[str, int] | None = None) -> SkinMaps:
-    """What is the library's, as arrays."""
-    made = skin.maps
+    """What is the library's, as arrays, which cannot be written: they are copies of it."""
+    made, deviations = skin.maps, skin.deviations
+    for array in (*made.values(), *deviations.values()):
+        array.flags.writeable = False
     return SkinMaps(
         axes=(), coords={}, maps=made, numbers=skin.numbers, mm_per_pixel=skin.mm_per_pixel,
-        constants=skin.constants, deviations=skin.deviations, clamped=clamped or {},
+        constants=skin.constants, deviations=deviations, clamped=clamped or {},
         warnings=tuple(skin.warnings), _skin=skin)
 
 

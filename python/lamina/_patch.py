@@ -60,7 +60,7 @@ class PatchLight(Result):
         :raises InvalidInput: for another shape, or without `derivatives=True`; Interrupted.
         """
         if self._solver is None:
-            raise InvalidInput("gradient: patch must be called with derivatives=True")
+            raise InvalidInput("gradient: patch must be called with derivatives=True, in this process: a pickle has no gradient")
         total = np.zeros(self.light.shape)
         for name, given, like in (("by_light", by_light, self.light), ("by_srgb", by_srgb, self.srgb_linear)):
             if given is None:
@@ -75,7 +75,7 @@ class PatchLight(Result):
         return found
 
     def __reduce__(self) -> Any:
-        # A copy has no gradient: what it needs is the library's.
+        # Unpickled light has no gradient: what that needs is the library's.
         return _restored, (self.to_dict(),)
 
     def _draw(self, ax: Axes) -> None:

@@ -157,7 +157,7 @@ def render(
     ...     "materials": {"jade": {"subsurface": "jade"}},
     ...     "meshes": [{"shape": "sphere", "material": "jade"}],
     ...     "lights": [{"type": "environment", "radiance": 1}], "mm_per_unit": 10}
-    >>> lamina.render(ball, samples=1).image.shape
+    >>> lamina.render(ball, samples=1, method="random_walk").image.shape
     (16, 16, 3)
     """
     asked: dict[str, Any] = {}

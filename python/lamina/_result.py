@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import html
 import io
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+Self = TypeVar("Self", bound="Result")
 
 
 def quantity(
@@ -69,6 +73,15 @@ class Result:
         """All fields by name; arrays are not copied."""
         names = (f.name for f in dataclasses.fields(self))
         return {name: getattr(self, name) for name in names if not name.startswith("_")}
+
+    def __copy__(self: Self) -> Self:
+        return dataclasses.replace(self)
+
+    def __deepcopy__(self: Self, memo: dict[int, Any]) -> Self:
+        # What is the library's cannot change, so that copies may have it in common.
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return type(self)(**{
+            name: value if name.startswith("_") else copy.deepcopy(value, memo) for name, value in given.items()})
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with units, axes and coordinates.

@@ -105,7 +105,8 @@ def slab(
     :param independent_bands: give each band random numbers of its own.
     :param progress: None, True for a bar, or a function of the finished fraction.
     :raises InvalidInput: naming what is wrong.
-    :raises Interrupted: after Ctrl-C; of monte_carlo `result` has the totals so far.
+    :raises Interrupted: after Ctrl-C; `result` has the totals so far: of monte_carlo of the photons
+        by then, else NaN for stacks that are not solved yet; None if none is.
 
     Source: Plass et al. 1973; docs/adding_doubling.md.
 

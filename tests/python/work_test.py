@@ -18,7 +18,8 @@ import pytest
 
 
 def long_work(progress: Any = None) -> Any:
-    return lamina.slab("marble", method="monte_carlo", seconds=60.0, progress=progress)
+    """Of days, if nothing stopped it."""
+    return lamina.slab("marble", method="monte_carlo", photons=1e12, progress=progress)
 
 
 def test_progress_is_told_and_can_stop() -> None:
@@ -28,10 +29,8 @@ def test_progress_is_told_and_can_stop() -> None:
         told.append(finished)
         return len(told) < 3
 
-    begun = time.monotonic()
     with pytest.raises(lamina.Interrupted) as stopped:
         long_work(callback)
-    assert time.monotonic() - begun < 30.0  # of 60; machines may be busy
     assert len(told) == 3 and all(0.0 <= f <= 1.0 for f in told)
     partial: Any = stopped.value.result
     assert 0.0 < partial.diffuse_reflectance[0] < 1.0
@@ -45,14 +44,20 @@ def test_what_a_callback_raises_comes_out() -> None:
         long_work(callback)
 
 
-def interrupted(work: Callable[[], object]) -> Any:
-    """What Ctrl-C half a second after its begin makes of it."""
-    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+def interrupted(work: Callable[[], object], within: float = 1.0) -> Any:
+    """What Ctrl-C half a second after its begin makes of it: an end within a second, on machines
+    that do nothing else. So seconds of the processor count, by which busy machines do not differ."""
+    sent: list[float] = []
+
+    def send() -> None:
+        sent.append(time.process_time())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.5, send)
     timer.start()
-    begun = time.monotonic()
     with pytest.raises(KeyboardInterrupt) as stopped:
         work()
-    assert time.monotonic() - begun < 20.0  # a second where the machine is not busy
+    assert time.process_time() - sent[0] < within * lamina.threads()
     timer.join()
     assert isinstance(stopped.value, lamina.Interrupted)
     return stopped.value.result
@@ -63,10 +68,42 @@ def test_ctrl_c_hands_over_what_there_is() -> None:
     assert partial.photons.sum() > 0 and 0.0 < partial.diffuse_reflectance[0] < 1.0
 
 
+STACKS = lamina.layers(sigma_a=np.geomspace(1e-4, 1, 200_000)[:, None], sigma_s=10.0, g=0.8, ior=1.4, thickness=5.0)
+
+
+@pytest.mark.parametrize("how", [{"accuracy": 1e-6}, {"derivatives": True}], ids=str)
+def test_ctrl_c_hands_over_the_stacks_that_are_solved(how: dict[str, Any]) -> None:
+    partial = interrupted(lambda: lamina.slab(STACKS, **how))
+    solved = np.flatnonzero(np.isfinite(partial.diffuse_reflectance))
+    assert 0 < solved.size < STACKS.shape[0]
+    every = solved[:: max(solved.size // 5, 1)]
+    again = lamina.slab(lamina.layers(sigma_a=STACKS.sigma_a[every], sigma_s=10.0, g=0.8, ior=1.4, thickness=5.0), **how)
+    assert (again.diffuse_reflectance == partial.diffuse_reflectance[every]).all()
+    assert (again.absorptance == partial.absorptance[every]).all()
+    assert (np.isnan(partial.transmittance) == np.isnan(partial.absorptance[:, 0])).all()
+
+
+def test_a_stop_hands_over_the_fits_that_have_ended() -> None:
+    layer = {"sigma_a": 0.1, "sigma_s": 5, "g": 0.8, "ior": 1.4, "thickness": 1}
+    one = {
+        "name": "plate",
+        "material": {"lamina": "material", "version": 1, "length_unit": "mm", "bands": [600], "ior_below": 1, "layers": [layer]},
+        "free": [{"parameter": "layers[0].sigma_a", "per_band": True, "low": 1e-4, "high": 10, "scale": "logarithmic"}],
+        "measured": [{"kind": "totals", "wavelength_nm": [600], "reflectance": [0.3], "unit": "fraction",
+                      "specular": "included", "sd": 0.005}]}  # fmt: skip
+    alone = lamina.fit(one)
+    with pytest.raises(lamina.Interrupted) as stopped:
+        lamina.fit([one] * 3000, progress=lambda finished: finished == 0.0)
+    ended = [fit for fit in stopped.value.result if fit is not None]
+    assert 0 < len(ended) < 3000 == len(stopped.value.result)
+    assert all(fit["sigma_a"] == alone["sigma_a"] for fit in ended[:20])
+
+
 def test_ctrl_c_ends_what_has_nothing_yet() -> None:
-    sigma_a = np.geomspace(1e-4, 1, 200_000)[:, None]
-    stacks = lamina.layers(sigma_a=sigma_a, sigma_s=10.0, g=0.8, ior=1.4)
-    assert interrupted(lambda: lamina.slab(stacks, accuracy=1e-9)) is None
+    """Of a patch with the band that is being solved, as docs/python.md says."""
+    y, x = np.mgrid[0:200, 0:200]
+    melanin = 0.05 + 0.04 * np.sin(x / 6) * np.cos(y / 7)
+    assert interrupted(lambda: lamina.patch(melanin=melanin, wavelengths=np.arange(410.0, 700.0, 2.0)), within=4.0) is None
     # Python has its own way with Ctrl-C back.
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
@@ -101,10 +138,12 @@ def test_python_goes_on_meanwhile() -> None:
 
     counter = threading.Thread(target=count)
     counter.start()
+    before = counted
     lamina.slab("marble", method="monte_carlo", seconds=0.6)
+    meanwhile = counted - before
     done.set()
     counter.join()
-    assert counted > 20
+    assert meanwhile > 3  # of some hundred; with the lock held one at most
 
 
 def test_results_do_not_hang_on_threads() -> None:
