@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -24,6 +25,14 @@ void write_output(std::string_view text) {
   const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (!is_written || std::fflush(stdout) != 0)
     throw WriteError(std::string("standard output: cannot be written: ") + std::strerror(errno));
+}
+
+bool shows_colors() {
+  const auto is_set = [](const char* name, std::string_view unless) {
+    const char* const value = std::getenv(name);
+    return value && value != unless;
+  };
+  return isatty(STDOUT_FILENO) == 1 && !is_set("NO_COLOR", "") && is_set("TERM", "dumb");
 }
 
 void add_common_options(const Command& command, CommonOptions& options) {

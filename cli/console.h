@@ -73,6 +73,10 @@ void print(const CommonOptions& options, std::string_view text);
 /// To standard output, at once. @throws WriteError
 void write_output(std::string_view text);
 
+/// Whether text on standard output may have colors: it is a terminal, and NO_COLOR is not set
+/// (https://no-color.org) nor TERM "dumb".
+[[nodiscard]] bool shows_colors();
+
 /// A line on standard error, "lamina: MESSAGE": printable, and cut in its middle if it is long.
 void say(std::string_view message);
 

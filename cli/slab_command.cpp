@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
+#include "slab_color.h"
 #include "slab_comparison.h"
 #include "slab_derivatives.h"
 
@@ -174,6 +176,8 @@ void run_slab(const SlabOptions& options) {
     json["incidence"] = options.incidence;
     json.update(slab_json(result));
     json.update(result.more);
+    const std::optional<SlabColors> colors = slab_colors(material, result.totals);
+    if (colors) json["color"] = slab_colors_json(*colors);
     std::string text = slab_text(material, result);
     if (options.has_derivatives) {
       json["derivatives"] = derivatives_json(derivatives);
@@ -181,6 +185,8 @@ void run_slab(const SlabOptions& options) {
     }
     write_json(json, options.common);
     print(options.common, text);
+    if (colors && options.common.json != "-")
+      write_output(slab_colors_text(*colors, shows_colors()));
   }
 }
 
@@ -229,7 +235,9 @@ void add_slab_command(CLI::App& app) {
   add_common_options(command, options->common);
   command.footer(
       "Fractions are of the light that arrives. The first reflection at the surface is specular;\n"
-      "all other light that leaves at the top is diffuse.\n\n"
+      "all other light that leaves at the top is diffuse. The color is that of diffuse light "
+      "under\n"
+      "D65, in sRGB; terminals show a piece of it unless NO_COLOR is set.\n\n"
       "Example: where the light goes in skin, lit from all sides\n"
       "  lamina slab donner_jensen_skin --incidence diffuse\n"
       "A spectrum\n"

@@ -368,6 +368,32 @@ class Messages(unittest.TestCase):
             self.assertIn("did you mean " + meant, result.stderr)
 
 
+class Colors(unittest.TestCase):
+    def on_terminal(self, **environment):
+        ours, theirs = pty.openpty()
+        env = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "TERM")} | environment
+        process = subprocess.Popen([LAMINA, "slab", "jade", "--method", "diffusion"], stdout=theirs, env=env)
+        os.close(theirs)
+        text = b""
+        try:
+            while piece := os.read(ours, 4096):
+                text += piece
+        except OSError:
+            pass  # the end of a terminal
+        os.close(ours)
+        self.assertEqual(process.wait(), 0)
+        return text.decode()
+
+    def test_are_shown_on_terminals_only(self):
+        color = json_of("slab", "jade", "--method", "diffusion")["color"]["reflected"]
+        chip = "\x1b[48;2;%d;%d;%dm" % tuple(color["srgb"])
+        self.assertIn(chip, self.on_terminal(TERM="xterm-256color"))
+        for text in (self.on_terminal(TERM="xterm", NO_COLOR="1"), self.on_terminal(TERM="dumb"), self.on_terminal(),
+                     run("slab", "jade", "--method", "diffusion").stdout):
+            self.assertNotIn("\x1b", text)
+            self.assertIn(color["hex"], text)
+
+
 class Json(unittest.TestCase):
     def test_says_what_made_it(self):
         result = json_of("slab", "donner_jensen_skin", "--method", "diffusion")
@@ -377,6 +403,24 @@ class Json(unittest.TestCase):
         for key in ("specular_reflectance", "diffuse_reflectance", "transmittance"):
             self.assertEqual(len(result[key]), 3)
         self.assertEqual([len(layer) for layer in result["absorptance"]], [3, 3, 3])
+
+    def test_has_the_color_of_slabs(self):
+        """srgb_encode(.5) = .7354 -> 188; a clear red filter over a black ground has only a color seen through."""
+        result = json_of("slab", "donner_jensen_skin", "--method", "diffusion")
+        color = result["color"]["reflected"]
+        self.assertEqual(color["linear_srgb"], result["diffuse_reflectance"])
+        encoded = [255 * (1.055 * x ** (1 / 2.4) - .055) for x in result["diffuse_reflectance"]]
+        self.assertEqual(color["srgb"], [round(x) for x in encoded])
+        self.assertEqual(color["hex"], "#%02x%02x%02x" % tuple(color["srgb"]))
+        self.assertNotIn("transmitted", result["color"])
+        self.assertIn("transmitted", json_of("slab", "green_leaf", "--method", "diffusion")["color"])
+        self.assertNotIn("color", json_of("slab", "green_leaf", "--method", "diffusion", "--bands", "500,600"))
+
+    def test_slabs_without_absorption_are_white_in_any_bands(self):
+        white = {"lamina": "material", "version": 1, "length_unit": "mm", "bands": [430, 480, 550, 620],
+                 "layers": [{"sigma_a": 0, "sigma_s": 1, "g": 0, "ior": 1, "thickness": "infinite"}]}
+        result = subprocess.run([LAMINA, "slab", "-", "--json", "-"], input=json.dumps(white), capture_output=True, text=True)
+        self.assertEqual(json.loads(result.stdout)["color"]["reflected"]["hex"], "#ffffff", result.stderr)
 
     def test_has_null_only_where_there_is_no_value_to_have(self):
         clear = {"lamina": "material", "version": 1, "length_unit": "mm", "bands": "rgb", "ior_below": 1,

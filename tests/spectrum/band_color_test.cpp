@@ -177,9 +177,15 @@ TEST(BandBasis, IsHardlyNegative) {
   }
 }
 
+TEST(BandWeights, TellColorsFromThreeVisibleBandsOn) {
+  for (const BandSet& bands : {BandSet::rgb(), default_spectral_bands(), BandSet({450, 550, 620})})
+    EXPECT_TRUE(tells_colors(make_band_weights(bands)));
+}
+
 TEST(BandBasis, WithoutColorVisionIsTheLuminance) {
   for (const BandSet& bands :
        {BandSet({550.0}), BandSet({500.0, 600.0}), BandSet({1000.0, 1500.0, 2000.0})}) {
+    EXPECT_FALSE(tells_colors(make_band_weights(bands)));
     for (const double value : band_spectrum(make_band_basis(bands), {0.0, 1.0, 0.0}))
       EXPECT_NEAR(value, 0.7152, 1e-4);
     for (const double value : band_spectrum(make_band_basis(bands), {1.0, 1.0, 1.0}))

@@ -114,6 +114,14 @@ std::vector<double> smooth_primaries(std::span<const double> bands, const DenseM
   return x;
 }
 
+/// [channel][band]
+DenseMatrix as_matrix(const BandWeights& weights) {
+  DenseMatrix matrix(3, weights.size());
+  for (std::size_t b = 0; b < weights.size(); ++b)
+    for (std::size_t c = 0; c < 3; ++c) matrix(c, b) = weights[b][c];
+  return matrix;
+}
+
 }  // namespace
 
 BandWeights make_band_weights(const BandSet& bands, Illuminant illuminant) {
@@ -150,16 +158,19 @@ BandBasis make_band_basis(const BandSet& bands, Illuminant illuminant) {
   return make_band_basis(bands, make_band_weights(bands, illuminant));
 }
 
+bool tells_colors(const BandWeights& weights) {
+  // Colours that the bands cannot show would take spectra far below 0 and above 1.
+  constexpr double least_distinction = 0.02;
+  if (weights.size() < 3) return false;
+  const std::vector<double> strengths = singular_values(as_matrix(weights));
+  return strengths[2] >= least_distinction * strengths[0];
+}
+
 BandBasis make_band_basis(const BandSet& bands, const BandWeights& weights) {
   if (bands.is_rgb()) return identity;
   const std::size_t n = bands.size();
-  DenseMatrix matrix(3, n);
-  for (std::size_t b = 0; b < n; ++b)
-    for (std::size_t c = 0; c < 3; ++c) matrix(c, b) = weights[b][c];
-  // Colours that the bands cannot show would take spectra far below 0 and above 1.
-  constexpr double least_distinction = 0.02;
-  const std::vector<double> strengths = singular_values(matrix);
-  if (n < 3 || strengths[2] < least_distinction * strengths[0]) {
+  const DenseMatrix matrix = as_matrix(weights);
+  if (!tells_colors(weights)) {
     const std::array<double, 3> luminance = linear_srgb_to_xyz()[1];
     return BandBasis(n, luminance);
   }

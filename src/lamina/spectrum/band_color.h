@@ -32,6 +32,10 @@ using BandWeights = std::vector<std::array<double, 3>>;
 [[nodiscard]] BandWeights make_band_weights(const BandSet& bands,
                                             Illuminant illuminant = Illuminant::d65);
 
+/// Whether colours can be told by these weights, [band]: from three bands on that an eye can tell
+/// apart.
+[[nodiscard]] bool tells_colors(const BandWeights& weights);
+
 /// The colour of a spectrum, [band].
 [[nodiscard]] LinearSrgb linear_srgb(const BandWeights& weights, std::span<const double> spectrum);
 
