@@ -251,6 +251,84 @@ class Pbrt(Folder):
         self.assertEqual(statements["snow_medium"][2]["sigma_s"][0], "spectrum")
 
 
+# What MaterialX 1.39 knows of OpenPBR 1.1.1: inputs by type, and the range that each may have.
+OPENPBR = {"base_weight": ("float", 0, 1), "base_color": ("color3", 0, 1), "specular_weight": ("float", 0, math.inf),
+           "specular_ior": ("float", 0, math.inf), "specular_roughness": ("float", 0, 1),
+           "subsurface_weight": ("float", 0, 1), "subsurface_color": ("color3", 0, 1),
+           "subsurface_radius": ("float", 0, math.inf), "subsurface_radius_scale": ("color3", 0, 1),
+           "subsurface_scatter_anisotropy": ("float", -1, 1), "geometry_thin_walled": ("boolean", 0, 1)}
+
+
+def openpbr_inputs(text):
+    """{name: numbers}, of what the table knows."""
+    root = xml.etree.ElementTree.fromstring(text)
+    assert (root.tag, root.get("version"), root.get("colorspace")) == ("materialx", "1.39", "lin_rec709")
+    surface, material = root
+    assert (surface.tag, surface.get("type")) == ("open_pbr_surface", "surfaceshader")
+    assert (material.tag, material.get("type")) == ("surfacematerial", "material")
+    assert [dict(i.attrib) for i in material] == [{"name": "surfaceshader", "type": "surfaceshader",
+                                                   "nodename": surface.get("name")}]
+    for element in root:
+        assert re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", element.get("name")), element.get("name")
+    inputs = {}
+    for element in surface:
+        kind, low, high = OPENPBR[element.get("name")]
+        assert (element.tag, element.get("type")) == ("input", kind)
+        values = [{"true": 1.0, "false": 0.0}.get(x.strip()) if kind == "boolean" else float(x)
+                  for x in element.get("value").split(",")]
+        assert len(values) == (3 if kind == "color3" else 1) and all(low <= x <= high for x in values), element.attrib
+        assert element.get("name") not in inputs
+        inputs[element.get("name")] = values
+    return inputs
+
+
+class OpenPbr(Folder):
+    def test_the_printed_inversion_makes_the_medium_that_returns_the_light(self):
+        result, files = export(self.folder, "donner_jensen_skin", "openpbr", "--mm-per-unit", 10)
+        inputs = openpbr_inputs(files["donner_jensen_skin.mtlx"])
+        (g,), (radius,) = inputs["subsurface_scatter_anisotropy"], inputs["subsurface_radius"]
+        sigma_a, sigma_s = [], []
+        for color, scale in zip(inputs["subsurface_color"], inputs["subsurface_radius_scale"]):
+            # OpenPBR 1.1.1, section Subsurface.
+            s = 4.09712 + 4.20863 * color - math.sqrt(9.59217 + 41.6808 * color + 17.7126 * color ** 2)
+            albedo = (1 - s * s) / (1 - g * s * s)
+            sigma_s.append(albedo / (10 * radius * scale))
+            sigma_a.append((1 - albedo) / (10 * radius * scale))
+        total, _ = diffuse_total(self.folder, sigma_a, sigma_s, g, *inputs["specular_ior"])
+        for value, misfit in zip(total, result["exports"][0]["misfit"]):
+            self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=3e-4)  # six digits of the formula
+
+    def test_skins_have_radii_of_their_own_and_the_same_name_by_materialx(self):
+        found = []
+        for name in ("skin_type_2", "skin_type_6"):
+            export(self.folder, name, "materialx", "--bands", "450,550,650")
+            found.append(openpbr_inputs((self.folder / f"{name}.mtlx").read_text()))
+        light, dark = found
+        self.assertGreater(min(a - b for a, b in zip(light["subsurface_color"], dark["subsurface_color"])), 0.05)
+        self.assertNotEqual(light["subsurface_radius"], dark["subsurface_radius"])
+        for inputs in found:
+            self.assertEqual(inputs["geometry_thin_walled"], [0.0])
+            self.assertEqual(sorted(inputs["subsurface_radius_scale"], reverse=True), inputs["subsurface_radius_scale"])
+
+    def test_sheets_are_thin_walls(self):
+        result, files = export(self.folder, "leaf", "openpbr")
+        inputs = openpbr_inputs(files["leaf.mtlx"])
+        self.assertEqual(inputs["geometry_thin_walled"], [1.0])
+        self.assertNotIn("subsurface_radius", inputs)
+        slab = json.loads(run("slab", "leaf", "--incidence", "diffuse", "--json", "-").stdout)
+        lit = sum(slab["diffuse_reflectance"]), sum(slab["transmittance"])
+        (forward,) = inputs["subsurface_scatter_anisotropy"]
+        self.assertAlmostEqual((1 + forward) / 2, lit[1] / sum(lit), delta=1e-4)
+        for misfit in result["exports"][0]["misfit"]:
+            self.assertAlmostEqual(*(sum(misfit[side][key] for side in ("reflectance", "transmittance"))
+                                     for key in ("wanted_total", "obtained_total")), delta=1e-9)
+
+    def test_wavelengths_are_refused(self):
+        result = run("export", "snow", "--to", "openpbr", "--channels", "bands", "-o", self.folder)
+        self.assertEqual((result.returncode, os.listdir(self.folder)), (2, []))
+        self.assertIn("must be R, G, B", result.stderr)
+
+
 class Table(Folder):
     def test_is_read_by_numpy_and_has_what_slab_has(self):
         import numpy
@@ -352,6 +430,8 @@ class Everything(Folder):
                         json.loads(content)
                     if name.endswith(".xml"):
                         mitsuba_plugins(content)
+                    if name.endswith(".mtlx"):
+                        openpbr_inputs(content)
                     if name.endswith(".pbrt"):
                         pbrt_statements(content)
 

@@ -40,6 +40,11 @@ constexpr std::array formats{
                  .about = "a scene fragment for Mitsuba 3: medium and boundary, as XML",
                  .ending = ".xml",
                  .write = detail::write_mitsuba3},
+    ExportFormat{.name = "openpbr",
+                 .alias = "materialx",
+                 .about = "OpenPBR 1.1.1 in MaterialX: subsurface, or thin walls, as .mtlx",
+                 .ending = ".mtlx",
+                 .write = detail::write_openpbr},
     ExportFormat{.name = "mcml",
                  .about = "the layers as an input file of MCML 1.2, one run per band",
                  .ending = ".mci",
@@ -93,8 +98,9 @@ void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
 std::span<const ExportFormat> export_formats() { return formats; }
 
 const ExportFormat& find_export_format(std::string_view name) {
-  const auto* const found = std::ranges::find_if(
-      formats, [&](const ExportFormat& format) { return format.name == name; });
+  const auto* const found = std::ranges::find_if(formats, [&](const ExportFormat& format) {
+    return format.name == name || (!format.alias.empty() && format.alias == name);
+  });
   if (found != formats.end()) return *found;
   std::vector<std::string_view> names;
   for (const ExportFormat& format : formats) names.push_back(format.name);

@@ -59,8 +59,9 @@ enum class ExportNeeds {
 /// A row of the table of formats.
 struct ExportFormat {
   std::string_view name;
-  std::string_view about;   ///< one line for people
-  std::string_view ending;  ///< of its first file, with the dot
+  std::string_view alias = {};  ///< another name that it is found by
+  std::string_view about;       ///< one line for people
+  std::string_view ending;      ///< of its first file, with the dot
   ExportChannels channels = ExportChannels::rgb;
   ExportNeeds needs = ExportNeeds::medium;
   ExportedMaterial (*write)(const ExportInput& input) = nullptr;

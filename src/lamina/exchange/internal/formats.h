@@ -12,6 +12,7 @@ namespace lamina::detail {
 [[nodiscard]] ExportedMaterial write_mcx(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mitsuba3(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mixture(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_openpbr(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_pbrt(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_table(const ExportInput& input);
 

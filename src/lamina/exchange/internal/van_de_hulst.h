@@ -1,0 +1,20 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The color of diffuse light that a half-space returns, as renderers have it in closed form.
+
+namespace lamina {
+
+/// van de Hulst's fit for a matched boundary, by similarity for all g.
+///
+/// @param albedo  of single scattering, in [0, 1]
+/// @param g       in (-1, 1)
+///
+/// Source: [VanDeHulst1980] as [KullaConty2017] give it.
+[[nodiscard]] double van_de_hulst_color(double albedo, double g);
+
+/// Its inverse: the formula that [OpenPBR] 1.1.1, section Subsurface, KHR_materials_scatter and
+/// Blender 5.2 print.
+[[nodiscard]] double van_de_hulst_albedo(double color, double g);
+
+}  // namespace lamina
