@@ -14,6 +14,7 @@ from pathlib import Path
 import lamina
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 draft = "LAMINA_DRAFT" in os.environ
 here = Path(globals().get("__file__", "./notebook")).resolve().parent
@@ -36,7 +37,10 @@ axes.imshow(colors.srgb, origin="lower", extent=edges, aspect="auto")
 def mark(share_of_blood, share_of_melanin, name, style):
     x, y = np.log10(share_of_blood), np.log10(share_of_melanin)
     axes.plot(x, y, style, mec="white", mfc="none", ms=8, mew=1.5)
-    axes.annotate(name, (x, y), (8, -3), textcoords="offset points", fontsize=8, color="white" if y > -1.3 else "black")
+    # On the right, but where another one is near: above or below.
+    offset = {"skin_flushed": (0, 13), "skin_type_1": (0, -13)}.get(name, (8, 0))
+    axes.annotate(name, (x, y), offset, textcoords="offset points", fontsize=8, color="white", va="center",
+                  ha="left" if offset[0] else "center", path_effects=[withStroke(linewidth=2, foreground="#2a1a14")])
 
 
 mark(float(forearm["skin.hemoglobin_dermis"]), float(forearm["skin.melanin"]), "measured forearm", "o")

@@ -38,6 +38,6 @@ figure, ax = plt.subplots(figsize=(6, 5), layout="constrained")
 image = ax.imshow(matrix, vmin=-1, vmax=1, cmap="RdBu_r")
 ax.set_xticks(range(len(names)), names, rotation=60, ha="right")
 ax.set_yticks(range(len(names)), names)
-figure.colorbar(image)
+figure.colorbar(image, label="correlation of errors")
 figure.savefig("fitted_correlations.png", dpi=110)
 assert found.has_converged

@@ -2,7 +2,7 @@
 # %% [markdown]
 # # A head from a notebook
 #
-# A scene is a dict: here a bust in marble and one in skin, lit from the side, and the truth by random walks beside the flat profile.
+# A scene is a dict: here a bust in marble, in skin and in jade, lit from the side and from behind.
 
 # %%
 import os
@@ -17,9 +17,9 @@ size, samples = (48, 2) if draft else (320, 32)
 
 def bust(material):
     return {
-        "mm_per_unit": 20,
-        "camera": {"position": [2.2, 1.2, 12.5], "look_at": [0, -0.1, 0], "horizontal_fov": 5.2},
-        "film": {"width": size, "height": int(size * 1.2), "view": "filmic", "exposure": 0.6},
+        "mm_per_unit": 60,
+        "camera": {"position": [2.2, 1.2, 12.5], "look_at": [0, 0, 0], "horizontal_fov": 4.7},
+        "film": {"width": size, "height": int(size * 1.2), "view": "filmic", "exposure": 1.0},
         "materials": {"bust": {"subsurface": material, "coat": {"ior": 1.44, "roughness": 0.3}}},
         "meshes": [{"shape": "bust", "material": "bust"}],
         "lights": [
@@ -35,7 +35,7 @@ pictures = {
     "skin": lamina.render(bust("skin_type_2"), samples=samples, method="hierarchy"),
     "jade": lamina.render(bust("jade"), samples=samples, method="hierarchy"),
 }
-figure, axes = plt.subplots(1, 3, figsize=(11, 4.6), layout="constrained")
+figure, axes = plt.subplots(1, 3, figsize=(11, 4.9), layout="constrained")
 for ax, (name, picture) in zip(axes, pictures.items()):
     ax.imshow(picture.srgb())
     ax.set_title(f"{name}, {picture.cpu_seconds:.1f} CPU-s")
@@ -47,13 +47,14 @@ figure.savefig("busts.png", dpi=110)
 
 # %%
 marble = pictures["marble"]
-figure, axes = plt.subplots(1, 3, figsize=(11, 4.6), layout="constrained")
+figure, axes = plt.subplots(1, 3, figsize=(11, 4.9), layout="constrained")
 depth = np.where(np.isfinite(marble.layer("depth")), marble.layer("depth"), np.nan)
 for ax, (title, image) in zip(axes, (
         ("from below the surface", np.clip(2 * marble.layer("subsurface"), 0, 1) ** 0.45),
         ("mirrored", np.clip(2 * marble.layer("specular"), 0, 1) ** 0.45), ("depth [mm]", depth))):
-    ax.imshow(image, cmap="viridis_r")
+    shown = ax.imshow(image, cmap="viridis_r")
     ax.set_title(title)
     ax.axis("off")
+figure.colorbar(shown, ax=axes, shrink=0.8, pad=0.02)
 figure.savefig("channels.png", dpi=110)
 assert np.isfinite(marble.image).all() and marble.layer("subsurface").mean() > 0
