@@ -30,9 +30,9 @@ def docstring(text):
     """`:param x: y` as a list, examples as code."""
     lines, in_example = [], False
     for line in inspect.cleandoc(text).splitlines():
-        is_code = line.startswith((">>>", "...")) or (in_example and line.strip())
+        is_code = line.startswith((">>>", "...")) or (in_example and line.strip() != "")
         if is_code != in_example:
-            lines.append("```python" if is_code else "```")
+            lines.append("```pycon" if is_code else "```")
             if not is_code:
                 lines.append("")
             in_example = is_code

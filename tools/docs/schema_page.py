@@ -3,6 +3,13 @@
 """A JSON schema as a page: every key with its type and range, sub-objects below each other."""
 
 import json
+import re
+
+
+def written(number):
+    """As short as it is exact: 1e9, 0.01, 16777216."""
+    short = f"{number:g}" if float(f"{number:g}") == number else repr(number)
+    return re.sub(r"e\+?(-?)0*(\d+)", r"e\1\2", short)
 
 
 def number_range(schema):
@@ -12,7 +19,7 @@ def number_range(schema):
         return ""
     left = "(" if "exclusiveMinimum" in schema or low is None else "["
     right = ")" if "exclusiveMaximum" in schema or high is None else "]"
-    return f" in {left}{'-inf' if low is None else f'{low:g}'}, {'inf' if high is None else f'{high:g}'}{right}"
+    return f" in {left}{'-inf' if low is None else written(low)}, {'inf' if high is None else written(high)}{right}"
 
 
 def kind(schema, definitions, depth=0):
@@ -45,7 +52,8 @@ def kind(schema, definitions, depth=0):
         size = f"{count[0]} " if count[0] is not None and count[0] == count[1] else ""
         each = " / ".join(kind(s, definitions, depth + 1) for s in items) if isinstance(items, list) else kind(
             items, definitions, depth + 1)
-        return f"array of {size}{each}"
+        plural = re.sub(r"\bnumber\b", "numbers", each) if each.startswith(("number", "whole number")) else each
+        return f"array of {size}{plural}"
     if of == "object":
         return "object"
     if isinstance(of, list):
@@ -81,7 +89,7 @@ def page(file):
     definitions = schema.get("definitions", {})
     lines = [f"# Format: {schema.get('title', file.stem).replace('lamina ', '')}", "", schema.get("description", ""),
              "", f"Written from [`{file.name}`](../files/schema/{file.name}), which editors use to complete and check files.", ""]
-    head = ["| key | value | |", "|---|---|---|"]
+    head = ["| key | value | meaning |", "|---|---|---|"]
 
     def tables(part):
         found = list(objects(part))
