@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -35,8 +36,8 @@ struct RenderCommandOptions {
   std::string scene, output, method, profile, cache, single_scattering, shard;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
-  bool needs_cache = false, resumes = false, denoises = false, corrects = false,
-       only_prepares = false;
+  bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
+       denoises = false, corrects = false, only_prepares = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -118,6 +119,7 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
        {std::pair{"--method", !options.method.empty()},
         std::pair{"--cache", !options.cache.empty()},
         std::pair{"--cache-only", options.needs_cache}, std::pair{"--resume", options.resumes},
+        std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
         std::pair{"--denoise", options.denoises}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
   std::vector<NamedMethod> methods_to_compare;
@@ -144,6 +146,9 @@ fs::path shard_file(const RenderCommandOptions& options, const Shard& shard) {
 
 /// The options that a part of the samples cannot have.
 void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) {
+  for (const auto& [name, is_given] :
+       {std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive}})
+    if (is_given) throw InvalidInput(std::string(name) + ": does not go with --shard");
   if (options.denoises)
     throw InvalidInput("--denoise: is for `lamina merge`, which has all samples, not for --shard");
   if (options.noise > 0.0f || scene.render.noise > 0.0f)
@@ -215,6 +220,32 @@ void run_shard(const RenderCommandOptions& options, const Scene& scene, const fs
                     s.peak_memory_mib));
 }
 
+/// Writes a picture. @return  the names of its files
+std::string write_picture(const Image& image, const Film& film, const PictureFiles& files) {
+  std::string written;
+  if (!files.exr.empty()) {
+    save_exr(image, files.exr);
+    written += files.exr;
+  }
+  if (!files.png.empty()) {
+    save_png(view_image(image, film.view, static_cast<double>(film.exposure)), files.png);
+    written += (written.empty() ? "" : ", ") + files.png;
+  }
+  return written;
+}
+
+/// Writes pictures as they grow. One that cannot be written is said once: the last may fit again.
+std::function<void(const Image&)> make_writer(const Film& film, const PictureFiles& files) {
+  return [&film, &files, has_failed = false](const Image& image) mutable {
+    try {
+      (void)write_picture(image, film, files);
+    } catch (const WriteError& error) {
+      if (!has_failed) say(std::string("warning: ") + error.what());
+      has_failed = true;
+    }
+  };
+}
+
 void run_render(const RenderCommandOptions& options) {
   const bool is_shard = !options.shard.empty();
   const std::string shard = is_shard ? shard_file(options, read_shard(options.shard)).string() : "";
@@ -261,26 +292,21 @@ void run_render(const RenderCommandOptions& options) {
                      .needs_cache = options.needs_cache,
                      .checkpoint = checkpoint,
                      .resumes = options.resumes,
-                     .on_notice = say},
+                     .keeps_samples = options.keeps,
+                     .on_notice = say,
+                     .on_image = options.is_progressive ? make_writer(scene.film, files) : nullptr},
                     make_progress("rendering"));
   } catch (const Interrupted&) {
     say_how_to_go_on();
     throw;
   }
+  if (options.keeps && result.statistics.is_complete && !fs::exists(checkpoint))
+    say("warning: " + checkpoint.string() + " cannot be written: the samples are not kept");
   if (options.denoises) {
     const Progress denoising = make_progress("denoising");
     result.image = denoise(result.image);
   }
-  std::string written;
-  if (!files.exr.empty()) {
-    save_exr(result.image, files.exr);
-    written += files.exr;
-  }
-  if (!files.png.empty()) {
-    const double exposure = static_cast<double>(scene.film.exposure);
-    save_png(view_image(result.image, scene.film.view, exposure), files.png);
-    written += (written.empty() ? "" : ", ") + files.png;
-  }
+  const std::string written = write_picture(result.image, scene.film, files);
 
   const RenderStatistics& s = result.statistics;
   for (const std::string& warning : s.warnings) say("warning: " + warning);
@@ -377,7 +403,15 @@ void add_render_command(CLI::App& app) {
       .range(0.0, 1.0);
   command.add_flag("--resume", options->resumes,
                    "goes on with a picture that was stopped or killed: the result is the same as "
-                   "without. A file IMAGE.unfinished keeps what there is, every half minute");
+                   "without. A file IMAGE.unfinished keeps what there is, every half minute. More "
+                   "--samples than were wanted then add to it");
+  command.add_flag("--keep", options->keeps,
+                   "keeps IMAGE.unfinished of a finished picture, too: --resume with more "
+                   "--samples, or less --noise, then adds to it, and without --noise makes the "
+                   "picture of all samples at once, bit by bit. 248 bytes per pixel");
+  command.add_flag("--progressive", options->is_progressive,
+                   "writes the picture every few seconds while it grows, from the first sample of "
+                   "all pixels on; each takes the place of the last as a whole");
   command
       .add_option("--shard", options->shard,
                   "does part I of N of the samples of all pixels, for `lamina merge`, which makes "

@@ -143,10 +143,42 @@ got=0; wait "$pid" || got=$?
 [ -s stopped.exr ] && [ -s stopped.png ] || fail "interrupted: no picture"
 [ -s stopped.unfinished ] || fail "interrupted: nothing to go on from"
 grep -q 'once more ends at once' stopped.txt || fail "interrupted: $(cat stopped.txt)"
-expect 2 'other settings' "$scene" --samples 1000 --width 16 -o stopped --resume
+expect 2 'so that many or more must be wanted, but it is 1' "$scene" --samples 1 --width 16 -o stopped --resume
+expect 2 'other settings' "$scene" --samples 1000000 --width 16 --seed 3 -o stopped --resume
 expect 0 '' "$scene" "${small[@]}" -o resumed.exr --resume
 cmp -s resumed.exr one.exr || fail "--resume without a start differs"
 [ ! -e resumed.unfinished ] || fail "a finished picture leaves its checkpoint"
+
+# More samples onto a finished picture make that of all at once; hierarchy keeps to the light that
+# was sampled for fewer, so its samples have to be as good.
+more=("$scene" --width 24 --height 16 --method hierarchy)
+expect 0 '' "${more[@]}" --samples 4 -o more.exr --keep
+expect 2 'its light was sampled for fewer or more samples' "${more[@]}" --samples 40 -o more.exr --resume
+for method in probe hierarchy; do
+  more=("$scene" --width 24 --height 16 --method "$method" --set render.hierarchy.irradiance_samples=32)
+  [ "$method" = hierarchy ] || unset 'more[7]' 'more[8]'
+  expect 0 '' "${more[@]}" --samples 40 -o once.exr
+  expect 0 '' "${more[@]}" --samples 24 -o more.exr --keep
+  [ -s more.unfinished ] || fail "$method: --keep keeps nothing"
+  expect 0 '40 samples per pixel' "${more[@]}" --samples 40 -o more.exr --resume
+  cmp once.exr more.exr || fail "$method: more samples make another picture than all at once"
+  [ ! -e more.unfinished ] || fail "$method: samples are kept without --keep"
+done
+more=("$scene" --width 24 --height 16 --method probe)
+samples_of() { sed -n 's/.*"samples_per_pixel": \([0-9]*\).*/\1/p' "$1"; }
+expect 0 '' "${more[@]}" --samples 400 --noise .3 -o calm.exr --keep --json calm.json
+expect 0 '' "${more[@]}" --samples 400 --noise .05 -o calm.exr --resume --json calmer.json
+[ "$(samples_of calmer.json)" -gt "$(samples_of calm.json)" ] || fail "--noise: nothing added for less of it"
+
+# A picture that grows is there before it is finished.
+"$lamina" render "$scene" --samples 1000000 --width 16 -o grows --progressive >grows.txt 2>&1 &
+pid=$!
+for _ in $(seq 200); do [ ! -s grows.png ] || break; sleep 0.3; done
+kill -0 "$pid" || fail "a picture of many samples was finished"
+[ -s grows.exr ] && [ -s grows.png ] || fail "--progressive: no picture while it grows"
+cp grows.exr early.exr
+kill -INT "$pid"; wait "$pid" || true
+cmp -s early.exr grows.exr && fail "--progressive: the last picture is the first"
 
 # Sampling ends where the noise asked for is reached.
 expect 0 '' "$scene" --samples 4000 --width 24 --height 16 --noise 0.5 -o calm.exr --json calm.json
@@ -162,6 +194,8 @@ grep -q '"mean_error"' both.json || fail "--compare: no error"
 expect 2 'two methods' "$scene" "${small[@]}" --compare probe
 expect 2 'magic' "$scene" "${small[@]}" --compare probe,magic
 expect 2 'no ending' "$scene" "${small[@]}" --compare probe,hierarchy -o both.png
+expect 2 '--progressive: does not go' "$scene" "${small[@]}" --compare probe,hierarchy -o both --progressive
+expect 2 '--keep: does not go' "$scene" "${small[@]}" --shard 0/2 -o x.shard --keep
 expect 2 '--resume' "$scene" "${small[@]}" --compare probe,hierarchy -o both --resume
 
 # Without noise, for viewing; the EXR keeps the noise too.

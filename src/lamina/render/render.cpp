@@ -153,12 +153,21 @@ IndexRange sample_range(const Scene& scene, const RenderOptions& options) {
 }
 
 /// What a checkpoint follows from: the picture, and the part of it.
-std::uint64_t checkpoint_key(std::uint64_t picture, const RenderOptions& options) {
+std::uint64_t checkpoint_key(std::uint64_t picture, const Scene& scene,
+                             const RenderOptions& options) {
   if (!options.part) return picture;
   Hash hash;
   hash.add(picture);
   hash.add(options.part->shard.index);
   hash.add(options.part->shard.count);
+  hash.add(scene.render.samples_per_pixel);
+  return hash.value();
+}
+
+/// What was prepared for a number of samples.
+std::uint64_t light_key(const PreparationReport& report) {
+  Hash hash;
+  for (const LightSamples& light : report.light_samples) hash.add(light.estimates);
   return hash.value();
 }
 
@@ -248,13 +257,18 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
     const Ray ray = camera.make_ray(x, y, random);
     return tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
   };
-  return add_tile_passes(sample,
-                         {.samples = static_cast<int>(range.size()),
-                          .noise = settings.noise,
-                          .checkpoint = options.checkpoint,
-                          .key = checkpoint_key(key, options),
-                          .resumes = options.resumes},
-                         progress, film);
+  return add_tile_passes(
+      sample,
+      {.samples = static_cast<int>(range.size()),
+       .noise = settings.noise,
+       .checkpoint = options.checkpoint,
+       .key = checkpoint_key(key, *scene.scene, options),
+       .light = light_key(report),
+       .resumes = options.resumes,
+       .keeps = options.keeps_samples,
+       .on_image = options.on_image,
+       .between_images = std::chrono::duration<double>(options.seconds_between_images)},
+      progress, film);
 }
 
 }  // namespace

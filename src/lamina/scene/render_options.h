@@ -11,6 +11,7 @@
 
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/shard.h"
+#include "lamina/image/image.h"
 
 namespace lamina {
 
@@ -32,7 +33,10 @@ struct RenderOptions {
   /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
   /// image is complete. Empty: none.
   std::filesystem::path checkpoint;
-  bool resumes = false;  ///< goes on from the checkpoint if there is one: the image is the same
+  /// Goes on from the checkpoint if there is one: the image is the same. It may have more samples
+  /// than were wanted then.
+  bool resumes = false;
+  bool keeps_samples = false;  ///< leaves the checkpoint of a complete image, for more of them
 
   /// A part of the samples of all pixels, whose sums go into a file: render/film/film_shard.h adds
   /// them up to the picture, bit by bit. The result then has no image.
@@ -50,6 +54,11 @@ struct RenderOptions {
 
   /// Told what a user should know before the work goes on, a line each. May be empty.
   std::function<void(const std::string&)> on_notice;
+
+  /// Shown the image as it grows, as RenderResult has it, from the first sample of all pixels on;
+  /// by one thread at a time while the others go on. May be empty.
+  std::function<void(const Image&)> on_image;
+  double seconds_between_images = 5.0;  ///< at least; showing takes a tenth of the time at most
 };
 
 /// How the method `hierarchy` has sampled the light on a material.
@@ -57,6 +66,7 @@ struct LightSamples {
   std::uint32_t material = 0;  ///< index into those of the scene
   double spacing = 0.0;        ///< [mm]
   std::size_t count = 0;
+  int estimates = 0;             ///< of the light, at random, at each that the camera may see
   std::optional<double> change;  ///< of the light that leaves, from twice the spacing: root mean
                                  ///< square over that of the light. Absent without refinement
 };

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -65,6 +67,55 @@ TEST(TilePasses, StopAndResumeGiveTheSameImage) {
   }
   EXPECT_GT(stops, 5);
   EXPECT_TRUE(std::ranges::equal(last.bytes(), whole.bytes()));
+}
+
+TEST(TilePasses, MoreSamplesMakeTheImageOfAllAtOnce) {
+  const auto sample = [](int x, int y, int i) { return noisy_sample(x, y, i, 0.5f); };
+  const ScratchFile file;
+  FilmAccumulator once(70, 50);
+  ASSERT_TRUE(add_tile_passes(sample, {.samples = 40, .key = 5}, {}, once));
+  TilePassOptions options{
+      .samples = 10, .checkpoint = file.path, .key = 5, .resumes = true, .keeps = true};
+  FilmAccumulator film(70, 50);
+  for (const int samples : {10, 13, 40}) {
+    options.samples = samples;
+    film = FilmAccumulator(70, 50);
+    ASSERT_TRUE(add_tile_passes(sample, options, {}, film));
+    EXPECT_EQ(film.least_samples(), samples);
+  }
+  EXPECT_TRUE(std::ranges::equal(film.pixels(), once.pixels()));
+  options.samples = 39;
+  EXPECT_THROW((void)add_tile_passes(sample, options, {}, film), FileError);
+  options = {.samples = 50, .checkpoint = file.path, .key = 5, .light = 1, .resumes = true};
+  EXPECT_THROW((void)add_tile_passes(sample, options, {}, film), FileError);
+}
+
+TEST(TilePasses, ShowWholeImagesWhileTheyGrow) {
+  const auto sample = [](int, int, int i) {
+    const timespec pause{.tv_nsec = i == 0 ? 0 : 20'000};
+    nanosleep(&pause, nullptr);
+    return CameraSample{.beauty = {1.0f, 1.0f, 1.0f}};
+  };
+  int shown = 0;
+  float last = 0.0f;
+  FilmAccumulator film(64, 64);
+  const auto look = [&](const Image& image) {
+    ++shown;
+    const std::size_t of_samples = *channel_index(image, "samples");
+    float sum = 0.0f;
+    for (std::size_t at = 0; at < image.pixels.size(); at += image.channel_count()) {
+      EXPECT_EQ(image.pixels[at], 1.0f);
+      sum += image.pixels[at + of_samples];
+    }
+    EXPECT_GE(sum, last);
+    last = sum;
+  };
+  const auto stop = [&](double) { return shown < 2; };
+  EXPECT_FALSE(add_tile_passes(
+      sample,
+      {.samples = 1 << 20, .on_image = look, .between_images = std::chrono::duration<double>(0.1)},
+      stop, film));
+  EXPECT_GE(shown, 2);
 }
 
 TEST(TilePasses, NoiseEndsWhereItIsReached) {

@@ -22,8 +22,8 @@ struct LightFingerprint {
 /// The program, as far as it makes pictures.
 [[nodiscard]] std::uint64_t program_key();
 
-/// All that the samples of a picture follow from: the scene with its camera, the size of the
-/// picture, how it is rendered, and the program.
+/// All that the samples of a picture follow from, but for what is prepared by their number: the
+/// scene with its camera, the size of the picture, how it is rendered, and the program.
 [[nodiscard]] std::uint64_t picture_key(const Scene& scene, const RenderOptions& options);
 
 }  // namespace lamina

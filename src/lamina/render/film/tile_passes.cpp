@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
-#include <numeric>
 #include <shared_mutex>
 #include <system_error>
 #include <vector>
@@ -63,10 +62,17 @@ class Passes {
     const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
     if (options.resumes && !options.checkpoint.empty())
       if (auto kept = load_checkpoint(options.checkpoint, options.key, film)) tiles_ = *kept;
-    if (tiles_.samples.size() != count)
+    if (tiles_.samples.size() == count) {
+      require_same_light();
+      require_enough_samples();
+    } else {
       tiles_ = {.samples = std::vector<std::int32_t>(count),
-                .is_quiet = std::vector<std::uint8_t>(count)};
-    finished_ = std::accumulate(tiles_.samples.begin(), tiles_.samples.end(), std::int64_t{0});
+                .is_quiet = std::vector<std::uint8_t>(count),
+                .noise = options.noise,
+                .light = options.light};
+    }
+    if (tiles_.noise != options.noise) set_noise();
+    count_finished();
   }
 
   bool run() {
@@ -79,8 +85,8 @@ class Passes {
     }
     if (!options_.checkpoint.empty()) {
       std::error_code ignored;
-      if (is_stopped_ && finished_ > 0) keep();
-      if (!is_stopped_) std::filesystem::remove(options_.checkpoint, ignored);
+      if ((is_stopped_ && finished_ > 0) || (!is_stopped_ && options_.keeps)) keep();
+      if (!is_stopped_ && !options_.keeps) std::filesystem::remove(options_.checkpoint, ignored);
     }
     return !is_stopped_;
   }
@@ -100,7 +106,41 @@ class Passes {
     while (!is_stopped_ && !tiles_.is_quiet[tile] && tiles_.samples[tile] < to) {
       add_samples(tile, std::min(to, tiles_.samples[tile] + samples_at_once));
       keep_now_and_then();
+      show_now_and_then();
     }
+  }
+
+  /// @throws FileError if the light on surfaces was sampled for other numbers of samples
+  void require_same_light() const {
+    if (tiles_.light != options_.light)
+      throw FileError(
+          options_.checkpoint.string() +
+          ": its light was sampled for fewer or more samples per pixel than are wanted, "
+          "and would not be seen as often; render.hierarchy.irradiance_samples makes "
+          "it the same for all");
+  }
+
+  /// @throws FileError if the image that is there has more than are wanted
+  void require_enough_samples() const {
+    const std::int32_t most = std::ranges::max(tiles_.samples);
+    if (most > options_.samples)
+      throw FileError(options_.checkpoint.string() + ": has up to " + std::to_string(most) +
+                      " samples per pixel, so that many or more must be wanted, but it is " +
+                      std::to_string(options_.samples));
+  }
+
+  /// Another noise than that of the image which is there: its tiles are looked at anew.
+  void set_noise() {
+    tiles_.noise = options_.noise;
+    tiles_.from = std::ranges::min(tiles_.samples);
+    std::ranges::fill(tiles_.is_quiet, std::uint8_t{0});
+    if (options_.noise > 0.0f && tiles_.from >= least_samples) find_quiet_tiles();
+  }
+
+  void count_finished() {
+    finished_ = 0;
+    for (std::size_t tile = 0; tile < tiles_.samples.size(); ++tile)
+      finished_ += tiles_.is_quiet[tile] ? options_.samples : tiles_.samples[tile];
   }
 
   /// Adds samples to all pixels of a tile, or none if asked to stop meanwhile.
@@ -156,6 +196,24 @@ class Passes {
     if (now - last_kept_.load() >= between_checkpoints) keep();  // else another thread did
   }
 
+  /// One thread shows the image if the last is old: as all tiles have it when they are whole.
+  void show_now_and_then() {
+    using Clock = std::chrono::steady_clock;
+    if (!options_.on_image || tiles_.from < 1 || Clock::now() < next_image_.load()) return;
+    const std::unique_lock alone(image_in_work_, std::try_to_lock);
+    if (!alone || Clock::now() < next_image_.load()) return;
+    const auto start = Clock::now();
+    const Image image = [&] {
+      const std::scoped_lock in_turn(gate_);
+      const std::unique_lock all_tiles(tiles_in_work_);
+      return film_.image();
+    }();
+    options_.on_image(image);
+    const auto wait = std::chrono::duration_cast<Clock::duration>(options_.between_images);
+    const auto end = Clock::now();
+    next_image_ = end + std::max(wait, 9 * (end - start));
+  }
+
   /// Tiles whose pixels have a small enough standard error end. What is darker than a quarter of
   /// the picture's mean counts as that bright: its noise is not seen.
   void find_quiet_tiles() {
@@ -172,9 +230,7 @@ class Passes {
       const double allowed = static_cast<double>(options_.noise) * brightness;
       if (tile_luminance[tile].variance <= allowed * allowed) tiles_.is_quiet[tile] = 1;
     }
-    finished_ = 0;
-    for (std::size_t tile = 0; tile < count; ++tile)
-      finished_ += tiles_.is_quiet[tile] ? options_.samples : tiles_.samples[tile];
+    count_finished();
   }
 
   const std::function<CameraSample(int, int, int)>& sample_;
@@ -188,6 +244,9 @@ class Passes {
   std::shared_mutex tiles_in_work_;         ///< shared by who adds to a tile
   std::mutex gate_;                         ///< before it, so that a checkpoint gets its turn
   std::atomic<std::chrono::steady_clock::time_point> last_kept_ = std::chrono::steady_clock::now();
+  std::mutex image_in_work_;  ///< held by who shows it
+  std::atomic<std::chrono::steady_clock::time_point> next_image_ =
+      std::chrono::steady_clock::now() + std::chrono::seconds(1);
 };
 
 }  // namespace

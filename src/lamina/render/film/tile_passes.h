@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,17 +16,27 @@ struct TilePassOptions {
   float noise = 0.0f;  ///< standard error over brightness at which a tile ends; 0: none ends early
   std::filesystem::path checkpoint;  ///< file that keeps an unfinished image; empty: none
   std::uint64_t key = 0;             ///< what the image follows from, as in save_checkpoint
+  std::uint64_t light = 0;           ///< what was prepared by the number of samples
   bool resumes = false;              ///< goes on from the checkpoint, if there is one
+  bool keeps = false;  ///< the checkpoint of the complete image, too, for more samples
+  /// Shown the image as it grows, from the first pass over the frame on, by one thread at a time
+  /// while the others go on. May be empty.
+  std::function<void(const Image&)> on_image;
+  std::chrono::duration<double> between_images{
+      5.0};  ///< at least; images take a tenth of the time at most
 };
 
 /// Adds samples to all pixels of a film, in passes over the whole frame, so that it is complete
 /// though noisy from the first pass on. The result does not depend on the number of threads, nor on
-/// being stopped and resumed.
+/// being stopped and resumed; a complete image that is resumed with more samples becomes the one
+/// that all of them at once make, if no tile ends early.
 ///
 /// @param sample  value of a pixel's sample: x, y, index of the sample
 /// @return        whether it was completed. If not, the checkpoint holds what there is, if that is
-///                anything; else it is removed.
-/// @throws        as load_checkpoint, save_checkpoint
+///                anything; else it is removed, or kept if asked for.
+/// @throws        as load_checkpoint; FileError if the checkpoint has more samples than are wanted,
+/// or
+///                if what was prepared for it is not what is prepared for as many as are wanted
 [[nodiscard]] bool add_tile_passes(const std::function<CameraSample(int, int, int)>& sample,
                                    const TilePassOptions& options, const Progress& progress,
                                    FilmAccumulator& film);

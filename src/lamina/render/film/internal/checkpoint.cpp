@@ -17,10 +17,12 @@ namespace lamina {
 namespace {
 
 struct Header {
-  std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ', 'f', 'i', 'l', 'm', ' ', '2'};
+  std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ', 'f', 'i', 'l', 'm', ' ', '3'};
   std::uint64_t checksum = 0;  ///< of all that comes behind it
   std::uint64_t key = 0, tiles = 0, film_bytes = 0;
   std::int64_t from = 0;
+  double noise = 0.0;
+  std::uint64_t light = 0;
 };
 constexpr std::size_t up_to_checksum = offsetof(Header, checksum) + sizeof(Header::checksum);
 
@@ -35,8 +37,12 @@ std::uint64_t checksum(std::span<const std::byte> file) {
 void save_checkpoint(const std::filesystem::path& file, std::uint64_t key,
                      const FilmAccumulator& film, const TileProgress& tiles) {
   const std::span<const std::byte> pixels = film.bytes();
-  Header header{
-      .key = key, .tiles = tiles.samples.size(), .film_bytes = pixels.size(), .from = tiles.from};
+  Header header{.key = key,
+                .tiles = tiles.samples.size(),
+                .film_bytes = pixels.size(),
+                .from = tiles.from,
+                .noise = static_cast<double>(tiles.noise),
+                .light = tiles.light};
   std::vector<std::byte> bytes(sizeof header);
   const auto append = [&](std::span<const std::byte> part) {
     bytes.insert(bytes.end(), part.begin(), part.end());
@@ -75,7 +81,9 @@ std::optional<TileProgress> load_checkpoint(const std::filesystem::path& file, s
     refuse("is damaged");
   TileProgress tiles{.from = static_cast<int>(header.from),
                      .samples = std::vector<std::int32_t>(header.tiles),
-                     .is_quiet = std::vector<std::uint8_t>(header.tiles)};
+                     .is_quiet = std::vector<std::uint8_t>(header.tiles),
+                     .noise = static_cast<float>(header.noise),
+                     .light = header.light};
   const std::byte* at = body.data();
   std::memcpy(tiles.samples.data(), at, header.tiles * sizeof(std::int32_t));
   at += header.tiles * sizeof(std::int32_t);

@@ -15,6 +15,8 @@ struct TileProgress {
   int from = 0;                        ///< samples per pixel of all tiles before the current pass
   std::vector<std::int32_t> samples;   ///< [tile] per pixel
   std::vector<std::uint8_t> is_quiet;  ///< [tile] whether it needs no more
+  float noise = 0.0f;                  ///< for which it does not
+  std::uint64_t light = 0;             ///< what was prepared follows from
 };
 
 /// Writes an unfinished image to a file, whole or not at all. `key` is a number that the image

@@ -153,8 +153,9 @@ bool HierarchyTransport<N>::prepare(const Preparation<N>& with) {
       done.count = kept->points.size();
       return true;
     }
-    auto cloud =
-        sample_and_use(with, plan_sampling(with.camera, with.seen, with.cache.is_wanted()), done);
+    const LightSampling sampling = plan_sampling(with.camera, with.seen, with.cache.is_wanted());
+    done.estimates = sampling.estimates;
+    auto cloud = sample_and_use(with, sampling, done);
     if (!cloud) return false;
     with.cache.add(*std::move(cloud));
     return true;
