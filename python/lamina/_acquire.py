@@ -159,10 +159,10 @@ def acquire(
     of_transport = [method, most_forwards, model_error, robust, start]
     options = {
         "lateral": one_of("lateral", lateral, ("auto", "none", "transport")),
-        "method": one_of("method", method or "gauss_newton", METHODS),
+        "method": one_of("method", "gauss_newton" if method is None else method, METHODS),
         "most_forwards": number("most_forwards", 120.0 if most_forwards is None else most_forwards, 1.0, 1e6),
-        "model_error": number("model_error", model_error or 0.0, 0.0, 0.5),
-        "robust": number("robust", robust or 0.0, 0.0, 1e6),
+        "model_error": number("model_error", 0.0 if model_error is None else model_error, 0.0, 0.5),
+        "robust": number("robust", 0.0 if robust is None else robust, 0.0, 1e6),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "is_of_transport": any(given is not None for given in of_transport),
     }
@@ -239,14 +239,14 @@ def filters(
     >>> best.wavelengths.shape
     (3,)
     """
-    nm = doubles("candidates", np.arange(400.0, 701.0, 10.0) if candidates is None else np.asarray(candidates),
+    nm = doubles("candidates", np.arange(400.0, 701.0, 10.0) if candidates is None else candidates,
                  350.0, 1000.0, unit="nm")
     if nm.ndim != 1 or not (np.diff(nm) > 0.0).all():
         raise InvalidInput("candidates: must be ascending wavelengths in one row [nm]")
     wide = doubles("widths", widths, 0.0, 200.0, unit="nm")
     if wide.shape not in ((), nm.shape):
         raise InvalidInput(f"widths: must be one or {nm.size}, but have the shape {wide.shape}")
-    if isinstance(numbers, str) or not all(isinstance(n, str) for n in numbers):
+    if not isinstance(numbers, (list, tuple)) or not all(isinstance(n, str) for n in numbers):
         raise refuse("numbers", "be names in a list", numbers)
     places = None
     if compare is not None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _lamina
-from ._input import PathLike, doubles, json_text
+from ._input import PathLike, doubles, json_text, refuse
 from ._lamina import InvalidInput, WriteError
 
 #: What functions take for a file: its path, or a dict with its keys.
@@ -59,9 +59,14 @@ class opened:
     def __init__(self, name: str, kind: str, what: object, folder: PathLike | None) -> None:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._count = 0
+        if folder is not None and not isinstance(folder, (str, os.PathLike)):
+            raise refuse("folder", "be a path", folder)
         if isinstance(what, Mapping):
             try:
                 plain = self._without_arrays(name, {"lamina": kind, "version": 1, **what})
+            except RecursionError:
+                self.close()
+                raise InvalidInput(f"{name}: must not hold lists or dicts in each other without end") from None
             except BaseException:
                 self.close()
                 raise

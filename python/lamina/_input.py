@@ -27,10 +27,24 @@ def number_text(value: float) -> str:
 
 def refuse(name: str, must: str, value: object) -> InvalidInput:
     """What to raise: `name: must be ..., but is ...`."""
-    text = repr(value) if not isinstance(value, float) else number_text(value)
-    if len(text) > 60:
-        text = text[:57] + "..."
+    text = shown(value) if not isinstance(value, float) else number_text(value)
     return InvalidInput(f"{name}: must {must}, but is {text}")
+
+
+def shown(value: object) -> str:
+    """A value in a message: short, in one line."""
+    try:
+        text = " ".join(repr(value).split())
+    except (RecursionError, ValueError):  # lists in lists without end; whole numbers of thousands of digits
+        text = f"a {type(value).__name__} that is too long to print"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def as_float(name: str, must: str, value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise refuse(name, must, value) from None
 
 
 def suggestion(value: str, options: Sequence[str]) -> str:
@@ -42,7 +56,7 @@ def one_of(name: str, value: object, options: Sequence[str]) -> str:
     if isinstance(value, str) and value in options:
         return value
     near = suggestion(value, options) if isinstance(value, str) else ""
-    raise InvalidInput(f"{name}: must be one of {', '.join(options)}, but is {value!r}{near}")
+    raise InvalidInput(f"{name}: must be one of {', '.join(options)}, but is {shown(value)}{near}")
 
 
 def number(
@@ -62,7 +76,7 @@ def number(
         value = value.item()
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
         raise refuse(name, must, value)
-    result = float(value)
+    result = as_float(name, must, value)
     is_low = result >= low if closed[0] == "[" else result > low
     is_high = result <= high if closed[1] == "]" else result < high
     if not (is_low and is_high and math.isfinite(result)):
@@ -75,7 +89,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     must = f"be a whole number in [{number_text(low)}, {number_text(high)}]"
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
         raise refuse(name, must, value)
-    result = float(value)
+    result = as_float(name, must, value)
     if not (math.isfinite(result) and result == math.floor(result) and low <= result <= high):
         raise refuse(name, must, value if isinstance(value, int) else result)
     return int(value)  # exact where a float would not be
@@ -148,7 +162,7 @@ def _kind(value: object, array: NDArray[Any]) -> str:
     if value is None:
         return "None"
     if array.ndim == 0 and not isinstance(value, np.ndarray):
-        return repr(value)
+        return shown(value)
     return f"an array of {array.dtype}"
 
 
@@ -176,7 +190,14 @@ def wavelengths(
 
 def json_text(name: str, value: object) -> str:
     """A dict as the text of a file. Arrays become lists, an infinite number "infinite"."""
-    return json.dumps(_plain(name, value), ensure_ascii=False)
+    try:
+        text = json.dumps(_plain(name, value), ensure_ascii=False)
+        text.encode()
+    except RecursionError:
+        raise InvalidInput(f"{name}: must not hold lists or dicts in each other without end") from None
+    except UnicodeEncodeError:
+        raise InvalidInput(f"{name}: must be text in Unicode, but has half a character (a surrogate)") from None
+    return text
 
 
 def _plain(where: str, value: object) -> object:
@@ -184,7 +205,7 @@ def _plain(where: str, value: object) -> object:
         plain: dict[str, object] = {}
         for key, item in value.items():
             if not isinstance(key, str):
-                raise InvalidInput(f"{where}: keys must be text, but one is {key!r}")
+                raise InvalidInput(f"{where}: keys must be text, but one is {shown(key)}")
             plain[key] = _plain(f"{where}.{key}", item)
         return plain
     if isinstance(value, np.ndarray):
