@@ -45,6 +45,11 @@ constexpr std::array formats{
                  .about = "OpenPBR 1.1.1 in MaterialX: subsurface, or thin walls, as .mtlx",
                  .ending = ".mtlx",
                  .write = detail::write_openpbr},
+    ExportFormat{.name = "blender",
+                 .about = "a Python script that makes a material, and JSON for lamina's add-on",
+                 .ending = ".py",
+                 .needs = ExportNeeds::walk,
+                 .write = detail::write_blender},
     ExportFormat{.name = "mcml",
                  .about = "the layers as an input file of MCML 1.2, one run per band",
                  .ending = ".mci",
@@ -71,8 +76,31 @@ void check(const ExportOptions& options) {
 /// What formats of some channels need, as far as one has asked for it.
 struct WorkedOut {
   std::optional<ChannelLight> light;
-  std::optional<HomogeneousFit> fit;
+  std::optional<HomogeneousFit> fit, walk;
 };
+
+double mean_over(std::span<const LayerStack> stacks, double (*number)(const LayerStack&)) {
+  double sum = 0.0;
+  for (const LayerStack& stack : stacks) sum += number(stack);
+  return sum / static_cast<double>(stacks.size());
+}
+
+double mean_ior_above(std::span<const LayerStack> stacks) {
+  return mean_over(stacks, [](const LayerStack& stack) { return stack.ior_above(); });
+}
+
+/// The medium for a renderer's walk. Mean cosines are those that all such renderers take.
+HomogeneousFit fit_walk(const ChannelLight& light, std::span<const LayerStack> stacks,
+                        const ExportOptions& options) {
+  constexpr double highest_g = 0.9;
+  std::optional<double> g = options.g;
+  if (!g && stacks.front().layers().size() == 1)
+    g = std::clamp(mean_over(stacks, [](const auto& s) { return s.layers().front().medium.g; }),
+                   0.0, highest_g);
+  return fit_homogeneous(
+      light, stacks,
+      {.g = g, .ior = mean_ior_above(stacks), .goal = options.goal, .progress = options.progress});
+}
 
 /// Puts into the input what a format needs.
 void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
@@ -85,6 +113,10 @@ void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
   if (!known.light)
     known.light = channel_light(input.material, input.stacks, kind, options.progress);
   input.light = known.light;
+  if (format.needs == ExportNeeds::walk && !known.light->transmits) {
+    if (!known.walk) known.walk = fit_walk(*known.light, input.stacks, options);
+    input.fit = known.walk;
+  }
   if (format.needs != ExportNeeds::medium) return;
   if (!known.fit)
     known.fit = fit_homogeneous(
@@ -116,6 +148,9 @@ std::vector<ExportedMaterial> export_material(const Material& material,
                     .stacks = layer_stacks(material),
                     .stem = file_stem(material.name),
                     .options = options};
+  input.surface_ior = options.ior.value_or(mean_over(input.stacks, [](const auto& s) {
+    return s.layers().front().medium.ior;
+  })) / mean_ior_above(input.stacks);
   std::map<ExportChannels, WorkedOut> worked_out;
   std::vector<ExportedMaterial> result;
   for (const ExportFormat* const format : formats_wanted) {

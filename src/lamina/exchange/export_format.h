@@ -34,6 +34,7 @@ struct ExportInput {
   Channels channels;                  ///< those that are asked for
   std::optional<ChannelLight> light;  ///< of formats that ask for light or a medium
   std::optional<HomogeneousFit> fit;  ///< of formats that ask for a medium
+  double surface_ior = 1.0;           ///< of the upper layer over what is above, mean of bands
 };
 
 struct ExportedFile {
@@ -54,6 +55,8 @@ enum class ExportNeeds {
   layers,  ///< nothing: the layers as they are
   light,   ///< what they do to diffuse light
   medium,  ///< one medium that does the same
+  walk,    ///< one medium that does, below a boundary that neither refracts nor reflects, which is
+           ///< where renderers' own random walks are; nothing for what lets light through
 };
 
 /// A row of the table of formats.

@@ -7,6 +7,7 @@
 
 namespace lamina::detail {
 
+[[nodiscard]] ExportedMaterial write_blender(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_gaussians(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mcml(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mcx(const ExportInput& input);
