@@ -10,6 +10,7 @@ test_packages=(libgtest-dev librapidcheck-dev python3 python3-jsonschema
   python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy mkdocs-material
   python3-build python3-setuptools python3-wheel)
 tidy_packages=(clang-19 clang-tidy-19)
+sanitize_packages=(clang-19 libclang-rt-19-dev)
 
 install_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

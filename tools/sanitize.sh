@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source ./setup.sh
-install_packages "${build_packages[@]}" "${test_packages[@]}"
+install_packages "${build_packages[@]}" "${test_packages[@]}" "${sanitize_packages[@]}"
 export LAMINA_CACHE=off
 export TSAN_OPTIONS="suppressions=$PWD/tools/tsan_suppressions.txt halt_on_error=1"
 out=$(mktemp -d)
@@ -31,6 +31,9 @@ build/asan/tests/image_test --gtest_brief=1
 build/asan/tests/acquire_test --gtest_brief=1 --gtest_filter=Capture*:Acqui*:ColorChart*:PixelMask*:Develop*
 build/asan/tests/core_test --gtest_brief=1
 END
+
+echo "fuzzing"
+tools/fuzz.sh 5
 
 cmake --preset tsan >/dev/null
 cmake --build --preset tsan --target core_test lamina_command

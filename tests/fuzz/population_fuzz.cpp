@@ -1,0 +1,11 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "fuzz_input.h"
+#include "lamina/fit/skin/skin_population.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace lamina;
+  return fuzz::read_or_refuse([&] {
+    static_cast<void>(load_skin_population(
+        fuzz::scratch_file("population.json", fuzz::text_of(data, size)), {fuzz::most_memory}));
+  });
+}

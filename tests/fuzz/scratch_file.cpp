@@ -1,0 +1,37 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <fstream>
+#include <system_error>
+
+#include "fuzz_input.h"
+
+namespace lamina::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("lamina_fuzz_" + std::to_string(getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+};
+
+}  // namespace
+
+const fs::path& scratch_folder() {
+  static const Folder folder;
+  return folder.path;
+}
+
+fs::path scratch_file(const std::string& name, std::string_view bytes) {
+  fs::path file = scratch_folder() / name;
+  std::ofstream(file, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return file;
+}
+
+}  // namespace lamina::fuzz
