@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/exchange/export_format.h"
 #include "lamina/exchange/misfit_json.h"
+#include "lamina/io/file_bytes.h"
 #include "material_bands.h"
 
 namespace lamina::cli {
@@ -24,6 +25,7 @@ struct ExportCommandOptions {
   CommonOptions common;
   std::string material, bands, output;
   std::vector<std::string> formats;
+  std::string mesh;      ///< a GLB, or empty
   std::string channels;  ///< empty: what each format has best
   ExportOptions what;
 };
@@ -119,11 +121,16 @@ void run_export(const ExportCommandOptions& options) {
       find_material_at(options.material, options.bands, options.common.memory);
   ExportOptions what = options.what;
   if (!options.channels.empty()) what.channels = find_enum_value<ExportChannels>(options.channels);
+  if (!options.mesh.empty()) {
+    what.glb = read_file_bytes(options.mesh);
+    what.glb_name = options.mesh;
+  }
   what.skips_refused = std::ranges::find(options.formats, "all") != options.formats.end();
   what.progress = make_progress("export " + material.name, Keeps::nothing);
   const std::vector<ExportedMaterial> exported = export_material(material, formats, what);
   const std::vector<fs::path> places = places_of(exported, options.output);
   std::vector<NamedFile> named = {{"the material", options.material},
+                                  {"--mesh", options.mesh},
                                   {"--json", options.common.json}};
   for (const fs::path& place : places) {
     named.push_back({"an exported file", place.string()});
@@ -205,6 +212,10 @@ void add_export_command(CLI::App& app) {
       .range(1, 40)
       .show_default();
   add_common_options(command, options->common);
+  command.add_option("--mesh", options->mesh, "of gltf: a GLB whose copy gets the material")
+      .type_name("FILE.glb");
+  command.add_flag("--scatter", options->what.gltf_scatter,
+                   "of gltf: writes the draft KHR_materials_scatter for thick materials");
   command.footer(
       "Formats:\n" + formats_text() +
       "\nLayers that a format cannot say are fitted by what they do to diffuse light. What "

@@ -188,7 +188,11 @@ def main():
             stem = folder / f"{name}_{kind}"
             if not stem.with_suffix(".exr").exists():
                 stem.with_suffix(".json").write_text(json.dumps(scene_of(kind, name, view, samples)))
-                lamina(arguments.lamina, "render", stem.with_suffix(".json"), "-o", stem.with_suffix(".exr"))
+                render = subprocess.run([arguments.lamina, "render", str(stem.with_suffix(".json")), "-o",
+                                         str(stem.with_suffix(".exr"))], capture_output=True, text=True)
+                if render.returncode:
+                    print(f"| {name} | {kind} | not rendered by lamina: {render.stderr.strip()} |")
+                    continue
             stem.with_name(stem.name + "_lamina.json").write_text(json.dumps(read_exr(stem.with_suffix(".exr"))))
             jobs.append({"material": name, "kind": kind, "unit": unit, "samples": samples, "meshes": list(map(str, meshes)),
                          "stem": str(stem), "script": str(folder / f"{name}_blender.py"), **view})

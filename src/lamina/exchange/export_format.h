@@ -20,8 +20,11 @@ struct ExportOptions {
   std::optional<ExportChannels> channels;  ///< absent: those that the format has best
   std::optional<double> g, ior;  ///< of the one medium that stands for layers, as HomogeneousFit
   FitGoal goal = FitGoal::profile;
-  int gaussians = 6;           ///< how many a sum has, those of no width apart
-  bool skips_refused = false;  ///< formats that cannot say what the material is are left out
+  int gaussians = 6;  ///< how many a sum has, those of no width apart
+  std::string glb;    ///< bytes of a GLB whose copy `gltf` writes with the material; or none
+  std::string glb_name = "the mesh";  ///< in messages
+  bool gltf_scatter = false;          ///< `gltf` writes drafts of extensions, too
+  bool skips_refused = false;         ///< formats that cannot say what the material is are left out
   Progress progress = {};
 };
 

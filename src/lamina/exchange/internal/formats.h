@@ -9,6 +9,7 @@ namespace lamina::detail {
 
 [[nodiscard]] ExportedMaterial write_blender(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_gaussians(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_gltf(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mcml(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mcx(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_mitsuba3(const ExportInput& input);
