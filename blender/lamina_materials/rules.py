@@ -107,7 +107,8 @@ def fresnel_diffuse(eta, steps=200):
 
 def burley_factors(roughness):
     """Parts of the color that the diffuse lobes of Blender 3's Principled BSDF make in uniform light: of the walk, which
-    they darken on the way in and out, and of the retro-reflection beside it. `roughness` is the slider's."""
+    they darken on the way out (on the way in the kernel leaves the factor out), and of the retro-reflection beside it.
+    `roughness` is the slider's."""
     steps = 24
     walk = retro = 0.0
     schlick = [(1 - (i + 0.5) / steps) ** 5 for i in range(steps)]
@@ -116,7 +117,7 @@ def burley_factors(roughness):
         for j, f_l in enumerate(schlick):
             cos_l = (j + 0.5) / steps
             weight = 4 * cos_v * cos_l / (steps * steps)
-            walk += weight * (1 - 0.5 * f_v) * (1 - 0.5 * f_l)
+            walk += weight * (1 - 0.5 * f_l)
             sines = math.sqrt((1 - cos_v ** 2) * (1 - cos_l ** 2))
             for k in range(steps):
                 rr = roughness * (1 + cos_v * cos_l + sines * math.cos(math.pi * (k + 0.5) / steps))

@@ -86,9 +86,9 @@ def make_scene(job, scale):
     return pixels_of(render.filepath)
 
 
-def mean_color(pixels, mask):
-    count = sum(map(sum, mask))
-    return [sum(p[c] for row, m in zip(pixels, mask) for p, inside in zip(row, m) if inside) / count for c in range(3)]
+def mean_color(pixels, covered):
+    """Over what the object covers, its rim included; the background is black."""
+    return [sum(p[c] for row in pixels for p in row) / covered for c in range(3)]
 
 
 def edge_distances(pixels, job):
@@ -118,17 +118,17 @@ def percent(x, of):
 def main():
     results = []
     for job in json.loads((FOLDER / "jobs.json").read_text()):
-        own = json.loads(pathlib.Path(job["stem"] + "_lamina.json").read_text())
         theirs = make_scene(job, 4.0 / job["unit"] if job["kind"] == "edge" else 1.0)
         row = {"material": job["material"], "kind": job["kind"]}
         if job["kind"] == "edge":
-            row["wanted"], row["obtained"] = edge_distances(own, job), edge_distances(theirs, job)
+            row["wanted"], row["obtained"] = job["wanted"], edge_distances(theirs, job)
             text = "; ".join("50 %%: %s mm %s, 10 %%: %s mm %s" % tuple(
                 part for w, o in zip(wanted, obtained) for part in ("–" if w is None else "%.3g" % w, percent(o, w)))
                 for wanted, obtained in zip(row["wanted"], row["obtained"]))
         else:
-            mask = [[p[3] > 0.999 for p in line] for line in theirs]
-            row["wanted"], row["obtained"] = mean_color(own, mask), mean_color(theirs, mask)
+            own = json.loads(pathlib.Path(job["stem"] + "_lamina.json").read_text())
+            covered = sum(p[3] for row in theirs for p in row)
+            row["wanted"], row["obtained"] = mean_color(own, covered), mean_color(theirs, covered)
             text = " ".join(percent(o, w) for w, o in zip(row["wanted"], row["obtained"]))
         row["text"] = "| %s | %s | %s |" % (job["material"], job["kind"], text)
         results.append(row)

@@ -7,7 +7,7 @@ usage: round_trip.py LAMINA FOLDER [--scenes ball,bust,edge] [--spp N] [MATERIAL
 Exports each material for Blender, renders the same meshes by both, and prints a table of
   ball, bust: color obtained over that of lamina, mean over the object, per channel [%]
   edge: where the light that bleeds from a lit half into the dark half of a block has fallen to 50 % and 10 % of what it is at the
-        edge, in mm by lamina, and obtained over that [%]
+        edge, in mm by lamina's radiative transfer of diffuse light, to which random_walk converges, and obtained over that [%]
 Needs `blender` (or the command that BLENDER names); without it, says so and ends. Files stay in FOLDER.
 """
 import argparse
@@ -119,6 +119,27 @@ def read_exr(file):
     return rows
 
 
+def edge_distances(csv):
+    """Where diffuse light that falls on one half of the plane has fallen, in the other half, to 50 % and 10 % of what leaves at the
+    border, in mm per channel: from R(r) as `lamina export --to table` has it, by radiative transfer."""
+    rows = [line.split(",") for line in csv.read_text().splitlines() if not line.startswith("#")][1:]
+    r = [float(row[0]) for row in rows]
+    step = math.log(r[1] / r[0])
+    result = []
+    for c in range(3):
+        rings = [2 * math.pi * x * x * step * float(row[1 + c]) for x, row in zip(r, rows)]
+        beyond = lambda x: sum(flux * math.acos(x / radius) / math.pi for flux, radius in zip(rings, r) if radius > x)
+        half = 0.5 * sum(rings)
+        result.append([])
+        for part in (0.5, 0.1):
+            low, high = 0.0, r[-1]
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if beyond(middle) > part * half else (low, middle)
+            result[-1].append(low)
+    return result
+
+
 def lamina(command, *words):
     result = subprocess.run([command, *map(str, words)], capture_output=True, text=True)
     if result.returncode:
@@ -130,19 +151,16 @@ def views(unit):
     """Camera distance, fov in degrees, pixels, light, by scene; lengths in mm."""
     return {"ball": {"distance": 200, "fov": 12.5, "size": (48, 48)},
             "bust": {"distance": 400, "fov": 12.5, "size": (48, 64)},
-            "edge": {"distance": 400 * unit, "fov": math.degrees(2 * math.atan(6 / 400)), "size": (180, 4)}}
+            "edge": {"distance": 400 * unit, "fov": math.degrees(2 * math.atan(6 / 400)), "size": (240, 4)}}
 
 
 def scene_of(kind, material, view, samples):
     meshes = [{"file": f"{kind}.obj", "material": "m"}]
     lights = [{"type": "environment", "radiance": [1, 1, 1], "visible": False}]
-    if kind == "edge":
-        meshes = [{"file": f"{material}_edge.obj", "material": "m"}, {"file": f"{material}_wall.obj", "material": "black"}]
-        lights = [{"type": "directional", "towards": [-1, 0, 1], "irradiance": [1, 1, 1]}]
     return {"lamina": "scene", "version": 1, "mm_per_unit": 1,
             "camera": {"position": [0, 0, view["distance"]], "look_at": [0, 0, 0], "horizontal_fov": view["fov"]},
             "film": {"width": view["size"][0], "height": view["size"][1]},
-            "materials": {"m": {"subsurface": material}, "black": {"diffuse": [0, 0, 0]}}, "meshes": meshes, "lights": lights,
+            "materials": {"m": {"subsurface": material}}, "meshes": meshes, "lights": lights,
             "render": {"method": "random_walk", "samples_per_pixel": samples, "max_bounces": 6}}
 
 
@@ -152,7 +170,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("materials", nargs="*")
     parser.add_argument("--scenes", default="ball,bust,edge")
-    parser.add_argument("--spp", type=int, default=32, help="samples per pixel of ball and bust; edges take 4 times as many")
+    parser.add_argument("--spp", type=int, default=32, help="samples per pixel of ball and bust; edges take 64 times as many")
     arguments = parser.parse_intermixed_args()
     blender = shutil.which(os.environ.get("BLENDER", "blender"))
     if not blender:
@@ -179,13 +197,20 @@ def main():
         unit = max(m["reflectance"]["wanted_mean_square_radius_mm2"] for m in medium["misfit"]) ** 0.5
         for kind in kinds:
             view = views(unit)[kind]
-            samples = arguments.spp * (4 if kind == "edge" else 1)
+            samples = arguments.spp * (64 if kind == "edge" else 1)
             meshes = {"ball": [folder / "ball.obj"], "bust": [folder / "bust.obj"]}.get(kind)
             if kind == "edge":
                 meshes = [folder / f"{name}_edge.obj", folder / f"{name}_wall.obj"]
                 for file, mesh in zip(meshes, (block(unit), wall(unit))):
                     write_obj(file, mesh)
             stem = folder / f"{name}_{kind}"
+            if kind == "edge":
+                if not (folder / f"{name}_profile.csv").exists():
+                    lamina(arguments.lamina, "export", name, "--to", "table", "-o", f"{folder}/")
+                jobs.append({"material": name, "kind": kind, "unit": unit, "samples": samples, "meshes": list(map(str, meshes)),
+                             "stem": str(stem), "script": str(folder / f"{name}_blender.py"),
+                             "wanted": edge_distances(folder / f"{name}_profile.csv"), **view})
+                continue
             if not stem.with_suffix(".exr").exists():
                 stem.with_suffix(".json").write_text(json.dumps(scene_of(kind, name, view, samples)))
                 render = subprocess.run([arguments.lamina, "render", str(stem.with_suffix(".json")), "-o",
