@@ -54,6 +54,26 @@ constexpr std::array formats{
                  .about = "a GLB, or a copy of one, with reflected and transmitted color",
                  .ending = ".glb",
                  .write = detail::write_gltf},
+    ExportFormat{.name = "arnold",
+                 .about = "parameters of Arnold's standard_surface, as JSON",
+                 .ending = ".json",
+                 .needs = ExportNeeds::walk,
+                 .write = detail::write_arnold},
+    ExportFormat{.name = "renderman",
+                 .about = "parameters of RenderMan's PxrSurface, as JSON",
+                 .ending = ".json",
+                 .needs = ExportNeeds::walk,
+                 .write = detail::write_renderman},
+    ExportFormat{.name = "unreal",
+                 .about = "a subsurface profile of Unreal Engine 5, as JSON",
+                 .ending = ".json",
+                 .needs = ExportNeeds::walk,
+                 .write = detail::write_unreal},
+    ExportFormat{.name = "unity-hdrp",
+                 .about = "a diffusion profile of Unity's HDRP, as JSON",
+                 .ending = ".json",
+                 .needs = ExportNeeds::walk,
+                 .write = detail::write_unity_hdrp},
     ExportFormat{.name = "mcml",
                  .about = "the layers as an input file of MCML 1.2, one run per band",
                  .ending = ".mci",
@@ -84,9 +104,10 @@ struct WorkedOut {
 };
 
 double mean_over(std::span<const LayerStack> stacks, double (*number)(const LayerStack&)) {
+  const double first = number(stacks.front());  // so that equal numbers have themselves as mean
   double sum = 0.0;
-  for (const LayerStack& stack : stacks) sum += number(stack);
-  return sum / static_cast<double>(stacks.size());
+  for (const LayerStack& stack : stacks) sum += number(stack) - first;
+  return first + sum / static_cast<double>(stacks.size());
 }
 
 double mean_ior_above(std::span<const LayerStack> stacks) {

@@ -17,5 +17,9 @@ namespace lamina::detail {
 [[nodiscard]] ExportedMaterial write_openpbr(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_pbrt(const ExportInput& input);
 [[nodiscard]] ExportedMaterial write_table(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_arnold(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_renderman(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_unity_hdrp(const ExportInput& input);
+[[nodiscard]] ExportedMaterial write_unreal(const ExportInput& input);
 
 }  // namespace lamina::detail
