@@ -31,11 +31,11 @@ SMALL = ["--set", "width=16", "--set", "height=16", "--set", "mm_per_pixel=0.2"]
 # NAME: the command, in which {source} is the tree, {out} a folder for what is written, {in} one for what `INPUTS` made.
 COMMANDS = {
     "acquire": "acquire {source}/tests/inputs/capture/good/texture.json -o {out} --lateral none",
-    "bsdf": "bsdf marble --method first_order --json {out}/bsdf.json",
+    "bsdf": "bsdf donner_jensen_skin --method first_order --json {out}/bsdf.json",
     "bsdf_monte_carlo": "bsdf marble --method monte_carlo --photons 500 --json {out}/bsdf.json",
     "completion": "completion bash",
-    "edit": "edit {in}/maps --tan 0.5 -o {out}",
-    "export": "export marble --to mcx,mcml,pbrt-v4 -o {out}",
+    "edit": "edit {in}/maps --tan 0.5 --no-preview -o {out}",
+    "export": "export jensen_skin1 --to mcx,mcml,pbrt-v4 -o {out}",
     "filters": "filters --count 5 --candidates {in}/bands.csv --json {out}/filters.json",
     "fit": "fit {source}/tests/inputs/measurement/good/table.json -o {out}/fit.json --report {out}/fit.html",
     "info": "info {source}/tests/inputs/scene/good/everything.json --json {out}/info.json",
@@ -45,9 +45,9 @@ COMMANDS = {
     "materials": "materials marble --json {out}/marble.json",
     "merge": "merge {in}/0.shard {in}/1.shard -o {out}/merged.exr",
     "merge_photons": "merge {in}/0.json {in}/1.json --json {out}/photons.json",
-    "patch": "patch {source}/tests/inputs/patch/good/minimal.json -o {out}/patch --no-cache",
+    "patch": "patch {source}/tests/inputs/patch/good/everything.json -o {out}/patch --no-cache",
     "photons": "photons marble --photons 2000 --tally r,angle --json {out}/photons.json --plot {out}/photons.svg",
-    "profile": "profile marble --method diffusion --json {out}/profile.json --plot {out}/profile.svg",
+    "profile": "profile donner_jensen_skin --method diffusion --json {out}/profile.json --plot {out}/profile.svg",
     "render": "render {source}/scenes/bumpy.json --method probe --profile diffusion --width 8 --samples 2 -o {out}/picture",
     "render_cloud": "render {source}/scenes/bumpy.json --method hierarchy --profile diffusion --width 8 --samples 2 --cache {out}/light.ply -o {out}/picture",
     "render_shard": "render {source}/scenes/bumpy.json --method probe --profile diffusion --width 8 --samples 2 --shard 0/2 -o {out}/0.shard",
@@ -181,14 +181,13 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
     args.lamina, args.preload, args.source = map(os.path.abspath, (args.lamina, args.preload, args.source))
-    randoms = random.Random(1)
     findings, total = [], 0
     with tempfile.TemporaryDirectory() as work:
         args.work, args.inputs = work, os.path.join(work, "in")
         os.environ["TMPDIR"] = work
         make_inputs(args.lamina, args.source, args.inputs)
         for name in args.only or COMMANDS:
-            case = Case(args, name)
+            case, randoms = Case(args, name), random.Random(name)
             code, text, files, log, said = case.run("", 0)
             again = case.run("", 1)
             if code != 0:
@@ -213,13 +212,12 @@ def main():
                     results[what] += 1
                     if what not in ("error", "result in spite of it", "not reached") and not what.startswith("in "):
                         findings.append(f"{what}: {where}")
+                        print(findings[-1], flush=True)
             total += sum(results.values())
             calls = ", ".join(f"{kind} {number}" for kind, number in counts.items())
             unequal = f"; not compared: {sorted(case.unequal)}{' stdout' if case.text_differs else ''}" if case.unequal or case.text_differs else ""
             print(f"{name:17} {dict(results)} of calls {calls}{unequal}", flush=True)
     print(f"{total} runs, {len(findings)} findings")
-    for finding in findings:
-        print(finding)
     return 1 if findings else 0
 
 

@@ -8,6 +8,15 @@
 #include <optional>
 #include <string>
 
+// Sanitizers keep memory of their own; gcc and clang tell of them in ways of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define LAMINA_IS_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define LAMINA_IS_SANITIZED
+#endif
+#endif
+
 namespace lamina {
 
 /// A line of this process's status, such as "VmHWM:", in bytes.
@@ -26,7 +35,7 @@ inline std::optional<std::size_t> status_bytes(const std::string& key) {
 /// the system does not tell, or a sanitizer keeps memory of its own.
 template <class Work>
 std::optional<std::size_t> peak_memory(const Work& work) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef LAMINA_IS_SANITIZED
   work();
   return std::nullopt;
 #else
