@@ -19,6 +19,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/io/csv_table.h"
+#include "lamina/io/folder_names.h"
 
 namespace lamina::cli {
 namespace {
@@ -37,8 +38,8 @@ struct FittedFile {
 std::vector<fs::path> csv_files(const std::string& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (lower_case_ending(entry.path()) == ".csv") files.push_back(entry.path());
+  for (const std::string& name : folder_names(folder, error))
+    if (lower_case_ending(name) == ".csv") files.push_back(fs::path(folder) / name);
   if (error) throw FileError("--batch: " + folder + ": " + error.message());
   if (files.empty()) throw InvalidInput("--batch: " + folder + ": holds no CSV file");
   std::ranges::sort(files);

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
+#include "lamina/io/folder_names.h"
 #include "merge_options.h"
 #include "photons_report.h"
 #include "shard_option.h"
@@ -74,8 +75,8 @@ std::vector<std::string> found_files(const std::vector<std::string>& named) {
       continue;
     }
     const std::size_t before = files.size();
-    for (const fs::directory_entry& entry : fs::directory_iterator(name, error))
-      if (entry.path().extension() == ".shard") files.push_back(entry.path().string());
+    for (const std::string& inside : folder_names(name, error))
+      if (inside.ends_with(".shard")) files.push_back((fs::path(name) / inside).string());
     if (error) throw FileError(name + ": " + error.message());
     if (files.size() == before) throw InvalidInput(name + ": holds no file that ends in .shard");
     std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());

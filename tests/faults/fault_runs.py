@@ -109,7 +109,7 @@ class Case:
             environment["LAMINA_FAULT"] = f"{fault}:{number}"
         words = self.words.format(source=self.args.source, out=out, **{"in": self.args.inputs}).split()
         try:
-            result = subprocess.run([self.args.lamina, *words], capture_output=True, env=environment, timeout=300, cwd=here)
+            result = subprocess.run([self.args.lamina, *words], capture_output=True, env=environment, timeout=60, cwd=here)
             code, text, said = result.returncode, result.stdout, result.stderr
         except subprocess.TimeoutExpired:
             code, text, said = "hang", b"", b""

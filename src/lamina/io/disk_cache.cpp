@@ -9,11 +9,13 @@
 #include <fstream>
 #include <span>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/folder_names.h"
 
 namespace lamina {
 namespace {
@@ -54,13 +56,14 @@ void prune(const DiskCache& cache) {
   std::error_code error;
   std::vector<Kept> all;
   std::uintmax_t total = 0;
-  for (const auto& entry : fs::directory_iterator(cache.folder, error)) {
-    if (entry.path().extension() != suffix) continue;
-    std::error_code gone;  // another process may be pruning, too
-    const auto size = entry.file_size(gone);
-    const auto used = entry.last_write_time(gone);
-    if (gone) continue;
-    all.push_back({used, size, entry.path()});
+  for (const std::string& name : folder_names(cache.folder, error)) {
+    fs::path file = cache.folder / name;
+    if (file.extension() != suffix) continue;
+    std::error_code no_size, no_time;  // another process may be pruning, too
+    const auto size = fs::file_size(file, no_size);
+    const auto used = fs::last_write_time(file, no_time);
+    if (no_size || no_time) continue;
+    all.push_back({used, size, std::move(file)});
     total += size;
   }
   if (total <= cache.most_bytes) return;

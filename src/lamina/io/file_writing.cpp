@@ -16,6 +16,7 @@
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/file_parts.h"
+#include "lamina/io/folder_names.h"
 
 namespace lamina {
 namespace {
@@ -115,16 +116,14 @@ class Beside {
 /// Removes the user's files in the making whose process is gone.
 void sweep(const fs::path& folder) {
   std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error);
-       !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
+  for (const std::string& name : folder_names(folder, error)) {
     if (!name.starts_with(before_name) || !name.ends_with(after_name)) continue;
-    const Descriptor file(
-        open(entry->path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    const fs::path left_over = folder / name;
+    const Descriptor file(open(left_over.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     struct stat status {};
     if (file.is_open() && fstat(file.number(), &status) == 0 && S_ISREG(status.st_mode) &&
         status.st_uid == geteuid() && flock(file.number(), LOCK_EX | LOCK_NB) == 0)
-      unlink(entry->path().c_str());
+      unlink(left_over.c_str());
   }
 }
 

@@ -71,9 +71,12 @@ GridLayerDerivatives grid_layer_derivatives(const Layer& layer, const GridLayer&
     moments_by_sigma_s.push_back(kept * moment);
     moments_by_g.push_back(sigma_s * (kept_by_g * moment + kept * by_g.moments[l]));
   }
-  return {.by_sigma_a = {.extinction = std::vector<double>(on_grid.cos.size(), 1.0)},
-          .by_sigma_s = of_scattering(on_grid, std::move(moments_by_sigma_s), phase.backward_peak),
-          .by_g = of_scattering(on_grid, std::move(moments_by_g), sigma_s * by_g.backward_peak)};
+  // By name, as gcc 12 frees members of an aggregate twice if a later one throws.
+  GridLayerDerivatives result;
+  result.by_sigma_a.extinction.assign(on_grid.cos.size(), 1.0);
+  result.by_sigma_s = of_scattering(on_grid, std::move(moments_by_sigma_s), phase.backward_peak);
+  result.by_g = of_scattering(on_grid, std::move(moments_by_g), sigma_s * by_g.backward_peak);
+  return result;
 }
 
 }  // namespace lamina::detail
