@@ -84,6 +84,8 @@ int run(int argc, char** argv) {
 #endif
   add_reproduce_command(app);
   add_slab_command(app);
+  add_status_command(app);
+  add_submit_command(app);
   try {
     app.parse(argc, argv);
     return was_interrupted() ? interrupted : done;

@@ -87,7 +87,7 @@ void check_options(const Command& command, const PhotonsOptions& options) {
   };
   if (is_mcml(options))
     for (const char* name : {"--tally", "--incidence", "--beam", "--detector", "--direction",
-                             "--frequency", "--bands"})
+                             "--frequency", "--bands", "--check"})
       refuse(name, "must be left out for a .mci file, which says what to count");
   else
     refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
@@ -117,14 +117,34 @@ void check_options(const Command& command, const PhotonsOptions& options) {
   if (options.beam == Beam::Shape::pencil) refuse("--beam-radius", "needs --beam gaussian or flat");
 }
 
+/// The material, once all that is asked for of it can be done.
+Material load_checked(const PhotonsOptions& options) {
+  Material material = find_material_at(options.material, options.bands, options.common.memory);
+  const PhotonTallies tallies = read_options(options, 0).tallies;
+  require_readable(
+      options, checked_product("the sums of all bands",
+                               {material.bands.size(), cells_of(tallies, material.layers.size())}));
+  return material;
+}
+
+/// Says what would be traced.
+void print_check(const PhotonsOptions& options) {
+  const Material material = load_checked(options);
+  const double photons =
+      options.effort.photons.value_or(static_cast<double>(read_options(options, 0).photons));
+  JsonOutput json = make_result("photons");
+  json["name"] = material.name;
+  json["bands"] = material.bands.size();
+  json["photons"] = photons;
+  write_json(json, options.common);
+  print(options.common, fmt::format("{}: {} bands, {:.4g} photons each\n", material.name,
+                                    material.bands.size(), photons));
+}
+
 /// The bands of a material, one after the other.
 void trace_material(const PhotonsOptions& options, PhotonWork& work) {
-  const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+  const Material material = load_checked(options);
   const std::size_t bands = material.bands.size();
-  const PhotonTallies tallies = read_options(options, 0).tallies;
-  require_readable(options, checked_product("the sums of all bands",
-                                            {bands, cells_of(tallies, material.layers.size())}));
   for (std::size_t band = 0; band < bands && !was_interrupted(); ++band) {
     const std::string name = band_name(material.bands, band);
     MonteCarloOptions photons = read_options(options, band);
@@ -136,6 +156,7 @@ void trace_material(const PhotonsOptions& options, PhotonWork& work) {
 }
 
 void run_photons(const PhotonsOptions& options) {
+  if (options.only_checks) return print_check(options);
   PhotonWork work(options);
   is_mcml(options) ? trace_mcml(options, work) : trace_material(options, work);
   print_photon_runs(work.runs(), "photons", options.common, writes_counts(options), options.plot);
@@ -161,6 +182,8 @@ void add_photons_command(CLI::App& app) {
       .type_name("N")
       .range(1u, 4'000'000'000u)
       .show_default();
+  command.add_flag("--check", options->only_checks,
+                   "read the material and say what would be traced, without doing it");
   const std::string light = "Light";
   command.add_option("--incidence", options->incidence, "normal, diffuse or an angle in degrees")
       .group(light)

@@ -37,6 +37,7 @@ struct PhotonsOptions {
   std::string checkpoint;
   bool resumes = false;
   bool with_counts = false;
+  bool only_checks = false;
 };
 
 /// Whether the result has the raw sums.

@@ -1,5 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <filesystem>
@@ -37,7 +38,7 @@ struct RenderCommandOptions {
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
   bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
-       denoises = false, corrects = false, only_prepares = false;
+       denoises = false, corrects = false, only_prepares = false, only_checks = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -175,6 +176,24 @@ void run_preparation(const RenderCommandOptions& options, const Scene& scene) {
                     result.statistics.cpu_seconds));
 }
 
+/// Says what would be rendered.
+void print_check(const RenderCommandOptions& options, const Scene& scene,
+                 const std::vector<std::string>& files) {
+  const std::string method =
+      scene.render.method.is_open() ? "auto" : std::string(scene.render.method.name());
+  JsonOutput json = make_result("render");
+  json["method"] = method;
+  json["width"] = scene.film.width;
+  json["height"] = scene.film.height;
+  json["samples_per_pixel"] = scene.render.samples_per_pixel;
+  json["noise"] = scene.render.noise;
+  json["files"] = files;
+  write_json(json, options.common);
+  print(options.common,
+        fmt::format("{}: {} x {} pixels, {} samples per pixel, method {}\n", fmt::join(files, ", "),
+                    scene.film.width, scene.film.height, scene.render.samples_per_pixel, method));
+}
+
 /// Renders the part of --shard.
 void run_shard(const RenderCommandOptions& options, const Scene& scene, const fs::path& file) {
   const fs::path checkpoint = fs::path(file).replace_extension(".unfinished");
@@ -271,6 +290,13 @@ void run_render(const RenderCommandOptions& options) {
   if (options.needs_cache && options.cache.empty())
     throw InvalidInput("--cache-only: goes with --cache, which is not given");
   if (!options.needs_cache) require_writable(options.cache);
+  if (options.only_checks) {
+    if (is_shard) refuse_with_shard(options, scene);
+    std::vector<std::string> written;
+    for (const std::string& file : {shard, files.exr, files.png})
+      if (!file.empty()) written.push_back(file);
+    return print_check(options, scene, written);
+  }
   if (options.only_prepares) return run_preparation(options, scene);
   if (is_shard) {
     if (!options.compared.empty()) throw InvalidInput("--compare: does not go with --shard");
@@ -420,6 +446,8 @@ void add_render_command(CLI::App& app) {
   command.add_flag("--prepare", options->only_prepares,
                    "makes no picture but what shards share: the light of --cache, and the profiles "
                    "that lamina keeps on disk");
+  command.add_flag("--check", options->only_checks,
+                   "reads the scene and says what would be rendered, without doing it");
   command.add_option("--width", options->width, "width in pixels; alone it keeps the proportions")
       .type_name("N")
       .range(1, 16384);

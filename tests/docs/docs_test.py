@@ -44,12 +44,14 @@ NOT_RUN = {
     "--domain frequency": "30 CPU-s",
     "--from below": "3 CPU-minutes",
     "tissue.mci": "stands for a file of the reader's",
+    "--partition": "needs a Slurm",
+    "submit sphere.job": "needs a Slurm",
     "--resume": "goes on with a picture that was stopped",
 }
 # A `word` that is not of lamina's sources: of papers, formats, tools and the reader's own files.
 NOT_OURS = set("""
     apt brew cmake ctest dnf git jq pacman rsvg convert make nproc flock sudo ninja python3 numpy
-    usemtl utils helpers zv zr POSITION ccache sloppiness pch_defines time_macros
+    usemtl utils helpers zv zr POSITION MaxArraySize ccache sloppiness pch_defines time_macros
 """.split())
 
 

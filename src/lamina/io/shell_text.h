@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "lamina/core/error.h"
 
 namespace lamina {
 
@@ -22,6 +25,41 @@ namespace lamina {
     else
       quoted += c;
   return quoted + "'";
+}
+
+/// The words of a command line as a POSIX shell parts them: at spaces outside of quotes. What a
+/// shell would replace, such as $HOME and *, stays as it is.
+/// @throws InvalidInput if a quote is not closed.
+[[nodiscard]] inline std::vector<std::string> shell_words(std::string_view line) {
+  std::vector<std::string> words;
+  bool is_in_word = false;
+  char quote = 0;
+  const auto add = [&](char c) {
+    if (!is_in_word) words.emplace_back();
+    is_in_word = true;
+    if (c != 0) words.back() += c;
+  };
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    const bool is_escape =
+        c == '\\' && quote != '\'' && i + 1 < line.size() &&
+        (quote == 0 || std::string_view("\\\"$`").find(line[i + 1]) != std::string_view::npos);
+    if (is_escape)
+      add(line[++i]);
+    else if (c == quote)
+      quote = 0;
+    else if (quote != 0)
+      add(c);
+    else if (c == '\'' || c == '"')
+      add(0), quote = c;
+    else if (c == ' ' || c == '\t' || c == '\n')
+      is_in_word = false;
+    else
+      add(c);
+  }
+  if (quote != 0)
+    throw InvalidInput("the command must close its quotes, but is " + std::string(line));
+  return words;
 }
 
 }  // namespace lamina

@@ -1,0 +1,219 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "cluster_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "console.h"
+#include "lamina/core/error.h"
+#include "lamina/io/json_input.h"
+#include "lamina/io/json_output.h"
+#include "lamina/io/shell_text.h"
+#include "run_program.h"
+#include "shard_option.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+Words read_words(const JsonInput& input) {
+  if (input.is_string()) {
+    try {
+      return shell_words(input.string());
+    } catch (const InvalidInput& error) {
+      input.fail(error.what());
+    }
+  }
+  Words words;
+  for (const JsonInput& word : input.array(1)) words.push_back(word.string());
+  return words;
+}
+
+/// What stands behind an option: "--json FILE", "--json=FILE"; "" if it is not given.
+std::string value_of(const Words& words, std::span<const std::string_view> names) {
+  std::string value;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    for (const std::string_view name : names) {
+      if (words[i] == name && i + 1 < words.size()) value = words[i + 1];
+      if (name.starts_with("--") && words[i].starts_with(std::string(name) + "="))
+        value = words[i].substr(name.size() + 1);
+      if (!name.starts_with("--") && words[i].size() > name.size() && words[i].starts_with(name))
+        value = words[i].substr(name.size());
+    }
+  return value;
+}
+
+bool is_option(const std::string& word, std::string_view name) {
+  return word == name || word.starts_with(std::string(name) + "=");
+}
+
+/// Those options of the command, with their values.
+Words only_options(const Words& words, std::span<const std::string_view> names) {
+  Words kept;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    for (const std::string_view name : names)
+      if (is_option(words[i], name)) {
+        kept.push_back(words[i]);
+        if (words[i] == name && i + 1 < words.size()) kept.push_back(words[i + 1]);
+      }
+  return kept;
+}
+
+void refuse(const Words& words, std::span<const std::string_view> names, const std::string& why) {
+  for (const std::string& word : words)
+    for (const std::string_view name : names)
+      if (is_option(word, name)) throw InvalidInput(fmt::format("{}: {}", name, why));
+}
+
+Words joined(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// What the command says of itself with --check.
+JsonDocument checked(const ClusterJob& job, const Words& words) {
+  const std::optional<ProgramRun> run =
+      run_program(joined({this_program()}, joined(words, {"--check", "--json", "-"})), job.folder);
+  if (!run) throw Error(this_program() + ": cannot be started");
+  if (run->exit_code != 0) {
+    std::string_view errors = run->errors;
+    while (errors.ends_with('\n')) errors.remove_suffix(1);
+    errors.remove_prefix(errors.rfind('\n') + 1);  // the last line, or all of it
+    if (errors.starts_with("lamina: ")) errors.remove_prefix(8);
+    throw InvalidInput(std::string(errors));
+  }
+  return parse_json(run->output, "lamina " + words[0] + " --check");
+}
+
+constexpr std::array<std::string_view, 2> output_names = {"-o", "--output"};
+constexpr std::array<std::string_view, 1> json_names = {"--json"};
+constexpr std::array<std::string_view, 1> flags_of_resuming = {"--resume"};
+
+ClusterPlan plan_of_picture(const ClusterJob& job) {
+  constexpr std::array<std::string_view, 5> of_shards = {"--shard", "--prepare", "--cache-only",
+                                                         "--check", "--threads"};
+  constexpr std::array<std::string_view, 3> of_one = {"--compare", "--keep", "--progressive"};
+  refuse(job.command, of_shards, "is for the jobs, which have it without being told");
+  refuse(job.command, of_one, "does not go with shards");
+  constexpr std::array<std::string_view, 4> with_value = {"-o", "--output", "--json", "--noise"};
+  constexpr std::array<std::string_view, 2> flags = {"--resume", "--denoise"};
+  const Words words = without_options(job.command, with_value, flags);
+  const JsonDocument said =
+      checked(job, without_options(job.command, json_names, flags_of_resuming));
+  const JsonInput root = said.root();
+  const std::int64_t samples = root.peek("samples_per_pixel")->integer(1, 1 << 24);
+  if (job.shards > samples)
+    throw InvalidInput(
+        fmt::format("--shards: a picture of {} samples per pixel can have at most as many shards, "
+                    "but is to have {}",
+                    samples, job.shards));
+  const Words files = read_words(*root.peek("files"));
+  ClusterPlan plan{.is_picture = true, .result = files[0]};
+  plan.finds_method = root.peek("method")->string() == "auto";
+  const double noise = root.peek("noise")->number();
+  // The merge tells the noise, which one shard does not know.
+  plan.shard = noise > 0.0 ? joined(words, {"--noise", "0"}) : words;
+  plan.prepare = joined(words, {"--prepare"});
+  if (!value_of(words, std::array<std::string_view, 1>{"--cache"}).empty())
+    plan.shard.emplace_back("--cache-only");
+  const fs::path both = fs::path(files[0]).replace_extension();
+  plan.merge = {"merge", "-o", files.size() > 1 ? both.string() : files[0]};
+  if (noise > 0.0) plan.merge = joined(plan.merge, {"--noise", fmt::format("{}", noise)});
+  if (std::ranges::find(job.command, "--denoise") != job.command.end())
+    plan.merge.emplace_back("--denoise");
+  plan.merge = joined(plan.merge, only_options(job.command, json_names));
+  return plan;
+}
+
+ClusterPlan plan_of_photons(const ClusterJob& job) {
+  constexpr std::array<std::string_view, 4> of_shards = {"--shard", "--checkpoint", "--check",
+                                                         "--threads"};
+  constexpr std::array<std::string_view, 2> of_one = {"--time", "--relative-error"};
+  refuse(job.command, of_shards, "is for the jobs, which have it without being told");
+  refuse(job.command, of_one,
+         "does not go with shards, which do not know each other's; --photons says how many are "
+         "traced");
+  const std::string json = value_of(job.command, json_names);
+  if (json.empty() || json == "-")
+    throw InvalidInput("--json: must name the file of the merged result in the command, but " +
+                       std::string(json.empty() ? "is missing" : "is -"));
+  constexpr std::array<std::string_view, 2> of_result = {"--json", "--plot"};
+  constexpr std::array<std::string_view, 2> flags = {"--resume", "--counts"};
+  (void)checked(job, without_options(job.command, json_names, flags));
+  require_writable((fs::path(job.folder) / json).string());
+  ClusterPlan plan{.is_picture = false, .result = json};
+  plan.shard = without_options(job.command, of_result, flags);
+  plan.merge = joined({"merge"}, only_options(job.command, of_result));
+  return plan;
+}
+
+}  // namespace
+
+ClusterJob load_cluster_job(const fs::path& file, MemoryBudget memory) {
+  const JsonDocument document = load_json(file, memory);
+  const JsonObject object = document.root().file_object(
+      "job", 1, {"command", "shards", "folder", "partition", "time", "memory", "cores", "sbatch"});
+  ClusterJob job;
+  job.command = read_words(object.required("command"));
+  job.shards = static_cast<int>(object.required("shards").integer(1, most_shards));
+  job.folder = fs::absolute(file).parent_path().string();
+  if (const auto folder = object.optional("folder"))
+    job.folder = fs::absolute(folder->file_path()).lexically_normal().string();
+  if (const auto partition = object.optional("partition")) job.partition = partition->string();
+  if (const auto time = object.optional("time")) job.time = time->string();
+  if (const auto size = object.optional("memory")) job.memory = size->string();
+  if (const auto cores = object.optional("cores"))
+    job.cores = static_cast<int>(cores->integer(1, 4096));
+  if (const auto sbatch = object.optional("sbatch")) job.sbatch = read_words(*sbatch);
+  return job;
+}
+
+void save_cluster_job(const ClusterJob& job, const fs::path& file) {
+  JsonOutput json = {{"lamina", "job"}, {"version", 1}, {"command", JsonOutput(job.command)}};
+  json["shards"] = job.shards;
+  json["folder"] = job.folder;
+  if (!job.partition.empty()) json["partition"] = job.partition;
+  if (!job.time.empty()) json["time"] = job.time;
+  if (!job.memory.empty()) json["memory"] = job.memory;
+  json["cores"] = job.cores;
+  if (!job.sbatch.empty()) json["sbatch"] = job.sbatch;
+  write_file(file.string(), json.text(1) + "\n");
+}
+
+ClusterPlan make_cluster_plan(const ClusterJob& job) {
+  Words words = job.command;
+  if (!words.empty() && words[0] == "lamina") words.erase(words.begin());
+  ClusterJob without_name = job;
+  without_name.command = words;
+  const bool is_render = !words.empty() && words[0] == "render";
+  if (!is_render && (words.empty() || words[0] != "photons"))
+    throw InvalidInput(fmt::format(
+        "the command must be render or photons, whose work can be parted, but is \"{}\"",
+        words.empty() ? "" : words[0]));
+  for (const std::string& word : words)
+    if (word == "-" || word == "-h" || word == "--help" || word.ends_with(".mci"))
+      throw InvalidInput(
+          fmt::format("{}: cannot be part of a command that many machines run", word));
+#ifndef LAMINA_RENDER
+  if (is_render) throw InvalidInput("render: this lamina was built without it");
+#endif
+  return is_render ? plan_of_picture(without_name) : plan_of_photons(without_name);
+}
+
+ClusterFiles::ClusterFiles(fs::path named) : folder(fs::absolute(named).lexically_normal()) {
+  if (!folder.has_filename()) folder = folder.parent_path();  // "x.job/"
+}
+fs::path ClusterFiles::shard(int index) const { return shards() / fmt::format("{}.shard", index); }
+fs::path ClusterFiles::state(const std::string& part) const { return folder / "state" / part; }
+fs::path ClusterFiles::log(const std::string& part) const {
+  return folder / "log" / (part + ".log");
+}
+fs::path ClusterFiles::script(const std::string& name) const { return folder / (name + ".sh"); }
+
+}  // namespace lamina::cli
