@@ -16,6 +16,7 @@ void add_edit_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_filters_command(CLI::App& app);
 void add_fit_command(CLI::App& app);
+void add_import_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_invert_command(CLI::App& app);
 void add_maps_command(CLI::App& app);

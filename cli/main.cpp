@@ -69,6 +69,7 @@ int run(int argc, char** argv) {
   add_completion_command(app);
   add_edit_command(app);
   add_export_command(app);
+  add_import_command(app);
   add_filters_command(app);
   add_fit_command(app);
   add_info_command(app);

@@ -187,9 +187,11 @@ def walk(medium, rule, method):
                 changed = albedo_of_changed_color(albedo, g, max(1 - of_retro * color / wanted, 0.0) / of_walk)
                 color = color_of(changed, g, fit)
         else:  # the reflection at the surface takes its part of the light
-            part = refracted_entry_factor(albedo, g, ior)
-            part = 0.5 * (1 + part) if method == "SKIN" else part
-            changed = albedo_of_changed_color(albedo, g, 1 / (enters * part))
+            changed = albedo
+            for _ in range(4):
+                part = refracted_entry_factor(changed, g, ior)
+                part = 0.5 * (1 + part) if method == "SKIN" else part
+                changed = albedo_of_changed_color(albedo, g, 1 / (enters * part))
             color = color_of(changed, g, fit)
         colors.append(color)
         if is_new:

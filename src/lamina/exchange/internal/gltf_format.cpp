@@ -10,7 +10,7 @@
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
-#include "lamina/exchange/internal/van_de_hulst.h"
+#include "lamina/exchange/internal/renderer_albedos.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/optics/fresnel.h"
 

@@ -7,7 +7,7 @@
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
-#include "lamina/exchange/internal/van_de_hulst.h"
+#include "lamina/exchange/internal/renderer_albedos.h"
 #include "lamina/optics/fresnel.h"
 
 // Names and meanings: [OpenPBR] 1.1.1 and the node open_pbr_surface of MaterialX 1.39.

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/internal/van_de_hulst.h"
+#include "lamina/exchange/internal/renderer_albedos.h"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +18,13 @@ TEST(VanDeHulst, ColorIsThatOfRadiativeTransferWithinThreePercentForIsotropicSca
   const HalfSpaceColor solved({.ior = 1.0, .g = 0.0, .definition = ColorDefinition::diffuse});
   for (const double albedo : {0.1, 0.5, 0.9, 0.99, 0.999})
     EXPECT_NEAR(van_de_hulst_color(albedo, 0.0) / solved.color(albedo), 1.0, 0.03) << albedo;
+}
+
+TEST(Wrenninge, ColorIsThatOfRadiativeTransferWhereTheFitIsGood) {
+  const HalfSpaceColor solved({.ior = 1.0, .g = 0.0, .definition = ColorDefinition::diffuse});
+  for (const double color : {0.1, 0.3, 0.6})  // docs/albedo_inversion.md: within 7 %
+    EXPECT_NEAR(solved.color(wrenninge_albedo(color, 0.0)) / color, 1.0, 0.03) << color;
+  EXPECT_EQ(wrenninge_albedo(1.0, 0.0), 0.999999);
 }
 
 TEST(VanDeHulst, HasBlackAndWhiteAtTheEnds) {

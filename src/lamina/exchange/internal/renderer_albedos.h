@@ -17,4 +17,9 @@ namespace lamina {
 /// Blender 5.2 print.
 [[nodiscard]] double van_de_hulst_albedo(double color, double g);
 
+/// The albedo that Blender makes of a color from 3.0 to 5.1, and later where its method says so.
+/// Nowhere above .999999.
+/// Source: [Wrenninge2017], as Cycles has it.
+[[nodiscard]] double wrenninge_albedo(double color, double g);
+
 }  // namespace lamina
