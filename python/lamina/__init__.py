@@ -13,6 +13,10 @@ from __future__ import annotations
 
 try:
     from ._lamina import Error, FileError, Interrupted, InvalidInput, WriteError, __version__
+except ModuleNotFoundError:
+    from ._built_for import refusal
+
+    raise refusal() from None
 except ImportError as error:
     if "shared object" not in str(error):
         raise

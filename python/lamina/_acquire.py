@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
-from ._input import PathLike, doubles, number, one_of, refuse, whole
+from ._input import PathLike, doubles, name_text, number, one_of, path_text, refuse, whole
 from ._lamina import InvalidInput
 from ._maps import Map, SkinMaps, maps_of_skin
 from ._progress import Progress, progress_of
@@ -53,7 +53,7 @@ class AcquiredMaps(Result):
 
         :raises WriteError: if they cannot be written.
         """
-        self._found.save(os.fspath(folder))
+        self._found.save(path_text("folder", folder))
 
     def __reduce__(self) -> Any:
         return _restored, (type(self), self.to_dict(), folder_of(self.save))
@@ -248,6 +248,7 @@ def filters(
         raise InvalidInput(f"widths: must be one or {nm.size}, but have the shape {wide.shape}")
     if not isinstance(numbers, (list, tuple)) or not all(isinstance(n, str) for n in numbers):
         raise refuse("numbers", "be names in a list", numbers)
+    names = [name_text(f"numbers[{i}]", name) for i, name in enumerate(numbers)]
     places = None
     if compare is not None:
         wanted = np.atleast_1d(doubles("compare", compare, 350.0, 1000.0, unit="nm"))
@@ -258,7 +259,7 @@ def filters(
     with progress_of(progress, "filters") as callback:
         found = _lamina.choose_bands(
             nm.tolist(), np.broadcast_to(wide, nm.shape).tolist(), whole("count", count, 1, 100),
-            number("noise", noise, 1e-6, 1.0), list(numbers), "" if population is None else os.fspath(population),
+            number("noise", noise, 1e-6, 1.0), names, "" if population is None else path_text("population", population),
             30, whole("seed", seed, 0, 2**64 - 1), places, callback)
     reflectance, by = found.pop("reflectance"), found.pop("changes")
     best = found["best"]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _lamina
 from ._files import SavedFolder
-from ._input import PathLike, number, one_of, refuse, whole
+from ._input import PathLike, number, one_of, path_text, refuse, whole
 from ._materials import MaterialLike
 from ._materials import material as material_of
 from ._progress import Progress, progress_of
@@ -50,7 +50,7 @@ class Exported(Result):
 
         :raises WriteError: if they cannot be written.
         """
-        SavedFolder(self.files).save(os.fspath(folder))
+        SavedFolder(self.files).save(path_text("folder", folder))
         return [os.path.join(folder, name) for name in self.files]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _lamina
-from ._input import PathLike, doubles, json_text, refuse
+from ._input import PathLike, doubles, json_text, name_text, path_text
 from ._lamina import InvalidInput, WriteError
 
 #: What functions take for a file: its path, or a dict with its keys.
@@ -59,8 +59,7 @@ class opened:
     def __init__(self, name: str, kind: str, what: object, folder: PathLike | None) -> None:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._count = 0
-        if folder is not None and not isinstance(folder, (str, os.PathLike)):
-            raise refuse("folder", "be a path", folder)
+        where = None if folder is None else path_text("folder", folder)
         if isinstance(what, Mapping):
             try:
                 plain = self._without_arrays(name, {"lamina": kind, "version": 1, **what})
@@ -70,16 +69,14 @@ class opened:
             except BaseException:
                 self.close()
                 raise
-            place = os.path.join(os.getcwd() if folder is None else os.fspath(folder), name)
+            place = os.path.join(where or os.getcwd(), name)
             self._opened: tuple[str, str | None] = place, json_text(name, plain)
             return
         if folder is not None:
             raise InvalidInput(f"folder: is for a {name} that is a dict")
         if isinstance(what, (str, os.PathLike)):
-            path = os.fspath(what)
-            if isinstance(path, str) and "\0" not in path:
-                self._opened = path, None
-                return
+            self._opened = name_text(name, os.fspath(what), "be a path or a dict"), None
+            return
         raise InvalidInput(f"{name}: must be a path or a dict, but is {type(what).__name__}")
 
     def __enter__(self) -> tuple[str, str | None]:
@@ -188,4 +185,4 @@ def settings_of(changes: Mapping[str, Any] | None) -> list[str]:
         return []
     if not isinstance(changes, Mapping):
         raise InvalidInput(f"changes: must be a dict, but is {type(changes).__name__}")
-    return [f"{path}={json_text(str(path), value)}" for path, value in changes.items()]
+    return [f"{name_text('changes', path)}={json_text(path, value)}" for path, value in changes.items()]

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _lamina
 from ._files import FileLike, opened, settings_of
-from ._input import PathLike, whole
+from ._input import PathLike, shown, whole
 from ._lamina import InvalidInput
 from ._materials import Material
 from ._progress import Progress, progress_of
@@ -75,7 +75,7 @@ class Fit(Result):
             found = [n for n in self.numbers if len(ends) == 1 and n.parameter == ends[0]]
         if not found:
             names = ", ".join(dict.fromkeys(n.parameter for n in self.numbers))
-            raise InvalidInput(f"parameter: must be one of {names}, but is {parameter!r}")
+            raise InvalidInput(f"parameter: must be one of {names}, but is {shown(parameter)}")
         return found
 
     def __getitem__(self, parameter: str) -> Array:

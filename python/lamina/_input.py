@@ -40,6 +40,25 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def name_text(name: str, value: object, must: str = "be a name") -> str:
+    """Text that the library can take: of whole characters, none of them 0."""
+    if not isinstance(value, str) or "\0" in value:
+        raise refuse(name, must, value)
+    try:
+        size = len(value.encode())
+    except UnicodeEncodeError:
+        raise refuse(name, f"{must}, as text in Unicode", value) from None
+    if size > 4095:  # the longest path that Linux takes
+        raise refuse(name, f"{must}, of at most 4095 bytes", value)
+    return value
+
+
+def path_text(name: str, value: object) -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        raise refuse(name, "be a path", value)
+    return name_text(name, os.fspath(value), "be a path")
+
+
 def as_float(name: str, must: str, value: Any) -> float:
     try:
         return float(value)
@@ -103,12 +122,10 @@ def flag(name: str, value: object) -> bool:
 
 def incidence(value: Incidence, name: str = "incidence") -> tuple[bool, float]:
     """Whether light is diffuse, and else its angle [rad]."""
-    if value == "normal":
-        return False, 0.0
-    if value == "diffuse":
-        return True, 0.0
     must = "be normal, diffuse or an angle in [0, 90) degrees"
     if isinstance(value, str):
+        if value in ("normal", "diffuse"):
+            return value == "diffuse", 0.0
         raise refuse(name, must, value)
     try:
         degrees = number(name, value, 0.0, 90.0, closed="[)")
@@ -166,7 +183,7 @@ def _kind(value: object, array: NDArray[Any]) -> str:
     return f"an array of {array.dtype}"
 
 
-def broadcast(arrays: Mapping[str, Doubles]) -> tuple[dict[str, Doubles], tuple[int, ...]]:
+def broadcast(arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, NDArray[Any]], tuple[int, ...]]:
     """Arrays of one shape, by NumPy's rules; names those that do not fit."""
     try:
         shape = np.broadcast_shapes(*(a.shape for a in arrays.values()))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Doubles, broadcast, doubles, one_of, refuse
+from ._input import Doubles, broadcast, doubles, name_text, one_of, refuse, shown
 from ._lamina import InvalidInput
 
 _PHASES = ("henyey_greenstein", "rayleigh")
@@ -246,8 +246,8 @@ def _layer_names(names: Sequence[str] | None, count: int) -> list[str]:
         return [f"layer {i}" for i in range(count)]
     is_list = isinstance(names, (list, tuple))
     if not is_list or len(names) != count or not all(isinstance(n, str) for n in names):
-        raise InvalidInput(f"names: must be {count} texts, one per layer, but are {names!r}")
-    return list(names)
+        raise InvalidInput(f"names: must be {count} texts, one per layer, but are {shown(names)}")
+    return [name_text(f"names[{i}]", name) for i, name in enumerate(names)]
 
 
 def _named_axes(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Incidence, doubles, flag, number, refuse, suggestion, whole
+from ._input import Incidence, doubles, flag, number, refuse, shown, suggestion, whole
 from ._input import incidence as check_incidence
 from ._lamina import InvalidInput
 from ._layers import Layers
@@ -139,8 +139,8 @@ def cylinder_photons(
     :param material: of one band, with smooth boundaries: `Layers` of one stack, a dict, …
     :param cylinders: a dict each: x and depth of its axis [mm], radius [mm], sigma_a and sigma_s
         [1/mm], g. Each lies within one layer, whose index it has.
-    :param width: of the box over x [mm], in (0, 1e6].
-    :param length: over y [mm], in (0, 1e6].
+    :param width: of the box over x [mm], in [1e-3, 1e6].
+    :param length: over y [mm], in [1e-3, 1e6].
     :param repeats: whether the box repeats without end; else light is gone at its sides.
     :param beam_radius: of a disc in the middle that is lit [mm]; all of the box.
     :param columns: of the reflectance over x, in [1, 100000].
@@ -167,7 +167,7 @@ def cylinder_photons(
             raise refuse(f"cylinders[{i}]", "be a dict", one)
         for key in one:
             if key not in _CYLINDER:
-                raise InvalidInput(f"cylinders[{i}]: there is no {key!r}{suggestion(str(key), _CYLINDER)}")
+                raise InvalidInput(f"cylinders[{i}]: there is no {shown(key)}{suggestion(str(key), _CYLINDER)}")
         for key in ("x", "depth", "radius"):
             if key not in one:
                 raise InvalidInput(f"cylinders[{i}]: must have {key}")
@@ -177,8 +177,8 @@ def cylinder_photons(
                         closed=ranges.get(key, (0.0, 1e9, "[]"))[2]) for key in _CYLINDER})
     with progress_of(progress, "photons") as callback:
         found = _lamina.cylinder_photons(
-            layers._stacks, checked, number("width", width, 0.0, 1e6, closed="(]", unit="mm"),
-            number("length", length, 0.0, 1e6, closed="(]", unit="mm"), flag("repeats", repeats),
+            layers._stacks, checked, number("width", width, 1e-3, 1e6, unit="mm"),
+            number("length", length, 1e-3, 1e6, unit="mm"), flag("repeats", repeats),
             None if beam_radius is None else number("beam_radius", beam_radius, 0.0, 1e6, closed="(]", unit="mm"),
             whole("columns", columns, 1, 100000), whole("photons", photons, 1, 10**15),
             whole("seed", seed, 0, 2**64 - 1), callback)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
-from ._input import PathLike, doubles, number, one_of, refuse, suggestion, whole
+from ._input import PathLike, doubles, name_text, number, one_of, path_text, shown, suggestion, whole
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
 from ._recipes import _CONSTANTS, _ranges
@@ -68,7 +68,7 @@ class SkinMaps(Result):
         :param edited_from: what the files shall say of where they come from.
         :raises WriteError: if they cannot be written.
         """
-        self.editable().save(os.fspath(folder), edited_from)
+        self.editable().save(path_text("folder", folder), name_text("edited_from", edited_from, "be text"))
 
     def editable(self) -> Any:
         """The library's own, with inks."""
@@ -149,7 +149,7 @@ def load_maps(path: PathLike) -> SkinMaps:
     :param path: a folder with patch.json or material.json, or such a file.
     :raises FileError: if there is none; InvalidInput naming what is wrong in it.
     """
-    return maps_of_skin(_lamina.EditableSkin.load(os.fspath(path)))
+    return maps_of_skin(_lamina.EditableSkin.load(path_text("path", path)))
 
 
 #: What `edit` takes: maps, a path as `load_maps` takes, or arguments of `patch`.
@@ -160,7 +160,7 @@ def _editable(name: str, source: object) -> Any:
     if isinstance(source, SkinMaps):
         return source.editable()
     if isinstance(source, (str, os.PathLike)):
-        return _lamina.EditableSkin.load(os.fspath(source))
+        return _lamina.EditableSkin.load(path_text(name, source))
     if isinstance(source, Mapping):
         given = dict(source)
         size = number("mm_per_pixel", given.pop("mm_per_pixel", 0.1), 1e-3, 100.0, unit="mm")
@@ -180,7 +180,7 @@ def maps_and_numbers(given: Mapping[str, Any]) -> tuple[dict[str, Array], dict[s
     numbers: dict[str, float] = {}
     for name, value in given.items():
         if name not in ranges:
-            raise InvalidInput(f"there is no number of skin {name!r}{suggestion(str(name), list(ranges))}")
+            raise InvalidInput(f"there is no number of skin {shown(name)}{suggestion(str(name), list(ranges))}")
         array = doubles(name, value, *ranges[name], infinite=name == "dermis_thickness")
         if array.ndim not in (0, 2):
             raise InvalidInput(f"{name}: must be a number or a map (y, x), but has the shape {array.shape}")
@@ -229,9 +229,7 @@ def edit(
     if has_number != (number is not None):
         raise InvalidInput(f"number: must {'be given' if has_number else 'be left out'} of {kind}")
     if number is not None:
-        if not isinstance(number, str):
-            raise refuse("number", "be a name", number)
-        what["number"] = number
+        what["number"] = name_text("number", number)
     if size is not None:
         if not has_size:
             raise InvalidInput(f"size: is for freckles, even and foundation, but the edit is {kind}")
@@ -273,5 +271,5 @@ def persons(
     :raises InvalidInput: naming what is wrong; FileError.
     """
     found = _editable("maps", maps).persons(
-        os.fspath(population), whole("count", count, 1, 10000), whole("seed", seed, 0, 2**64 - 1))
+        path_text("population", population), whole("count", count, 1, 10000), whole("seed", seed, 0, 2**64 - 1))
     return [maps_of_skin(skin) for skin in found]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Doubles, PathLike, json_text
+from ._input import Doubles, PathLike, json_text, name_text
 from ._input import wavelengths as check_wavelengths
 from ._lamina import InvalidInput
 from ._layers import Layers
@@ -179,9 +179,7 @@ def material(what: MaterialLike, *, wavelengths: ArrayLike | None = None) -> Mat
         text = json_text("material", {"lamina": "material", "version": 1, **what})
         return Material(_lamina.decode_material(text, "material", nm), text=text)
     if isinstance(what, (str, os.PathLike)):
-        name = os.fspath(what)
-        if not isinstance(name, str) or "\0" in name:
-            raise InvalidInput(f"material: must be a name, path, dict or Material, but is {what!r}")
+        name = name_text("material", os.fspath(what), "be a name, path, dict or Material")
         return Material(_lamina.find_material(name, nm), name)
     raise InvalidInput(
         f"material: must be a name, path, dict or Material, but is {type(what).__name__}")
@@ -211,6 +209,4 @@ def material_text(name: PathLike) -> str:
 
     :raises InvalidInput: if there is no such material.
     """
-    if not isinstance(name, str):
-        raise InvalidInput(f"name: must be that of a built-in material, but is {name!r}")
-    return _lamina.builtin_material_text(name)
+    return _lamina.builtin_material_text(name_text("name", name, "be that of a built-in material"))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Doubles, broadcast, doubles, one_of
+from ._input import Doubles, broadcast, doubles, one_of, refuse
 from ._input import wavelengths as check_wavelengths
 from ._lamina import InvalidInput
 
@@ -64,12 +64,16 @@ class MieBulk(NamedTuple):
 
 
 def complexes(name: str, value: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiuc" or array.size == 0:
-        raise InvalidInput(f"{name}: must be numbers, but is {value!r}"[:200])
-    result = array.astype(np.complex128)
-    if not (np.isfinite(result).all() and (result.real > 0).all() and (result.imag >= 0).all()):
-        raise InvalidInput(f"{name}: must have a real part > 0 and an imaginary part >= 0, but is {value!r}"[:200])
+    """Refractive indices, as the Mie series takes them."""
+    try:
+        array = np.asarray(value)
+        result = array.astype(np.complex128) if array.dtype.kind in "fiuc" else np.empty(0, np.complex128)
+    except ValueError:  # rows of other lengths, or more than fits into any memory
+        raise refuse(name, "be numbers", value) from None
+    if result.size == 0:
+        raise refuse(name, "be numbers", value)
+    if not ((result.real > 0) & (result.imag >= 0) & (np.abs(result) <= 100)).all():
+        raise refuse(name, "have a real part > 0, an imaginary part >= 0 and a magnitude <= 100", value)
     return result
 
 
@@ -77,7 +81,8 @@ def mie_sphere(size_parameter: ArrayLike, relative_ior: ArrayLike) -> MieSphere:
     """Scattering of light by one sphere.
 
     :param size_parameter: circumference over the wavelength in the medium, in (0, 1e5].
-    :param relative_ior: index of the sphere over that of the medium; an imaginary part absorbs.
+    :param relative_ior: index of the sphere over that of the medium, of a magnitude of at most 100; an
+        imaginary part absorbs.
     :raises InvalidInput: naming what is out of its range.
 
     Source: Bohren & Huffman 1983, Eqs. 4.52-4.62.
@@ -86,10 +91,10 @@ def mie_sphere(size_parameter: ArrayLike, relative_ior: ArrayLike) -> MieSphere:
     >>> [round(float(number), 4) for number in lamina.mie_sphere(3.0, 1.33)]
     [1.7534, 1.7534, 0.7832]
     """
-    size = doubles("size_parameter", size_parameter, 0.0, 1e5, closed="(]")
-    ior = complexes("relative_ior", relative_ior)
-    size, ior = np.broadcast_arrays(size, ior)
-    return MieSphere(*np.moveaxis(_lamina.mie_sphere(size, ior), -1, 0))
+    arrays, _ = broadcast({
+        "size_parameter": doubles("size_parameter", size_parameter, 0.0, 1e5, closed="(]"),
+        "relative_ior": complexes("relative_ior", relative_ior)})
+    return MieSphere(*np.moveaxis(_lamina.mie_sphere(arrays["size_parameter"], arrays["relative_ior"]), -1, 0))
 
 
 def mie_bulk(
@@ -105,10 +110,11 @@ def mie_bulk(
 
     :param volume_fraction: in [0, 1).
     :param median_radius: [mm], in (0, 10]; the radii are spread log-normally by number.
-    :param ior: of the particles; an imaginary part absorbs.
+    :param ior: of the particles, of a magnitude of at most 100; an imaginary part absorbs.
     :param wavelength: in vacuum [nm], in [100, 20000].
     :param ior_medium: in [0.1, 10].
-    :param sigma_log_radius: standard deviation of the logarithm of the radius, in [0, 1.5].
+    :param sigma_log_radius: standard deviation of the logarithm of the radius, in [0, 1.5]. The spread
+        has sizes of 12 of it around its middle, none above a size parameter of 1e5.
     :raises InvalidInput: naming what is out of its range.
 
     >>> import lamina
@@ -116,17 +122,16 @@ def mie_bulk(
     >>> lamina.layers(sigma_a=milk.sigma_a[:, None], sigma_s=milk.sigma_s[:, None], g=milk.g[:, None]).shape
     (2,)
     """
-    arrays, shape = broadcast({
+    arrays, _ = broadcast({
         "volume_fraction": doubles("volume_fraction", volume_fraction, 0.0, 1.0, closed="[)"),
         "median_radius": doubles("median_radius", median_radius, 0.0, 10.0, closed="(]", unit="mm"),
         "sigma_log_radius": doubles("sigma_log_radius", sigma_log_radius, 0.0, 1.5),
         "ior_medium": doubles("ior_medium", ior_medium, 0.1, 10.0),
         "wavelength": doubles("wavelength", wavelength, 100.0, 20000.0, unit="nm"),
-        "ior": doubles("ior", np.real(complexes("ior", ior))),
+        "ior": complexes("ior", ior),
     })
-    index = np.broadcast_to(complexes("ior", ior), shape)
     found = _lamina.mie_bulk(
-        arrays["volume_fraction"], arrays["median_radius"], arrays["sigma_log_radius"], index,
+        arrays["volume_fraction"], arrays["median_radius"], arrays["sigma_log_radius"], arrays["ior"],
         arrays["ior_medium"], arrays["wavelength"])
     return MieBulk(*np.moveaxis(found, -1, 0))
 

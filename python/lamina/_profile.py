@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import doubles, flag, number, one_of, whole
+from ._input import doubles, flag, number, one_of, shown, whole
 from ._lamina import InvalidInput
 from ._photons import effort_of, require_unused
 from ._progress import Progress, progress_of
@@ -171,9 +171,9 @@ def _grid(r_min: float, r_max: float, radii: int) -> tuple[float, float, int]:
 
 
 def _light(incidence: object, lit_from: str, accuracy: float | None) -> dict[str, Any]:
-    if incidence not in ("normal", "diffuse"):
+    if not isinstance(incidence, str) or incidence not in ("normal", "diffuse"):
         raise InvalidInput(
-            f"incidence: must be normal or diffuse, but is {incidence!r}; oblique beams are for `oblique_profile`")
+            f"incidence: must be normal or diffuse, but is {shown(incidence)}; oblique beams are for `oblique_profile`")
     return {
         "is_diffuse": incidence == "diffuse",
         "is_from_below": one_of("lit_from", lit_from, ("above", "below")) == "below",

@@ -7,6 +7,7 @@ import sys
 import time
 from typing import Callable, Optional, TextIO, Union
 
+from ._input import shown
 from ._lamina import InvalidInput
 
 #: None: say nothing. True: a bar on standard error. A function is called with the finished
@@ -52,7 +53,7 @@ class progress_of:
     def __init__(self, progress: Progress, title: str) -> None:
         if not (progress is None or isinstance(progress, bool) or callable(progress)):
             raise InvalidInput(
-                f"progress: must be None, True, False or a function, but is {progress!r}"
+                f"progress: must be None, True, False or a function, but is {shown(progress)}"
             )
         self._bar = _Bar(title, sys.stderr) if progress is True else None
         self._callback = (

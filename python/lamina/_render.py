@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, opened, settings_of
-from ._input import PathLike, doubles, flag, number, one_of, refuse, whole
+from ._input import PathLike, doubles, flag, name_text, number, one_of, path_text, refuse, shown, whole
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
 from ._result import Result, quantity, setting
@@ -58,7 +58,7 @@ class Picture(Result):
         at = [i for i, c in enumerate(self.channels) if c == name or c.startswith(f"{name}.")]
         if not at:
             names = sorted({c.partition(".")[0] for c in self.channels if len(c) > 1})
-            raise InvalidInput(f"name: must be one of {', '.join(names)}, but is {name!r}")
+            raise InvalidInput(f"name: must be one of {', '.join(names)}, but is {shown(name)}")
         return self.pixels[..., at[0]] if len(at) == 1 else self.pixels[..., at[0] : at[-1] + 1]
 
     def srgb(self, *, view: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
@@ -77,7 +77,7 @@ class Picture(Result):
         :raises InvalidInput: for another ending.
         :raises WriteError: if it cannot be written.
         """
-        name = os.fspath(path)
+        name = path_text("path", path)
         if name.endswith(".exr"):
             _lamina.save_image(self.pixels, list(self.channels), name, True)
         elif name.endswith(".png"):
@@ -85,7 +85,7 @@ class Picture(Result):
             linear = np.where(seen <= 0.04045, seen / 12.92, ((seen + 0.055) / 1.055) ** 2.4)
             _lamina.save_image(linear.astype(np.float32), ["R", "G", "B"], name, False)
         else:
-            raise InvalidInput(f"path: must end in .exr or .png, but is {name!r}")
+            raise InvalidInput(f"path: must end in .exr or .png, but is {shown(name)}")
 
     def _draw(self, ax: Axes) -> None:
         ax.imshow(self.srgb())
@@ -179,7 +179,7 @@ def render(
     ask("bounces", None if bounces is None else whole("bounces", bounces, 0, 1000))
     ask("exposure", None if exposure is None else number("exposure", exposure, -50.0, 50.0))
     ask("seed", None if seed is None else whole("seed", seed, 0, 2**64 - 1))
-    file = "" if cache is None else os.fspath(cache)
+    file = "" if cache is None else path_text("cache", cache)
     is_denoised = flag("denoise", denoise)
     with opened("scene", "scene", scene, folder) as (path, text), progress_of(progress, "rendering") as callback:
         found = _lamina.render(path, text, settings_of(changes), asked, file, is_denoised, callback)
@@ -219,7 +219,7 @@ def load_image(
     """
     of = one_of("encoding", encoding, ("srgb", "linear"))
     if bands is None and rectangle is None:
-        pixels, channels = _lamina.load_image(os.fspath(path), of)
+        pixels, channels = _lamina.load_image(path_text("path", path), of)
         return pixels, tuple(channels)
     nm = np.zeros(0) if bands is None else np.atleast_1d(doubles("bands", bands, 100.0, 1e5, unit="nm"))
     wide = doubles("widths", widths, 0.0, 1e5, unit="nm")
@@ -234,7 +234,7 @@ def load_image(
             raise refuse("rectangle", "be x, y, width, height", rectangle)
         corners = [whole(f"rectangle[{i}]", value, 0, 2**31 - 1) for i, value in enumerate(rectangle)]
     pixels, channels = _lamina.load_envi(
-        os.fspath(path), nm.tolist(), np.broadcast_to(wide, nm.shape).tolist(), kind, corners)
+        path_text("path", path), nm.tolist(), np.broadcast_to(wide, nm.shape).tolist(), kind, corners)
     return pixels, tuple(channels)
 
 
@@ -244,13 +244,14 @@ def save_image(path: PathLike, image: ArrayLike, *, channels: Sequence[str] = ("
     :raises InvalidInput: for another ending, or another number of channels than names.
     :raises WriteError: if it cannot be written.
     """
-    name = os.fspath(path)
+    name = path_text("path", path)
     if not name.endswith((".exr", ".png")):
-        raise InvalidInput(f"path: must end in .exr or .png, but is {name!r}")
+        raise InvalidInput(f"path: must end in .exr or .png, but is {shown(name)}")
     pixels = np.asarray(image)
     if pixels.dtype.kind not in "fiu":
         raise InvalidInput(f"image: must be numbers, but is an array of {pixels.dtype}")
-    _lamina.save_image(pixels.astype(np.float32, copy=False), list(channels), name, name.endswith(".exr"))
+    names = [name_text(f"channels[{i}]", channel) for i, channel in enumerate(channels)]
+    _lamina.save_image(pixels.astype(np.float32, copy=False), names, name, name.endswith(".exr"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

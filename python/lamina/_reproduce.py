@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _lamina
 from ._files import opened
-from ._input import PathLike, one_of, suggestion
+from ._input import PathLike, one_of, path_text, shown, suggestion
 from ._lamina import InvalidInput
 from ._result import Result, quantity, setting
 
@@ -73,10 +73,10 @@ class Reproduction(Result):
 
         :raises InvalidInput: for another ending, or without a plot.
         """
-        name = os.fspath(path)
+        name = path_text("path", path)
         text = self.html if name.endswith(".html") else self.svg if name.endswith(".svg") else ""
         if not text:
-            raise InvalidInput(f"path: must end in .html, or in .svg if there is a plot, but is {name!r}")
+            raise InvalidInput(f"path: must end in .html, or in .svg if there is a plot, but is {shown(name)}")
         Path(name).write_text(text)
 
     def _repr_html_(self) -> str:
@@ -119,7 +119,7 @@ def reproductions() -> tuple[ReproductionItem, ...]:
 
 def _find_command(command: PathLike | None) -> str:
     if command is not None:
-        return os.fspath(command)
+        return path_text("command", command)
     here = Path(__file__).resolve().parent
     places = [here.parents[1] / "lamina", here.parents[3] / "bin/lamina"]  # in the build, installed
     for place in places:
@@ -133,7 +133,7 @@ def _find_command(command: PathLike | None) -> str:
 
 def _find_sources(sources: PathLike | None, command: str) -> str:
     if sources is not None:
-        return os.fspath(sources)
+        return path_text("sources", sources)
     for start in (Path(command).resolve(), Path.cwd()):
         for folder in start.parents if start.is_file() else (start, *start.parents):
             if (folder / "reproduce").is_dir() and (folder / "scenes").is_dir():
@@ -168,7 +168,7 @@ def reproduce(
     if not is_file:
         ids = [known.id for known in reproductions()]
         if item not in ids:
-            raise InvalidInput(f"item: must be one of reproductions(), but is {item!r}{suggestion(str(item), ids)}")
+            raise InvalidInput(f"item: must be one of reproductions(), but is {shown(item)}{suggestion(str(item), ids)}")
     with tempfile.TemporaryDirectory(prefix="lamina_") as made:
         out = Path(made if folder is None else folder).resolve()
 

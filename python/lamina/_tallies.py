@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Incidence, PathLike, doubles, flag, number, one_of, whole
+from ._input import Incidence, PathLike, doubles, flag, number, one_of, path_text, refuse, shown, whole
 from ._input import incidence as check_incidence
 from ._lamina import InvalidInput
 from ._layers import Layers
@@ -71,7 +71,7 @@ class Photons(Result):
 
     def _of(self, name: str, table: dict[str, Array]) -> Array:
         if name not in table:
-            raise InvalidInput(f"name: must be one of {', '.join(table)}, but is {name!r}")
+            raise InvalidInput(f"name: must be one of {', '.join(table)}, but is {shown(name)}")
         return table[name]
 
     @staticmethod
@@ -131,7 +131,7 @@ def _bins(name: str, value: object, unit: str) -> tuple[int, float] | None:
     if value is None:
         return None
     if not isinstance(value, (tuple, list)) or len(value) != 2:
-        raise InvalidInput(f"{name}: must be (count, width), but is {value!r}")
+        raise InvalidInput(f"{name}: must be (count, width), but is {shown(value)}")
     return whole(f"{name}[0]", value[0], 1, 10**7), number(
         f"{name}[1]", value[1], 0.0, 1e9, closed="(]", unit=unit)
 
@@ -216,7 +216,7 @@ def photons(
         coords["angle"] = (np.arange(asked["angles"]) + 0.5) * 90.0 / asked["angles"]
     if log_r is not None:
         if not isinstance(log_r, (tuple, list)) or len(log_r) != 3:
-            raise InvalidInput(f"log_r: must be (count, low, high), but is {log_r!r}")
+            raise InvalidInput(f"log_r: must be (count, low, high), but is {shown(log_r)}")
         low, high = (number(f"log_r[{i}]", log_r[i], 0.0, 1e9, closed="(]", unit="mm") for i in (1, 2))
         count = whole("log_r[0]", log_r[0], 1, 10**6)
         if not low < high:
@@ -231,7 +231,7 @@ def photons(
         asked["fluence"] = True
     if bsdf is not None:
         if not isinstance(bsdf, (tuple, list)) or len(bsdf) != 2:
-            raise InvalidInput(f"bsdf: must be (cosines, azimuths), but is {bsdf!r}")
+            raise InvalidInput(f"bsdf: must be (cosines, azimuths), but is {shown(bsdf)}")
         asked["bsdf"] = (whole("bsdf[0]", bsdf[0], 1, 10**4), whole("bsdf[1]", bsdf[1], 1, 10**4))
         coords["cosine"] = (np.arange(asked["bsdf"][0]) + 0.5) / asked["bsdf"][0]
         coords["azimuth"] = (np.arange(asked["bsdf"][1]) + 0.5) * 360.0 / asked["bsdf"][1]
@@ -248,6 +248,8 @@ def photons(
         asked["detectors"] = coords["distance"].ravel().tolist()
         asked["detector_width"] = number("detector_width", detector_width, 0.0, 1e9, closed="(]", unit="mm")
     if directions is not None:
+        if not isinstance(directions, (tuple, list)):
+            raise refuse("directions", "be pairs (theta, phi) in a list", directions)
         asked["directions"] = [_direction(i, d) for i, d in enumerate(directions)]
         coords["exit"] = np.arange(len(asked["directions"]))
     effort = effort_of(photons, relative_error, seconds, seed, independent_bands)
@@ -302,13 +304,13 @@ def mcml(path: PathLike) -> list[McmlRun]:
             depth=run["depth"],
             angles=run["angles"],
         )
-        for run in _lamina.load_mcml(os.fspath(path))
+        for run in _lamina.load_mcml(path_text("path", path))
     ]
 
 
 def _direction(i: int, direction: object) -> tuple[float, float, bool]:
     if not isinstance(direction, (tuple, list)) or len(direction) != 2:
-        raise InvalidInput(f"directions[{i}]: must be (theta, phi), but is {direction!r}")
+        raise InvalidInput(f"directions[{i}]: must be (theta, phi), but is {shown(direction)}")
     theta = number(f"directions[{i}][0]", direction[0], 0.0, 180.0, closed="[)", unit="degrees")
     phi = number(f"directions[{i}][1]", direction[1], -360.0, 360.0, unit="degrees")
     if theta == 90.0:

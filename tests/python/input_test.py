@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 from typing import Any, Callable
 
 import lamina
@@ -166,3 +168,37 @@ def test_anything_makes_a_material_or_is_refused(value: Any, key: str) -> None:
     except lamina.InvalidInput:
         return
     assert np.isfinite(made.layers.sigma_a).all()
+
+
+MAPS = {"melanin": np.full((4, 6), 0.02), "mm_per_pixel": 0.1}
+SURROGATE = "half_\ud800"
+NO_TEXT: dict[str, Callable[[Any], object]] = {
+    "material": lambda text: lamina.material(text),
+    "path": lambda text: lamina.load_image(text),
+    "capture": lambda text: lamina.acquire(text),
+    "scene": lambda text: lamina.render(text),
+    "folder": lambda text: lamina.maps({"width": 8}, folder=text),
+    "number": lambda text: lamina.edit(MAPS, "scale", 1.2, number=text),
+    "population": lambda text: lamina.persons(MAPS, 2, population=text),
+    "numbers[0]": lambda text: lamina.filters(numbers=[text]),
+    "names[0]": lambda text: lamina.layers(sigma_a=0.1, sigma_s=1.0, names=[text]),
+    "channels[0]": lambda text: lamina.save_image("saved.exr", np.ones((2, 2, 1)), channels=[text]),
+}
+
+
+@pytest.mark.parametrize("name", NO_TEXT)
+@pytest.mark.parametrize("text", [SURROGATE, "a\0b", "x" * 10000], ids=["surrogate", "zero", "long"])
+def test_names_and_paths_are_text(name: str, text: str) -> None:
+    with pytest.raises(lamina.InvalidInput, match=f"^{re.escape(name)}: must be") as refused:
+        NO_TEXT[name](text)
+    assert "\n" not in str(refused.value) and len(str(refused.value)) < 300
+
+
+def test_the_module_of_another_python_is_named(tmp_path: Path) -> None:
+    from lamina import _built_for
+
+    (tmp_path / "_lamina.cpython-399-x86_64-linux-gnu.so").touch()
+    found = str(_built_for.refusal(tmp_path))
+    assert found.startswith("lamina: is built for Python 3.99, but this is cpython 3.") and "\n" not in found
+    (tmp_path / "_lamina.cpython-399-x86_64-linux-gnu.so").unlink()
+    assert "is not here" in str(_built_for.refusal(tmp_path))
