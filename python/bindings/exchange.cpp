@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "choices.h"
 #include "lamina/exchange/export_format.h"
 #include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/material_import.h"
 #include "lamina/materials/material.h"
 #include "work.h"
 
@@ -31,7 +33,8 @@ py::dict misfit_dict(const LightMisfit& misfit) {
 py::list export_files(const Material& material, const std::vector<std::string>& formats,
                       double mm_per_unit, const std::string& goal, int gaussians,
                       const std::optional<std::string>& channels, const std::optional<double>& g,
-                      const std::optional<double>& ior, const py::object& callback) {
+                      const std::optional<double>& ior, const std::string& glb, bool scatter,
+                      const py::object& callback) {
   std::vector<const ExportFormat*> found;
   for (const std::string& name : formats) found.push_back(&find_export_format(name));
   ExportOptions options{.mm_per_unit = mm_per_unit,
@@ -39,7 +42,9 @@ py::list export_files(const Material& material, const std::vector<std::string>& 
                         .g = g,
                         .ior = ior,
                         .goal = choice<FitGoal>(goal),
-                        .gaussians = gaussians};
+                        .gaussians = gaussians,
+                        .glb = glb,
+                        .gltf_scatter = scatter};
   if (channels) options.channels = choice<ExportChannels>(*channels);
   Work work(callback);
   const std::vector<ExportedMaterial> exported = work.run([&](const Progress& progress) {
@@ -61,6 +66,26 @@ py::list export_files(const Material& material, const std::vector<std::string>& 
   return result;
 }
 
+/// The text of a material file.
+std::string import_text(const std::string& source, const std::string& blender,
+                        const std::array<double, 3>& color, const std::array<double, 3>& radius,
+                        double scale, double g, double ior, double roughness, double mm_per_unit,
+                        const py::object& callback) {
+  const ImportedParameters parameters{.source = choice<ImportSource>(source),
+                                      .blender = choice<BlenderRules>(blender),
+                                      .color = color,
+                                      .radius = radius,
+                                      .scale = scale,
+                                      .g = g,
+                                      .ior = ior,
+                                      .roughness = roughness,
+                                      .mm_per_unit = mm_per_unit};
+  Work work(callback);
+  return work.run([&](const Progress& progress) {
+    return format_material(import_material(parameters, progress).material);
+  });
+}
+
 }  // namespace
 
 void bind_exchange(py::module_& module) {
@@ -71,6 +96,7 @@ void bind_exchange(py::module_& module) {
     return formats;
   });
   module.def("export_files", &export_files);
+  module.def("import_text", &import_text);
 }
 
 }  // namespace lamina::python

@@ -28,7 +28,7 @@ from ._tallies import McmlRun, Photons, mcml, photons
 from ._threads import set_threads, threads
 from ._acquire import AcquiredLeaf, AcquiredSkin, BandChoice, acquire, filters
 from ._bsdf import Bsdf, bsdf
-from ._exchange import ExportFormat, Exported, export, export_formats
+from ._exchange import ExportFormat, Exported, export, export_formats, import_material
 from ._fit import Fit, FittedNumber, FittedSeries, fit
 from ._half_spaces import InvertedColor, half_space_color, invert
 from ._layers import Layers, layers
@@ -95,7 +95,7 @@ __all__ = [
     "RoughSurface", "SPECTRAL_BANDS", "SkinColors", "SkinMaps", "SlabTotals", "SphereReading",
     "WriteError", "__version__", "acquire", "bsdf", "color_difference", "compare_pictures",
     "cylinder_photons", "edit", "equivalent_half_space", "export", "export_formats", "filters",
-    "fit", "fresnel", "fresnel_diffuse", "gaussians", "half_space_color", "invert",
+    "fit", "fresnel", "fresnel_diffuse", "gaussians", "half_space_color", "import_material", "invert",
     "invert_dipole_albedo", "lab", "layers", "leaf", "load_image", "load_maps", "lost_light",
     "maps", "material", "material_text", "materials", "mcml", "medium_from_look", "mie_bulk",
     "mie_phase", "mie_sphere", "oblique_profile", "patch", "patch_photons", "persons",

@@ -384,5 +384,19 @@ def export_files(
     channels: Optional[str],
     g: Optional[float],
     ior: Optional[float],
+    glb: bytes,
+    scatter: bool,
     callback: _Callback,
 ) -> list[tuple[dict[str, bytes], list[str], dict[str, Any]]]: ...
+def import_text(
+    source: str,
+    blender: str,
+    color: list[float],
+    radius: list[float],
+    scale: float,
+    g: float,
+    ior: float,
+    roughness: float,
+    mm_per_unit: float,
+    callback: _Callback,
+) -> str: ...

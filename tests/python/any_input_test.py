@@ -57,6 +57,8 @@ CALLS: dict[str, dict[str, Any]] = {
     "fresnel_diffuse": dict(eta=[1.3, 1.4]),
     "gaussians": dict(material=PLATE, count=2),
     "half_space_color": dict(albedo=[0.2, 0.9], ior=1.4, g=0.5, roughness=0.2),
+    "import_material": dict(source="openpbr", color=[0.5, 0.4, 0.3], radius=1.0, scale=2.0, g=0.5, ior=1.4, roughness=0.2,
+                            blender="4", mm_per_unit=10.0),
     "invert": dict(color=[0.2, 0.5, 0.6], ior=1.4, g=0.0, roughness=0.1, radius=1.0),
     "invert_dipole_albedo": dict(reflectance=[0.2, 0.5], ior=1.3, ior_outside=1.0),
     "lab": dict(srgb_linear=[0.2, 0.3, 0.4]),

@@ -49,14 +49,14 @@ def row(material):
     of = {name: one["misfit"] for name, one in exports.items()}
     kind = "sheet" if any("transmittance" in misfit for misfit in of["gaussians"]) else "thick"
     return (f"| `{material}` | {kind} | {text(largest(of['mitsuba3'], total), '%.5f')} | {rms(of['mitsuba3'])} | "
-            f"{rms(radius[0]['misfit'])} | {rms(of['mixture'])} | {rms(of['gaussians'])} | "
+            f"{rms(radius[0]['misfit'])} | {rms(of['blender'])} | {rms(of['unreal'])} | {rms(of['mixture'])} | {rms(of['gaussians'])} | "
             f"{text(largest(of['mcml'], total), '%.4f')} | {text(largest(of['mcx'], total), '%.4f')} |")
 
 
 def main():
     names = sys.argv[2:] or [one["name"] for one in result_of("materials")["materials"]]
-    print("| material | | one medium: total | profile | by radius | mixture | gaussians | mcml: total | mcx: total |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| material | | one medium: total | profile | by radius | walk | Burley | mixture | gaussians | mcml: total | mcx: total |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
     for name in names:
         print(row(name), flush=True)
 
