@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -34,11 +37,12 @@ namespace fs = std::filesystem;
 
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, profile, cache, single_scattering, shard;
+  std::string scene, output, method, profile, cache, single_scattering, shard, view;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
   bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
-       denoises = false, corrects = false, only_prepares = false, only_checks = false;
+       has_alpha = false, has_mattes = false, is_stamped = false, denoises = false,
+       corrects = false, only_prepares = false, only_checks = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -102,6 +106,8 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
   }
   if (options.seed.is_given()) scene.render.seed = options.common.seed;
   if (options.exposure_given.is_given()) scene.film.exposure = options.exposure;
+  if (!options.view.empty()) scene.film.view = *find_enum_value<View>(options.view);
+  if (options.has_alpha) make_background_transparent(scene);
   // One side alone keeps the proportions.
   const double aspect = static_cast<double>(scene.film.width) / scene.film.height;
   if (options.width > 0 && options.height == 0)
@@ -121,6 +127,7 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
         std::pair{"--cache", !options.cache.empty()},
         std::pair{"--cache-only", options.needs_cache}, std::pair{"--resume", options.resumes},
         std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
+        std::pair{"--cryptomatte", options.has_mattes}, std::pair{"--stamp", options.is_stamped},
         std::pair{"--denoise", options.denoises}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
   std::vector<NamedMethod> methods_to_compare;
@@ -148,7 +155,8 @@ fs::path shard_file(const RenderCommandOptions& options, const Shard& shard) {
 /// The options that a part of the samples cannot have.
 void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) {
   for (const auto& [name, is_given] :
-       {std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive}})
+       {std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
+        std::pair{"--cryptomatte", options.has_mattes}, std::pair{"--stamp", options.is_stamped}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --shard");
   if (options.denoises)
     throw InvalidInput("--denoise: is for `lamina merge`, which has all samples, not for --shard");
@@ -239,15 +247,32 @@ void run_shard(const RenderCommandOptions& options, const Scene& scene, const fs
                     s.peak_memory_mib));
 }
 
+/// What a file says of how it was made beyond what the same command always makes.
+std::vector<ImageNote> stamp(const RenderCommandOptions& options, const RenderStatistics& s) {
+  const std::time_t now = std::time(nullptr);
+  std::tm time{};
+  gmtime_r(&now, &time);
+  return {{"lamina/scene", options.scene},
+          {"lamina/command", fmt::format("lamina {}", fmt::join(words_of_call(), " "))},
+          {"lamina/date",
+           fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", 1900 + time.tm_year, 1 + time.tm_mon,
+                       time.tm_mday, time.tm_hour, time.tm_min, time.tm_sec)},
+          {"lamina/wall_seconds", fmt::format("{:.3f}", s.wall_seconds)},
+          {"lamina/cpu_seconds", fmt::format("{:.3f}", s.cpu_seconds)},
+          {"lamina/samples_per_pixel", fmt::format("{:g}", s.samples_per_pixel)}};
+}
+
 /// Writes a picture. @return  the names of its files
-std::string write_picture(const Image& image, const Film& film, const PictureFiles& files) {
+std::string write_picture(const Image& image, const Film& film, const PictureFiles& files,
+                          const std::vector<ImageNote>& notes) {
   std::string written;
   if (!files.exr.empty()) {
-    save_exr(image, files.exr);
+    save_exr(image, files.exr, ExrPrecision::half, notes);
     written += files.exr;
   }
   if (!files.png.empty()) {
-    save_png(view_image(image, film.view, static_cast<double>(film.exposure)), files.png);
+    save_png(view_image(unpremultiplied(image), film.view, static_cast<double>(film.exposure)),
+             files.png);
     written += (written.empty() ? "" : ", ") + files.png;
   }
   return written;
@@ -257,7 +282,7 @@ std::string write_picture(const Image& image, const Film& film, const PictureFil
 std::function<void(const Image&)> make_writer(const Film& film, const PictureFiles& files) {
   return [&film, &files, has_failed = false](const Image& image) mutable {
     try {
-      (void)write_picture(image, film, files);
+      (void)write_picture(image, film, files, {});
     } catch (const WriteError& error) {
       if (!has_failed) say(std::string("warning: ") + error.what());
       has_failed = true;
@@ -319,6 +344,7 @@ void run_render(const RenderCommandOptions& options) {
                      .checkpoint = checkpoint,
                      .resumes = options.resumes,
                      .keeps_samples = options.keeps,
+                     .has_mattes = options.has_mattes,
                      .on_notice = say,
                      .on_image = options.is_progressive ? make_writer(scene.film, files) : nullptr},
                     make_progress("rendering"));
@@ -332,7 +358,11 @@ void run_render(const RenderCommandOptions& options) {
     const Progress denoising = make_progress("denoising");
     result.image = denoise(result.image);
   }
-  const std::string written = write_picture(result.image, scene.film, files);
+  std::vector<ImageNote> notes = std::move(result.notes);
+  notes.push_back({"lamina/version", LAMINA_VERSION});
+  if (options.is_stamped)
+    std::ranges::move(stamp(options, result.statistics), std::back_inserter(notes));
+  const std::string written = write_picture(result.image, scene.film, files, notes);
 
   const RenderStatistics& s = result.statistics;
   for (const std::string& warning : s.warnings) say("warning: " + warning);
@@ -361,6 +391,7 @@ void run_render(const RenderCommandOptions& options) {
   json["method"] = std::string(s.method.name());
   if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
   json["expected_cpu_seconds"] = s.expected_cpu_seconds;
+  json["expected_memory_mib"] = s.expected_memory_mib;
   json["wall_seconds"] = s.wall_seconds;
   json["cpu_seconds"] = s.cpu_seconds;
   json["samples_per_pixel"] = s.samples_per_pixel;
@@ -501,6 +532,18 @@ void add_render_command(CLI::App& app) {
       command.add_option("--exposure", options->exposure, "stops, for the PNG only")
           .type_name("EV")
           .range(-50.0, 50.0);
+  command
+      .add_option("--view", options->view,
+                  "how the PNG is seen: filmic, which rolls highlights off; agx, softer, bright "
+                  "colors lose saturation; standard, cut off")
+      .one_of(names_as_text<View>());
+  command.add_flag("--alpha", options->has_alpha,
+                   "channel A: how much of a pixel surfaces cover; the sky lights but is not seen");
+  command.add_flag("--cryptomatte", options->has_mattes,
+                   "mattes of objects and materials in the EXR, by Cryptomatte's conventions");
+  command.add_flag(
+      "--stamp", options->is_stamped,
+      "the EXR says the scene's file, the command, the date and the time it took, too");
   add_common_options(command, options->common);
   options->seed = command.option("--seed");
   command.footer(

@@ -98,7 +98,7 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
       MethodResult result{method, render(scene, {}, make_progress(method))};
       if (!result.render.statistics.is_complete) break;
       save_exr(result.render.image, beside("_" + method + ".exr"));
-      save_png(view_image(result.render.image, scene.film.view,
+      save_png(view_image(unpremultiplied(result.render.image), scene.film.view,
                           static_cast<double>(scene.film.exposure)),
                beside("_" + method + ".png"));
       results.push_back(std::move(result));

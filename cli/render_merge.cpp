@@ -85,7 +85,7 @@ MergedPicture merged_picture(const std::vector<FilmShard>& shards, const MergeOp
   for (int band = 0; band < bands; ++band) {
     (void)report_progress(progress, static_cast<double>(band) / bands);
     const FilmAccumulator rows = merged_band(shards, band, only_colors);
-    Image image = rows.image();
+    Image image = rows.image(info.has_alpha);
     if (only_colors) image = select_channels(image, color_channels);
     if (band == 0) picture.image = make_image(info.width, info.height, image.channels);
     std::ranges::copy(image.pixels, picture.image.at(0, band * film_band_rows));
@@ -112,14 +112,16 @@ std::string write_picture(const Image& image, const FilmShardInfo& info, const P
                           const MergeOptions& options) {
   std::string written;
   if (!files.exr.empty()) {
-    save_exr(options.channels.empty() ? image : select_channels(image, options.channels),
-             files.exr);
+    std::vector<ImageNote> notes = info.notes;
+    notes.push_back({"lamina/version", info.version});
+    save_exr(options.channels.empty() ? image : select_channels(image, options.channels), files.exr,
+             ExrPrecision::half, notes);
     written += files.exr;
   }
   if (!files.png.empty()) {
     const double exposure =
         options.exposure_given.is_given() ? static_cast<double>(options.exposure) : info.exposure;
-    save_png(view_image(image, info.view, exposure), files.png);
+    save_png(view_image(unpremultiplied(image), info.view, exposure), files.png);
     written += (written.empty() ? "" : ", ") + files.png;
   }
   return written;

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FloatImage = NDArray[np.float32]
 
-VIEWS = ("standard", "filmic")
+VIEWS = ("standard", "filmic", "agx")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,7 +64,7 @@ class Picture(Result):
     def srgb(self, *, view: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
         """For screens: 8 bit sRGB, axes (y, x, channel).
 
-        :param view: "standard" or "filmic"; that of the scene.
+        :param view: "standard", "filmic" or "agx"; that of the scene.
         :param exposure: [stops]; that of the scene.
         """
         seen = self.view if view is None else one_of("view", view, VIEWS)

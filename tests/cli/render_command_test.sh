@@ -180,6 +180,20 @@ cp grows.exr early.exr
 kill -INT "$pid"; wait "$pid" || true
 cmp -s early.exr grows.exr && fail "--progressive: the last picture is the first"
 
+# Coverage, mattes and what a file says of itself.
+expect 0 '' "$scene" "${small[@]}" -o said_so.exr --alpha --cryptomatte --view agx
+for text in lamina/camera_position_mm lamina/version CryptoObject02 CryptoMaterial00 manifest chromaticities agx; do
+  grep -qa "$text" said_so.exr || fail "no $text in the EXR"
+done
+! grep -qa lamina/date said_so.exr || fail "a date without --stamp"
+expect 0 '' "$scene" "${small[@]}" -o stamped.exr --stamp
+for text in lamina/date lamina/scene '--stamp' lamina/cpu_seconds; do
+  grep -qa -- "$text" stamped.exr || fail "no $text in a stamped EXR"
+done
+expect 2 '--view' "$scene" --view sepia
+expect 2 'mattes are of all samples' "$scene" "${small[@]}" -o said_so.exr --cryptomatte --resume
+expect 2 '--cryptomatte: does not go with --shard' "$scene" "${small[@]}" --shard 0/2 -o x.shard --cryptomatte
+
 # Sampling ends where the noise asked for is reached.
 expect 0 '' "$scene" --samples 4000 --width 24 --height 16 --noise 0.5 -o calm.exr --json calm.json
 grep -qE '"samples_per_pixel": (1[6-9]|[2-9][0-9])([.,]|$)' calm.json || fail "--noise: $(grep samples calm.json)"

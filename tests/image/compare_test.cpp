@@ -102,7 +102,8 @@ TEST(RelativeNoise, IsThreeQuartersOfTheStandardDeviation) {
     Random random = make_random(5, i);
     image.pixels[i] = static_cast<float>(2.0 + 0.1 * gaussian(random));
   }
-  EXPECT_NEAR(relative_noise(image, std::vector<bool>(40000, true)).value(), 0.754 * 0.05, 0.001);  // 40000 values: 1 % of the median
+  EXPECT_NEAR(relative_noise(image, std::vector<bool>(40000, true)).value(), 0.754 * 0.05,
+              0.001);  // 40000 values: 1 % of the median
 }
 
 TEST(RelativeNoise, LooksOnlyInsideTheMask) {

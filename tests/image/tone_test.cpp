@@ -65,6 +65,30 @@ RC_GTEST_PROP(Filmic, GreyStaysGreyAndHighlightsLoseSaturation, ()) {
   RC_ASSERT(bright[2] / bright[0] > 0.5);
 }
 
+// A polynomial of the sixth degree that was fitted to the curve: [Wrensch2023].
+TEST(AgX, CurveIsThatOfItsFit) {
+  for (double stops = -9.0; stops < 6.4; stops += 0.1) {
+    const double x = (stops + 10.0) / 16.5;
+    const double fit =
+        -0.00232 +
+        x * (0.1191 + x * (0.4298 + x * (-6.868 + x * (31.96 + x * (-40.14 + x * 15.5)))));
+    EXPECT_NEAR(agx_curve(stops), fit, 0.006) << stops;
+  }
+  EXPECT_NEAR(agx_curve(0.0), 0.5, 1e-12);
+  EXPECT_NEAR(agx_curve(-10.0), 0.0, 1e-12);
+  EXPECT_NEAR(agx_curve(6.5), 1.0, 1e-12);
+  EXPECT_NEAR((agx_curve(1e-4) - agx_curve(-1e-4)) * 16.5 / 2e-4, 2.0, 1e-3);
+}
+
+RC_GTEST_PROP(AgX, GreyStaysGreyAndHighlightsLoseSaturation, ()) {
+  const double stops = *rc::gen::inRange(-90, 60) / 10.0, light = 0.18 * std::exp2(stops);
+  const LinearSrgb grey = agx({light, light, light});
+  RC_ASSERT(std::abs(grey[0] - grey[1]) < 1e-9 && std::abs(grey[0] - grey[2]) < 1e-9);
+  RC_ASSERT(std::abs(grey[0] - std::pow(agx_curve(stops), 2.2)) < 1e-9);
+  const LinearSrgb red = agx({16.0, 0.1, 0.1}), less = agx({1.0, 0.1 / 16.0, 0.1 / 16.0});
+  RC_ASSERT(red[1] / red[0] > less[1] / less[0]);
+}
+
 TEST(View, StandardOnlyExposesAndCutsOff) {
   Image image = make_image(2, 1, {"A", "B", "G", "R", "normal.X"});
   image.pixels = {0.5f, 0.1f, 0.2f, 0.3f, -1.0f, 1.0f, -0.5f, std::nanf(""), 7.0f, 0.0f};

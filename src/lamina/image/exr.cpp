@@ -5,6 +5,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVersion.h>
@@ -18,6 +19,7 @@
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
+#include "lamina/image/cryptomatte.h"
 #include "lamina/image/internal/codec.h"
 
 namespace lamina {
@@ -259,24 +261,28 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
     throw InvalidInput("image: an EXR file needs at least one pixel and one channel");
   if (std::set(image.channels.begin(), image.channels.end()).size() != image.channels.size())
     throw InvalidInput("image: channel names must differ, but two are equal");
-  const bool is_half = precision == ExrPrecision::half;
+  const auto is_half = [&](const std::string& channel) {
+    return precision == ExrPrecision::half && !is_cryptomatte(channel);
+  };
   std::vector<half> halves;
-  if (is_half) {
+  if (precision == ExrPrecision::half) {
     halves.resize(image.pixels.size());
     std::ranges::transform(image.pixels, halves.begin(), [](float v) {
       constexpr float largest = 65504.0f;  // of half; infinities and NaN are kept
       return half(std::isfinite(v) ? std::clamp(v, -largest, largest) : v);
     });
   }
-  const Imf::PixelType type = is_half ? Imf::HALF : Imf::FLOAT;
-  const std::size_t size = is_half ? sizeof(half) : sizeof(float);
-  const char* pixels = is_half ? reinterpret_cast<const char*>(halves.data())
-                               : reinterpret_cast<const char*>(image.pixels.data());
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
+  if (channel_index(image, "R") && channel_index(image, "G") && channel_index(image, "B"))
+    Imf::addChromaticities(header, Imf::Chromaticities());  // Rec.709
   for (const ImageNote& note : notes) header.insert(note.name, Imf::StringAttribute(note.text));
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    const Imf::PixelType type = is_half(image.channels[c]) ? Imf::HALF : Imf::FLOAT;
+    const std::size_t size = type == Imf::HALF ? sizeof(half) : sizeof(float);
+    const char* pixels = type == Imf::HALF ? reinterpret_cast<const char*>(halves.data())
+                                           : reinterpret_cast<const char*>(image.pixels.data());
     header.channels().insert(image.channels[c], Imf::Channel(type));
     buffer.insert(
         image.channels[c],

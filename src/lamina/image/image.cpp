@@ -27,6 +27,16 @@ Image select_channels(const Image& image, const std::vector<std::string>& names)
   return selected;
 }
 
+Image unpremultiplied(Image image) {
+  const auto alpha = channel_index(image, "A");
+  if (!alpha) return image;
+  for (const char* const name : {"R", "G", "B", "Y"})
+    if (const auto channel = channel_index(image, name))
+      for (std::size_t at = 0; at < image.pixels.size(); at += image.channel_count())
+        if (const float a = image.pixels[at + *alpha]; a > 0.0f) image.pixels[at + *channel] /= a;
+  return image;
+}
+
 Image rgb_image(const Image& image) {
   if (channel_index(image, "R") && channel_index(image, "G") && channel_index(image, "B"))
     return select_channels(image, {"R", "G", "B"});

@@ -41,6 +41,10 @@ struct Image {
 /// The channels of those names, in that order. @throws InvalidInput naming one that is missing.
 [[nodiscard]] Image select_channels(const Image& image, const std::vector<std::string>& names);
 
+/// Colors over A where an image has it, for files whose colors do not count what is not covered;
+/// where A is 0 they stay.
+[[nodiscard]] Image unpremultiplied(Image image);
+
 /// "R", "G", "B" of an image that has them; of any other its "Y" or only channel, three times.
 /// @throws InvalidInput if it has neither.
 [[nodiscard]] Image rgb_image(const Image& image);

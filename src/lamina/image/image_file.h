@@ -24,8 +24,8 @@ template <>
 inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
     {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
-/// Reads an EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw file; what it is, its first bytes
-/// say, not its name.
+/// Reads an EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw file; what it is, its first
+/// bytes say, not its name.
 ///
 /// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
 ///   file with several parts the first. The image is the display window; pixels of the data window
@@ -69,7 +69,8 @@ struct ImageNote {
   std::string text;
 };
 
-/// Writes all channels, with ZIP compression. The file appears whole or not at all.
+/// Writes all channels, with ZIP compression; R, G and B are said to be of Rec.709, and channels of
+/// Cryptomatte (image/cryptomatte.h) keep all their bits. The file appears whole or not at all.
 /// @throws InvalidInput if there are no pixels or two channels have one name; WriteError.
 void save_exr(const Image& image, const std::filesystem::path& file,
               ExrPrecision precision = ExrPrecision::half, std::span<const ImageNote> notes = {});

@@ -2,20 +2,26 @@
 #include "lamina/render/render.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
 #include "lamina/image/compare.h"
 #include "lamina/render/film/film_accumulator.h"
 #include "lamina/render/film/film_shard.h"
+#include "lamina/render/film/matte_film.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/film/tile_passes.h"
 #include "lamina/render/geometry/camera_rays.h"
@@ -43,6 +49,14 @@ double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Of the process now; 0 where the system does not tell.
+double memory_mib() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, resident = 0.0;
+  file >> all >> resident;
+  return file ? resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576.0 : 0.0;
 }
 
 double peak_memory_mib() {
@@ -142,9 +156,23 @@ std::string describe(const RenderStatistics& statistics, bool may_end_early) {
                                           : expected < 9.5 ? 1
                                                            : 0,
                                           expected);
+  const int threads = thread_count();
   return "method " + std::string(statistics.method.name()) +
          (statistics.why_method.empty() ? "" : " (" + statistics.why_method + ")") +
-         (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s";
+         (may_end_early ? ": at most about " : ": about ") + seconds + " CPU-s" +
+         (threads > 1 ? printf_text(", %.*f s on %d threads", expected < 9.5 ? 1 : 0,
+                                    expected / threads, threads)
+                      : "") +
+         printf_text(", %.0f MiB", statistics.expected_memory_mib);
+}
+
+/// What a film becomes: the picture, and its file in the making.
+double picture_mib(const FilmAccumulator& film, const RenderOptions& options) {
+  if (options.part || options.only_prepares) return 0.0;
+  constexpr double channels = 18.0, of_mattes = 24.0, copies = 2.0;
+  const double pixels = static_cast<double>(film.width()) * static_cast<double>(film.height());
+  return copies * sizeof(float) * pixels * (channels + (options.has_mattes ? of_mattes : 0.0)) /
+         1048576.0;
 }
 
 /// The samples of each pixel that are asked for.
@@ -188,6 +216,24 @@ void check_part(const Scene& scene, const RenderOptions& options) {
         number_text(static_cast<double>(scene.render.noise)));
 }
 
+/// Equal renders have equal files: nothing of when, where and how long.
+std::vector<ImageNote> picture_notes(const Scene& scene, SceneMethod method) {
+  const auto place = [](const Vec3& v) {
+    return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z);
+  };
+  const Camera& camera = scene.camera;
+  return {{"lamina/method", std::string(method.name())},
+          {"lamina/seed", std::to_string(scene.render.seed)},
+          {"lamina/camera_position_mm", place(camera.position)},
+          {"lamina/camera_look_at_mm", place(camera.look_at)},
+          {"lamina/camera_up", place(camera.up)},
+          {"lamina/camera_horizontal_fov_degrees",
+           number_text(camera.horizontal_fov * 180.0 / std::numbers::pi)},
+          {"lamina/view", std::string(name_of(scene.film.view))},
+          {"lamina/exposure_stops", number_text(static_cast<double>(scene.film.exposure))},
+          {"lamina/color_space", "linear Rec.709"}};
+}
+
 /// @param picture_key  of the scene, whose method may have been left open
 void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t picture_key,
                const RenderStatistics& statistics, const FilmAccumulator& film) {
@@ -204,18 +250,21 @@ void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t p
                    .ranges = {sample_range(scene, options)},
                    .view = scene.film.view,
                    .exposure = static_cast<double>(scene.film.exposure),
+                   .has_alpha = scene.film.has_alpha,
+                   .notes = picture_notes(scene, statistics.method),
                    .command = options.part->command,
                    .cpu_seconds = statistics.cpu_seconds},
                   film);
 }
 
 /// @param cpu_before  time before all that was done for the picture [CPU s]
+/// @param mattes      null: none are wanted
 /// @param key         becomes that of the picture
 /// @return            whether it was completed
 template <int N>
 bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions& options,
                   const Progress& progress, double cpu_before, FilmAccumulator& film,
-                  RenderStatistics& statistics, std::uint64_t& key) {
+                  MatteFilm* mattes, RenderStatistics& statistics, std::uint64_t& key) {
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const BandConversion<N> conversion =
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
@@ -240,6 +289,7 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   const Preparation<N> preparation{scene, tracer, camera, seen, cache, progress, report};
   statistics.expected_cpu_seconds =
       cpu_seconds() - cpu_before + expected_cpu_seconds<N>(methods, preparation, tracer);
+  statistics.expected_memory_mib = memory_mib() + picture_mib(film, options);
   if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
   const bool is_prepared = prepare(methods, preparation);
   statistics.light_samples = report.light_samples;
@@ -255,7 +305,9 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
                         static_cast<std::uint32_t>(i));
     const Ray ray = camera.make_ray(x, y, random);
-    return tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
+    const CameraSample found = tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
+    if (mattes) mattes->add(x, y, found);
+    return found;
   };
   return add_tile_passes(
       sample,
@@ -290,11 +342,16 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
   require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
           "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
   check_part(scene, options);
+  if (options.has_mattes && options.part) throw InvalidInput("render: a part has no mattes");
+  if (options.has_mattes && options.resumes)
+    throw InvalidInput("render: mattes are of all samples, so they do not go with going on");
   require_honoured(scene);
   const BandSet bands = common_bands(scene);
   const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
   RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
   FilmAccumulator film(scene.film.width, scene.film.height);
+  std::optional<MatteFilm> mattes;
+  if (options.has_mattes) mattes.emplace(scene.film.width, scene.film.height);
   RenderResult result;
   auto& statistics = result.statistics;
   const auto measure = [&] {
@@ -308,7 +365,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
       (bands.size() <= 4   ? trace_passes<4>
        : bands.size() <= 8 ? trace_passes<8>
                            : trace_passes<16>)(prepared, bands, options, progress, cpu_before, film,
-                                               statistics, key);
+                                               mattes ? &*mattes : nullptr, statistics, key);
   measure();
   if (options.only_prepares) return result;
   if (film.least_samples() == 0) throw Interrupted();  // no picture yet
@@ -317,8 +374,11 @@ RenderResult render(const Scene& scene, const RenderOptions& options, const Prog
     if (statistics.is_complete) save_part(scene, options, key, statistics, film);
     return result;
   }
-  result.image = film.image();
+  result.image = film.image(scene.film.has_alpha);
   statistics.relative_noise = relative_noise(result.image, measured_pixels(film.covers()));
+  result.notes = picture_notes(scene, statistics.method);
+  if (mattes)
+    std::ranges::move(mattes->add_to(result.image, scene), std::back_inserter(result.notes));
   measure();
   return result;
 }

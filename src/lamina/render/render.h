@@ -8,6 +8,7 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
+#include "lamina/image/image_file.h"
 #include "lamina/scene/render_options.h"
 #include "lamina/scene/scene.h"
 
@@ -23,6 +24,7 @@ struct RenderStatistics {
   SceneMethod method;                 ///< that was used
   std::string why_method;             ///< a phrase, if the scene left it open; else empty
   double expected_cpu_seconds = 0.0;  ///< as it seemed before the work
+  double expected_memory_mib = 0.0;   ///< of the process, without what methods prepare
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;                  ///< of all threads of the process while rendering
   double samples_per_pixel = 0.0;            ///< mean; fewer than asked for after an early stop
@@ -41,8 +43,12 @@ struct RenderResult {
   /// Channels R, G, B (linear Rec.709), subsurface.*, specular.*, albedo.* (R, G, B), normal.X, .Y,
   /// .Z (outward, world space), depth.Z [mm, infinite where nothing is], samples, and variance (of
   /// the pixel's luminance, if its samples were independent; stratification makes it smaller).
-  /// Empty where RenderOptions asks for a part, or for preparation alone.
+  /// With Film::has_alpha also A, with RenderOptions::has_mattes CryptoObject00.R to
+  /// CryptoMaterial02.A. Empty where RenderOptions asks for a part, or for preparation alone.
   Image image;
+  /// What its file should say: version, method, seed, camera and how it was meant to be seen, as
+  /// attributes lamina/…; with mattes their manifests.
+  std::vector<ImageNote> notes;
   RenderStatistics statistics;
 };
 

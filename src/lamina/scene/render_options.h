@@ -47,6 +47,7 @@ struct RenderOptions {
     std::vector<std::string> command;  ///< that makes a part, without shard and file: also for it
   };
   std::optional<Part> part;
+  bool has_mattes = false;     ///< adds Cryptomatte layers of objects and materials to the image
   bool only_prepares = false;  ///< ends before the samples: the cache is then made, and profiles
 
   /// How to make methods that lamina does not bring, see render/subsurface/methods.

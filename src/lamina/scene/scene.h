@@ -238,6 +238,7 @@ struct Film {
   int width = 512, height = 512;
   float exposure = 0.0f;  ///< [stops], for the PNG only
   View view = View::filmic;
+  bool has_alpha = false;  ///< channel A of the picture: how much of a pixel surfaces cover
 };
 
 /// How the method `hierarchy` samples light on surfaces and sums it.
@@ -378,6 +379,9 @@ struct Scene {
   /// messages name it.
   std::map<std::string, std::string> places;
 };
+
+/// Gives the picture an alpha channel: the sky lights things, but is not seen behind them.
+void make_background_transparent(Scene& scene);
 
 /// Reads a scene file and all that it names; paths in it are relative to it.
 /// @param memory        what reading them may take in all.

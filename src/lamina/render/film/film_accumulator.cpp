@@ -73,12 +73,13 @@ void FilmAccumulator::restore(std::span<const std::byte> bytes) {
   std::memcpy(pixels_.data(), bytes.data(), bytes.size());
 }
 
-Image FilmAccumulator::image() const {
-  Image image =
-      make_image(width_, height_,
-                 {"R", "G", "B", "subsurface.R", "subsurface.G", "subsurface.B", "specular.R",
-                  "specular.G", "specular.B", "albedo.R", "albedo.G", "albedo.B", "normal.X",
-                  "normal.Y", "normal.Z", "depth.Z", "samples", "variance"});
+Image FilmAccumulator::image(bool has_alpha) const {
+  std::vector<std::string> channels = {
+      "R",          "G",          "B",          "subsurface.R", "subsurface.G", "subsurface.B",
+      "specular.R", "specular.G", "specular.B", "albedo.R",     "albedo.G",     "albedo.B",
+      "normal.X",   "normal.Y",   "normal.Z",   "depth.Z",      "samples",      "variance"};
+  if (has_alpha) channels.emplace_back("A");
+  Image image = make_image(width_, height_, std::move(channels));
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const FilmPixel& pixel = pixels_[i];
     float* out = image.pixels.data() + i * image.channel_count();
@@ -96,6 +97,7 @@ Image FilmAccumulator::image() const {
                             : std::numeric_limits<float>::infinity();
     *out++ = static_cast<float>(pixel.samples);
     *out++ = static_cast<float>(variance_of_mean(pixel));
+    if (has_alpha) *out++ = static_cast<float>(pixel.hits / n);
   }
   return image;
 }

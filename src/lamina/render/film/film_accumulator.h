@@ -21,7 +21,8 @@ class FilmAccumulator {
   void add(int x, int y, const CameraSample& sample);
 
   /// The means, with the channels that RenderResult lists.
-  [[nodiscard]] Image image() const;
+  /// @param has_alpha  with A, the share of the samples that met a surface
+  [[nodiscard]] Image image(bool has_alpha = false) const;
 
   [[nodiscard]] std::vector<PixelCover> covers() const;  ///< [y][x]
 

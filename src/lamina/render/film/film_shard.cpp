@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ',
-                                        's', 'h', 'a', 'r', 'd', ' ', '1'};
+                                        's', 'h', 'a', 'r', 'd', ' ', '2'};
 constexpr std::uint64_t most_info_bytes = std::uint64_t{16} << 20;
 
 struct Start {
@@ -51,6 +51,9 @@ std::string text_of(const FilmShardInfo& info) {
   JsonOutput ranges = JsonOutput::array();
   for (const IndexRange& range : info.ranges)
     ranges.push_back(JsonOutput::array({range.begin, range.end}));
+  JsonOutput notes = JsonOutput::array();
+  for (const ImageNote& note : info.notes)
+    notes.push_back(JsonOutput::array({note.name, note.text}));
   const JsonOutput json = {{"version", info.version},
                            {"program", std::to_string(info.program)},
                            {"key", std::to_string(info.key)},
@@ -63,6 +66,8 @@ std::string text_of(const FilmShardInfo& info) {
                            {"ranges", ranges},
                            {"view", name_of(info.view)},
                            {"exposure", info.exposure},
+                           {"alpha", info.has_alpha},
+                           {"notes", notes},
                            {"command", info.command},
                            {"cpu_seconds", info.cpu_seconds}};
   return json.text();
@@ -79,9 +84,9 @@ std::uint64_t whole_number(const JsonInput& input) {
 
 FilmShardInfo read_info(const std::string& text, const std::string& name) {
   const JsonDocument document = parse_json(text, name);
-  const JsonObject json = document.root().object({"version", "program", "key", "method", "seed",
-                                                  "width", "height", "samples", "shards", "ranges",
-                                                  "view", "exposure", "command", "cpu_seconds"});
+  const JsonObject json = document.root().object(
+      {"version", "program", "key", "method", "seed", "width", "height", "samples", "shards",
+       "ranges", "view", "exposure", "alpha", "notes", "command", "cpu_seconds"});
   FilmShardInfo info;
   info.version = json.required("version").string();
   info.program = whole_number(json.required("program"));
@@ -101,6 +106,11 @@ FilmShardInfo read_info(const std::string& text, const std::string& name) {
   }
   info.view = json.required("view").choice<View>();
   info.exposure = json.required("exposure").number();
+  info.has_alpha = json.required("alpha").boolean();
+  for (const JsonInput& note : json.required("notes").array()) {
+    const auto parts = note.array(2, 2);
+    info.notes.push_back({parts[0].string(), parts[1].string()});
+  }
   for (const JsonInput& word : json.required("command").array())
     info.command.push_back(word.string());
   info.cpu_seconds = json.required("cpu_seconds").number(at_least(0.0));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lamina/core/shard.h"
+#include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
 #include "lamina/io/file_parts.h"
 #include "lamina/render/film/film_accumulator.h"
@@ -29,6 +30,8 @@ struct FilmShardInfo {
   std::vector<IndexRange> ranges;  ///< of samples that the sums hold; apart and in their order
   View view = View::filmic;
   double exposure = 0.0;
+  bool has_alpha = false;
+  std::vector<ImageNote> notes;      ///< of the picture's file
   std::vector<std::string> command;  ///< makes a shard once --shard and --output are added
   double cpu_seconds = 0.0;
 };

@@ -295,13 +295,14 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   (void)samples_per_pixel, (void)noise;  // how many samples of it there are
   add_numbers(hash, scene.render);
   const auto& [direct_light, cache, memory, needs_cache, checkpoint, resumes, keeps_samples, part,
-               only_prepares, more_methods, on_notice, on_image, seconds_between_images] = options;
+               has_mattes, only_prepares, more_methods, on_notice, on_image,
+               seconds_between_images] = options;
   (void)direct_light;       // shared
   (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
   (void)part, (void)only_prepares, (void)keeps_samples;
-  (void)on_image, (void)seconds_between_images;
+  (void)on_image, (void)seconds_between_images, (void)has_mattes;
   return hash.value();
 }
 

@@ -222,6 +222,8 @@ BandValues<N> PathTracer<N>::trace_path(PathState<N> path, PixelSamples& samples
       first->depth = hit.distance;
       first->is_hit = true;
       first->normal = point.normal;
+      first->mesh = point.mesh;
+      first->material = point.material;
     }
     const auto& material = world_.scene.scene->materials[point.material];
     if (const auto* glass = std::get_if<DielectricSurface>(&material.surface)) {

@@ -57,7 +57,7 @@ template <int N>
 SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>& conversion,
                               const ThinSheets<N>& sheets, const CameraRays& camera) {
   constexpr double most_rays = 5e5;
-  const auto& [width, height, exposure, view] = scene.scene->film;
+  const int width = scene.scene->film.width, height = scene.scene->film.height;
   const int step = static_cast<int>(
       std::ceil(std::sqrt(static_cast<double>(width) * static_cast<double>(height) / most_rays)));
   const auto trace = [&](const PathTracer<N>& tracer, int x, int y) {

@@ -179,7 +179,7 @@ Camera decode_camera(const JsonInput& value, double mm_per_unit) {
 }
 
 Film decode_film(const JsonInput& value) {
-  const JsonObject object = value.object({"width", "height", "exposure", "view"});
+  const JsonObject object = value.object({"width", "height", "exposure", "view", "alpha"});
   Film film;
   constexpr int most = 16384;
   if (const auto width = object.optional("width"))
@@ -189,6 +189,7 @@ Film decode_film(const JsonInput& value) {
   if (const auto exposure = object.optional("exposure"))
     film.exposure = static_cast<float>(exposure->number(closed_interval(-50.0, 50.0, "stops")));
   if (const auto view = object.optional("view")) film.view = view->choice<View>();
+  if (const auto alpha = object.optional("alpha")) film.has_alpha = alpha->boolean();
   return film;
 }
 
@@ -376,10 +377,17 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
   for (const BandChange& change : scene.band_changes)
     scene.warnings.push_back(describe_band_change(change, scene));
   scene.images = images.take();
+  if (scene.film.has_alpha) make_background_transparent(scene);
   return scene;
 }
 
 }  // namespace
+
+void make_background_transparent(Scene& scene) {
+  scene.film.has_alpha = true;
+  for (Light& light : scene.lights)
+    if (auto* sky = std::get_if<EnvironmentLight>(&light)) sky->is_visible = false;
+}
 
 Scene load_scene(const JsonFile& file, MemoryBudget memory, std::span<const std::string> settings,
                  std::span<const SubsurfaceMethodInfo> more_methods) {
