@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "lamina/core/error.h"
 #include "lamina/core/quadrature.h"
 
 namespace lamina {
@@ -62,6 +63,16 @@ TEST(MiePhase, HasUnitIntegralAndTheMeanCosineOfTheSeries) {
     EXPECT_NEAR(integral, 1.0, 1e-9) << x;
     EXPECT_NEAR(cosine, mie_sphere(x, {1.2, 0.01}).g, 1e-9) << x;
   }
+}
+
+// The series has as many terms as the size parameter; unbounded, it takes all memory.
+TEST(MieSphere, RefusesSeriesWithoutEnd) {
+  EXPECT_THROW((void)mie_sphere(1.01e5, 1.5), InvalidInput);
+  EXPECT_THROW((void)mie_sphere(1.0, 1e9), InvalidInput);
+  EXPECT_THROW((void)mie_phase(1.0, {1.0, 101.0}, {}), InvalidInput);
+  const Particles pebbles{.volume_fraction = 0.1, .median_radius = 10.0, .sigma_log_radius = 1.5};
+  EXPECT_THROW((void)mie_bulk(pebbles, 1.33, 550.0), InvalidInput);
+  EXPECT_NO_THROW((void)mie_sphere(9.9e4, 1.33));
 }
 
 TEST(MieBulk, OfOneSizeIsNumberTimesCrossSection) {

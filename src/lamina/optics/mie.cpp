@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/quadrature.h"
 
 namespace lamina {
@@ -18,8 +20,19 @@ struct MieSeries {
   std::vector<Complex> a, b;
 };
 
+/// Terms take time and memory.
+void check_length(double x, Complex m) {
+  if (!(x <= 1e5))
+    throw InvalidInput("a sphere must have a size parameter of at most 1e5, but has " +
+                       number_text(x));
+  if (!(std::abs(m) <= 100.0))
+    throw InvalidInput("a sphere must have a relative index of at most 100, but has " +
+                       number_text(std::abs(m)));
+}
+
 MieSeries mie_series(double x, Complex m) {
-  assert(0.0 < x && x <= 1e5 && m.real() > 0.0 && m.imag() >= 0.0);
+  check_length(x, m);
+  assert(0.0 < x && m.real() > 0.0 && m.imag() >= 0.0);
   const auto terms = static_cast<std::size_t>(x + 4.05 * std::cbrt(x) + 8.0);
   const Complex mx = m * x;
   // The logarithmic derivative D_n(mx) is stable downward only. From any value at n = z + d, z =
@@ -111,6 +124,8 @@ MieBulk mie_bulk(const Particles& particles, double ior_medium, double wavelengt
   const double sigma = particles.sigma_log_radius;
   const double center = std::log(particles.median_radius) + 2.5 * sigma * sigma;
   const Quadrature rule = sigma > 0.0 ? gauss_legendre(200, -6.0, 6.0) : Quadrature{{0.0}, {1.0}};
+  const double largest = std::exp(center + sigma * rule.nodes.back());
+  check_length(wave_number * largest, relative_ior);  // before hours pass on smaller ones
   double volume = 0.0, absorbing = 0.0, scattering = 0.0, cosine = 0.0;
   for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
     const double log_radius = center + sigma * rule.nodes[i];

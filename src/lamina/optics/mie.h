@@ -15,13 +15,16 @@ struct MieSphere {
 };
 
 /// @param size_parameter  circumference over the wavelength in the surrounding medium, in (0, 1e5].
-/// @param relative_ior    index of the sphere over that of the medium, real part > 0; an imaginary
-///                        part >= 0 absorbs.
+/// @param relative_ior    index of the sphere over that of the medium, real part > 0, magnitude <=
+///                        100; an imaginary part >= 0 absorbs.
+/// @throws InvalidInput if the series would be longer: its terms are as many as the size parameter
+///         times the magnitude.
 ///
 /// Source: [BohrenHuffman1983] Eqs. 4.52, 4.53, 4.61, 4.62; number of terms after [Wiscombe1980].
 [[nodiscard]] MieSphere mie_sphere(double size_parameter, std::complex<double> relative_ior);
 
 /// Phase function of the sphere in unpolarized light at each cosine [1/sr]; integrates to 1.
+/// @throws InvalidInput as mie_sphere
 /// Source: [BohrenHuffman1983] Eqs. 4.74, 4.77.
 [[nodiscard]] std::vector<double> mie_phase(double size_parameter,
                                             std::complex<double> relative_ior,
@@ -47,6 +50,8 @@ struct MieBulk {
 
 /// @param ior_medium  real index of what holds the particles, > 0.
 /// @param wavelength  in vacuum [nm], > 0.
+/// @throws InvalidInput as mie_sphere, for the largest radius of the spread: the mean by volume
+///         times exp(6 sigma_log_radius).
 [[nodiscard]] MieBulk mie_bulk(const Particles& particles, double ior_medium, double wavelength);
 
 }  // namespace lamina

@@ -105,6 +105,9 @@ TEST(CylinderPhotons, RefuseCylindersThatLeaveTheirLayer) {
   EXPECT_THROW(trace({{0.1, 0.5, 0.2}}), InvalidInput);                   // and the box's side
   EXPECT_THROW(trace({{0.3, 0.5, 0.2}, {0.6, 0.5, 0.2}}), InvalidInput);  // and another
   EXPECT_THROW(trace({{0.5, 0.5, 0.0}}), InvalidInput);
+  // A box that repeats is crossed side by side.
+  EXPECT_THROW((void)trace_cylinder_photons({.stack = stack, .length = 5e-324}, {.photons = 1}),
+               InvalidInput);
 }
 
 }  // namespace

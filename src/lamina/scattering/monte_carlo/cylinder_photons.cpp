@@ -69,9 +69,12 @@ class CylinderTracer {
       in_layer_[layer_around(scene, tops_, c)].push_back(static_cast<int>(c));
     if (!is_smooth(scene.stack) || scene.stack.ground().reflectance > 0.0)
       throw InvalidInput("layers with cylinders must have smooth boundaries and a black ground");
-    if (!(scene.width > 0.0 && scene.length > 0.0) || !std::isfinite(scene.width * scene.length) ||
-        scene.columns < 1)
-      throw InvalidInput("a box must have width and length > 0 [mm], and columns >= 1");
+    if (!(scene.width >= 1e-3 && scene.length >= 1e-3) ||
+        !std::isfinite(scene.width * scene.length) || scene.columns < 1)
+      throw InvalidInput(
+          "a box must have width and length >= 0.001 mm, and columns >= 1, but has " +
+          number_text(scene.width) + ", " + number_text(scene.length) + " and " +
+          std::to_string(scene.columns));
   }
 
   [[nodiscard]] std::size_t layers() const { return in_layer_.size(); }

@@ -29,9 +29,10 @@ enum class BoxSides {
 /// Flat layers with cylinders in them, over a box of 0 .. width by 0 .. length; lit from above,
 /// normally and evenly, on all of the box or on a disc in its middle.
 struct CylinderLayers {
-  LayerStack stack;                  ///< smooth boundaries, black ground
-  std::vector<Cylinder> cylinders;   ///< apart from one another; within the box where it repeats
-  double width = 1.0, length = 1.0;  ///< [mm], > 0, finite
+  LayerStack stack;                 ///< smooth boundaries, black ground
+  std::vector<Cylinder> cylinders;  ///< apart from one another; within the box where it repeats
+  double width = 1.0,
+         length = 1.0;  ///< [mm], >= 1e-3, finite: sides that repeat are crossed one by one
   BoxSides sides = BoxSides::repeat;
   std::optional<double> beam_radius;  ///< [mm]
   int columns = 1;                    ///< of the exitance over x, >= 1
