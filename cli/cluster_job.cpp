@@ -206,7 +206,7 @@ ClusterPlan make_cluster_plan(const ClusterJob& job) {
   return is_render ? plan_of_picture(without_name) : plan_of_photons(without_name);
 }
 
-ClusterFiles::ClusterFiles(fs::path named) : folder(fs::absolute(named).lexically_normal()) {
+ClusterFiles::ClusterFiles(const fs::path& named) : folder(fs::absolute(named).lexically_normal()) {
   if (!folder.has_filename()) folder = folder.parent_path();  // "x.job/"
 }
 fs::path ClusterFiles::shard(int index) const { return shards() / fmt::format("{}.shard", index); }

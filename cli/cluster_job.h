@@ -44,7 +44,7 @@ struct ClusterPlan {
 
 /// Files of a job, in its folder.
 struct ClusterFiles {
-  explicit ClusterFiles(std::filesystem::path folder);
+  explicit ClusterFiles(const std::filesystem::path& folder);
 
   std::filesystem::path folder;  ///< absolute
   [[nodiscard]] std::filesystem::path job() const { return folder / "job.json"; }

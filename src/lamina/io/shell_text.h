@@ -44,15 +44,15 @@ namespace lamina {
     const bool is_escape =
         c == '\\' && quote != '\'' && i + 1 < line.size() &&
         (quote == 0 || std::string_view("\\\"$`").find(line[i + 1]) != std::string_view::npos);
+    const bool is_blank = quote == 0 && (c == ' ' || c == '\t' || c == '\n');
+    const bool opens = quote == 0 && (c == '\'' || c == '"');
     if (is_escape)
       add(line[++i]);
     else if (c == quote)
       quote = 0;
-    else if (quote != 0)
-      add(c);
-    else if (c == '\'' || c == '"')
+    else if (opens)
       add(0), quote = c;
-    else if (c == ' ' || c == '\t' || c == '\n')
+    else if (is_blank)
       is_in_word = false;
     else
       add(c);

@@ -5,9 +5,9 @@
 #include "lamina/core/number_text.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/exchange/internal/npz_bytes.h"
 #include "lamina/image/image.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/npz_bytes.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace lamina::detail {
+namespace lamina {
 
 /// An array of doubles by its name, in row-major order.
 struct NpzArray {
@@ -21,4 +21,4 @@ struct NpzArray {
 /// Source: NumPy's NEP 1; PKWARE's APPNOTE 6.3, 4.3.
 [[nodiscard]] std::string npz_bytes(std::span<const NpzArray> arrays);
 
-}  // namespace lamina::detail
+}  // namespace lamina

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/internal/npz_bytes.h"
+#include "lamina/io/npz_bytes.h"
 
 #include <array>
 #include <bit>
@@ -8,7 +8,7 @@
 
 #include "lamina/core/checked_size.h"
 
-namespace lamina::detail {
+namespace lamina {
 namespace {
 
 /// Appends a whole number, least byte first.
@@ -104,4 +104,4 @@ std::string npz_bytes(std::span<const NpzArray> arrays) {
   return bytes;
 }
 
-}  // namespace lamina::detail
+}  // namespace lamina
