@@ -132,22 +132,11 @@ std::string radius_name(RadiusMeaning meaning) {
 
 Material material_of(const InvertOptions& options, const Rgb& color,
                      const std::array<Medium, channels>& media) {
-  Material material;
+  Material material = half_space_material(media, options.look.top);
   material.name = "half-space of a color";
   material.source =
       fmt::format("lamina invert: linear color {} {} {} by {}", short_number(color[0]),
                   short_number(color[1]), short_number(color[2]), look_text(options.look));
-  MaterialLayer layer{.name = "inside"};
-  layer.top = options.look.top;
-  for (const Medium& medium : media) {
-    layer.sigma_a.push_back(medium.sigma_a);
-    layer.sigma_s.push_back(medium.sigma_s);
-    layer.g.push_back(medium.g);
-    layer.ior.push_back(medium.ior);
-    material.ior_above.push_back(1.0);
-    material.ior_below.push_back(medium.ior);
-  }
-  material.layers.push_back(std::move(layer));
   return material;
 }
 

@@ -95,21 +95,6 @@ Walk walk_of(const ImportedParameters& p, std::size_t channel) {
   return walk;
 }
 
-Material half_space(const std::array<Medium, channels>& media, const Interface& top) {
-  Material material{.name = "imported"};
-  MaterialLayer layer{.name = "inside", .top = top};
-  for (const Medium& medium : media) {
-    layer.sigma_a.push_back(medium.sigma_a);
-    layer.sigma_s.push_back(medium.sigma_s);
-    layer.g.push_back(medium.g);
-    layer.ior.push_back(medium.ior);
-    material.ior_above.push_back(1.0);
-    material.ior_below.push_back(medium.ior);
-  }
-  material.layers.push_back(std::move(layer));
-  return material;
-}
-
 std::string source_text(const ImportedParameters& p) {
   std::string text = "lamina import --from " + std::string(name_of(p.source));
   if (p.source == ImportSource::principled) text += " --blender " + std::string(name_of(p.blender));
@@ -148,7 +133,7 @@ ImportedMaterial import_material(const ImportedParameters& p, const Progress& pr
                            walk.mean_free_path);
     }
     if (p.ior > 1.0) {
-      const Material walks = half_space(media, {});
+      const Material walks = half_space_material(media, {});
       const std::vector<LayerStack> stacks = layer_stacks(walks);
       const ChannelLight light = channel_light(walks, stacks, ExportChannels::rgb, progress);
       const HomogeneousFit fit =
@@ -160,7 +145,8 @@ ImportedMaterial import_material(const ImportedParameters& p, const Progress& pr
     if (p.source == ImportSource::arnold)
       result.notes.emplace_back("Arnold's inversion of the color is not published");
   }
-  result.material = half_space(media, top);
+  result.material = half_space_material(media, top);
+  result.material.name = "imported";
   result.material.source = source_text(p);
   return result;
 }

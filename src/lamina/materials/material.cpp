@@ -122,4 +122,19 @@ std::vector<LayerStack> layer_stacks(const Material& material) {
   return stacks;
 }
 
+Material half_space_material(std::span<const Medium> channels, const Interface& top) {
+  Material material;
+  MaterialLayer layer{.name = "inside", .top = top};
+  for (const Medium& medium : channels) {
+    layer.sigma_a.push_back(medium.sigma_a);
+    layer.sigma_s.push_back(medium.sigma_s);
+    layer.g.push_back(medium.g);
+    layer.ior.push_back(medium.ior);
+    material.ior_above.push_back(1.0);
+    material.ior_below.push_back(medium.ior);
+  }
+  material.layers.push_back(std::move(layer));
+  return material;
+}
+
 }  // namespace lamina

@@ -111,6 +111,9 @@ struct Material {
 /// Decodes the text of a material file; `name` stands for the file in messages.
 [[nodiscard]] Material parse_material(const std::string& text, const std::string& name);
 
+/// One layer without end below vacuum, of a medium per channel; it has no name yet.
+[[nodiscard]] Material half_space_material(std::span<const Medium> channels, const Interface& top);
+
 /// A material as the text of a file that load_material reads back to equal numbers.
 [[nodiscard]] std::string format_material(const Material& material);
 
