@@ -53,9 +53,16 @@ void read_clouds(std::string bytes, bool mends) {
 }
 
 void read_checkpoint(std::string bytes, bool mends) {
-  if (mends && bytes.size() > 24) {
+  constexpr std::size_t head = 72;  // magic, checksum, key, tiles, ...; samples, is_quiet, film
+  std::uint64_t tiles = 0;
+  if (bytes.size() >= head) std::memcpy(&tiles, bytes.data() + 32, sizeof tiles);
+  if (mends && bytes.size() >= head && tiles <= (bytes.size() - head) / 5) {
+    const std::span<const std::byte> all = std::as_bytes(std::span(bytes));
     Hash hash;
-    hash.add_bytes(std::as_bytes(std::span(bytes)).subspan(24));
+    hash.add_bytes(all.subspan(24, head - 24));
+    hash.add_bytes(all.subspan(head, 4 * tiles));
+    hash.add_bytes(all.subspan(head + 4 * tiles, tiles));
+    hash.add_bytes(all.subspan(head + 5 * tiles));
     const std::uint64_t sum = hash.value();
     std::memcpy(bytes.data() + 16, &sum, sizeof sum);
   }

@@ -21,7 +21,7 @@ class ExactSum {
   static_assert(Words >= 1 && limit_exponent >= 0);
 
   void add(double term) {
-    const double limit = std::ldexp(1.0, limit_exponent);
+    constexpr double limit = power_of_two(limit_exponent);
     if (!(std::abs(term) < limit)) term = std::signbit(term) ? -limit : limit;
     const auto bits = std::bit_cast<std::uint64_t>(term);
     const int exponent = static_cast<int>((bits >> 52) & 0x7ff);
@@ -61,12 +61,19 @@ class ExactSum {
     double steps = 0.0;
     for (auto word = magnitude.words_.rbegin(); word != magnitude.words_.rend(); ++word)
       steps = steps * 0x1p64 + static_cast<double>(*word);
-    return std::ldexp(is_negative ? -steps : steps, -FractionBits);
+    constexpr double step = 1.0 / power_of_two(FractionBits);
+    return (is_negative ? -steps : steps) * step;
   }
 
   friend bool operator==(const ExactSum&, const ExactSum&) = default;
 
  private:
+  static constexpr double power_of_two(int exponent) {
+    double power = 1.0;
+    for (int i = 0; i < exponent; ++i) power *= 2.0;
+    return power;
+  }
+
   void negate() {
     std::uint64_t carry = 1;
     for (std::uint64_t& word : words_) {

@@ -33,7 +33,7 @@ class FilmShards : public testing::Test {
 
 constexpr int width = 21, height = 37, samples = 23;
 
-/// Light of all sizes, of either sign, and now and then no surface.
+/// Light of all sizes, of either sign, and some that needs few digits; now and then no surface.
 CameraSample sample_of(int x, int y, int i) {
   Random random = make_random(11, static_cast<std::uint64_t>((y * width + x) * samples + i));
   const auto number = [&] {
@@ -42,7 +42,8 @@ CameraSample sample_of(int x, int y, int i) {
   };
   CameraSample sample{.beauty = {number(), number(), number()},
                       .subsurface = {number(), 0.0f, number()},
-                      .specular = {number(), number(), 1e-9f}};
+                      .specular = {std::round(4096.0f * (random.uniform_float() - 0.5f)) / 4096.0f,
+                                   number(), 1e-9f}};
   sample.is_hit = random.uniform_float() < 0.9f;
   sample.is_subsurface = sample.is_hit && x > 10;
   sample.normal = {0.6f, -0.8f * random.uniform_float(), 0.1f};
@@ -183,6 +184,10 @@ TEST_F(FilmShards, AreRefusedWhereTheyAreDamaged) {
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
     EXPECT_THROW(use(damaged), FileError) << "byte " << at;
   }
+  std::string other_version = whole;
+  other_version[14] = '1';
+  EXPECT_THROW(use(other_version), FileError);
+  EXPECT_TRUE(is_film_shard(file));
 }
 
 /// A sphere under a window, with nothing behind it.

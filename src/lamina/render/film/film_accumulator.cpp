@@ -2,10 +2,8 @@
 #include "lamina/render/film/film_accumulator.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -65,12 +63,6 @@ FilmAccumulator::Luminance FilmAccumulator::luminance_of(int x0, int y0, int x1,
     }
   const double count = static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0);
   return {sum.mean / count, sum.variance / count};
-}
-
-void FilmAccumulator::restore(std::span<const std::byte> bytes) {
-  static_assert(std::is_trivially_copyable_v<FilmPixel>);
-  assert(bytes.size() == pixels_.size() * sizeof(FilmPixel));
-  std::memcpy(pixels_.data(), bytes.data(), bytes.size());
 }
 
 Image FilmAccumulator::image(bool has_alpha) const {

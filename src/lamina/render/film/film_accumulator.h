@@ -42,11 +42,10 @@ class FilmAccumulator {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
-  /// The state in memory, for a checkpoint of this program; restore takes as many bytes.
+  /// The state in memory, for a checkpoint of this program.
   [[nodiscard]] std::span<const std::byte> bytes() const {
     return std::as_bytes(std::span(pixels_));
   }
-  void restore(std::span<const std::byte> bytes);
 
  private:
   int width_, height_;

@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ',
                                         's', 'h', 'a', 'r', 'd', ' ', '2'};
+constexpr std::ptrdiff_t magic_name_bytes = 13;  // before the number of the version
 constexpr std::uint64_t most_info_bytes = std::uint64_t{16} << 20;
 
 struct Start {
@@ -217,7 +218,7 @@ bool is_film_shard(const fs::path& file) {
   Start start;
   if (parts.size() < sizeof start) return false;
   parts.read(0, bytes_of(start));
-  return start.magic == magic;
+  return std::equal(magic.begin(), magic.begin() + magic_name_bytes, start.magic.begin());
 }
 
 FilmShard::FilmShard(fs::path file) : file_(std::move(file)) {
@@ -259,11 +260,11 @@ FilmShard::FilmShard(fs::path file) : file_(std::move(file)) {
 }
 
 void FilmShard::add_plane(const FileParts& parts, int band, std::size_t plane,
-                          std::span<FilmPixel> pixels) const {
+                          PlaneSum& sum) const {
   const Chunk& chunk = chunks_[static_cast<std::size_t>(band) * film_planes + plane];
   std::vector<std::byte> packed(chunk.bytes);
   parts.read(chunk.at, packed);
-  if (checksum_of(packed) != chunk.checksum || !add_packed(all_film_planes[plane], packed, pixels))
+  if (checksum_of(packed) != chunk.checksum || !sum.add_packed(packed))
     throw FileError(file_.string() + ": is damaged; remove it, and make it again");
 }
 
@@ -300,19 +301,26 @@ std::vector<int> missing_shards(const FilmShardInfo& info) {
 FilmAccumulator merged_band(std::span<const FilmShard> shards, int band, bool only_colors) {
   const FilmShardInfo& info = shards[0].info();
   const std::size_t pixels = pixels_of_band(info, band);
-  FilmAccumulator rows(info.width, static_cast<int>(pixels / static_cast<std::size_t>(info.width)));
+  std::vector<std::size_t> planes;
+  for (std::size_t plane = 0; plane < film_planes; ++plane)
+    if (!only_colors || all_film_planes[plane].is_color) planes.push_back(plane);
+  std::vector<PlaneSum> sums;
+  for (const FilmPlane& plane : all_film_planes)
+    sums.emplace_back(plane, !only_colors || plane.is_color ? pixels : 0);
   std::int64_t samples = 0;
   for (const FilmShard& shard : shards) {
     const FileParts parts(shard.file_);
-    parallel_for(film_planes, [&](std::size_t plane) {
-      if (!only_colors || all_film_planes[plane].is_color)
-        shard.add_plane(parts, band, plane, rows.pixels());
-    });
+    parallel_for(planes.size(),
+                 [&](std::size_t i) { shard.add_plane(parts, band, planes[i], sums[planes[i]]); });
     for (const IndexRange& range : shard.info().ranges) samples += range.size();
-    for (const FilmPixel& pixel : rows.pixels())
-      if (pixel.samples != samples || pixel.hits < 0 || pixel.hits > pixel.samples)
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      const std::int64_t hits = sums[hits_plane].low_word(pixel);
+      if (sums[samples_plane].low_word(pixel) != samples || hits < 0 || hits > samples)
         throw FileError(shard.file_.string() + ": is damaged; remove it, and make it again");
+    }
   }
+  FilmAccumulator rows(info.width, static_cast<int>(pixels / static_cast<std::size_t>(info.width)));
+  for (const std::size_t plane : planes) sums[plane].store(rows.pixels());
   return rows;
 }
 

@@ -18,6 +18,8 @@
 // they are written and added up by bands of rows.
 namespace lamina {
 
+class PlaneSum;
+
 /// What the sums of a file are of.
 struct FilmShardInfo {
   std::string version;                 ///< of lamina
@@ -59,8 +61,7 @@ class FilmShard {
 
  private:
   friend FilmAccumulator merged_band(std::span<const FilmShard> shards, int band, bool only_colors);
-  void add_plane(const FileParts& parts, int band, std::size_t plane,
-                 std::span<FilmPixel> pixels) const;
+  void add_plane(const FileParts& parts, int band, std::size_t plane, PlaneSum& sum) const;
 
   struct Chunk {
     std::uint64_t at = 0, bytes = 0, checksum = 0;
@@ -70,7 +71,7 @@ class FilmShard {
   std::vector<Chunk> chunks_;  ///< [band][plane]
 };
 
-/// Whether a file starts as one of sums does.
+/// Whether a file starts as one of sums does, of whatever version.
 [[nodiscard]] bool is_film_shard(const std::filesystem::path& file);
 
 /// What all shards together are of.

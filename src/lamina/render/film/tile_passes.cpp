@@ -23,6 +23,7 @@ constexpr int tile_size = 16;        // [pixel]
 constexpr int least_samples = 16;    // before a tile may end early
 constexpr int samples_at_once = 16;  // of each pixel of a tile; what a stop may lose
 constexpr std::chrono::seconds between_checkpoints{30};
+constexpr int least_share = 19;  // of the time is for samples, and 1 for checkpoints
 
 /// Treats subnormal numbers as 0 on this thread: Embree and the tails of profiles would be slow.
 class FlushSubnormals {
@@ -48,6 +49,8 @@ int end_of_pass(int from, const TilePassOptions& options) {
   const std::int64_t to = from == 0 ? 1 : steps_small ? from + from / 2 : 2 * std::int64_t{from};
   return static_cast<int>(std::min<std::int64_t>(to, options.samples));
 }
+
+using Clock = std::chrono::steady_clock;
 
 class Passes {
  public:
@@ -180,25 +183,27 @@ class Passes {
 
   /// A checkpoint that cannot be written is none: the image goes on without.
   void keep() {
+    const auto start = Clock::now();
     try {
       save_checkpoint(options_.checkpoint, options_.key, film_, tiles_);
     } catch (const WriteError&) {  // NOLINT(bugprone-empty-catch)
     }
-    last_kept_ = std::chrono::steady_clock::now();
+    const auto end = Clock::now();
+    next_checkpoint_ =
+        end + std::max<Clock::duration>(between_checkpoints, least_share * (end - start));
   }
 
   /// One thread writes a checkpoint if the last is old, once all tiles in work are whole.
   void keep_now_and_then() {
-    const auto now = std::chrono::steady_clock::now();
-    if (options_.checkpoint.empty() || now - last_kept_.load() < between_checkpoints) return;
+    const auto now = Clock::now();
+    if (options_.checkpoint.empty() || now < next_checkpoint_.load()) return;
     const std::scoped_lock in_turn(gate_);
     const std::unique_lock all_tiles(tiles_in_work_);
-    if (now - last_kept_.load() >= between_checkpoints) keep();  // else another thread did
+    if (now >= next_checkpoint_.load()) keep();  // else another thread did
   }
 
   /// One thread shows the image if the last is old: as all tiles have it when they are whole.
   void show_now_and_then() {
-    using Clock = std::chrono::steady_clock;
     if (!options_.on_image || tiles_.from < 1 || Clock::now() < next_image_.load()) return;
     const std::unique_lock alone(image_in_work_, std::try_to_lock);
     if (!alone || Clock::now() < next_image_.load()) return;
@@ -243,10 +248,9 @@ class Passes {
   std::atomic<std::int64_t> finished_ = 0;  ///< samples per pixel, over all tiles
   std::shared_mutex tiles_in_work_;         ///< shared by who adds to a tile
   std::mutex gate_;                         ///< before it, so that a checkpoint gets its turn
-  std::atomic<std::chrono::steady_clock::time_point> last_kept_ = std::chrono::steady_clock::now();
+  std::atomic<Clock::time_point> next_checkpoint_ = Clock::now() + between_checkpoints;
   std::mutex image_in_work_;  ///< held by who shows it
-  std::atomic<std::chrono::steady_clock::time_point> next_image_ =
-      std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  std::atomic<Clock::time_point> next_image_ = Clock::now() + std::chrono::seconds(1);
 };
 
 }  // namespace

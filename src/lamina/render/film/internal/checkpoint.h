@@ -24,7 +24,8 @@ struct TileProgress {
 void save_checkpoint(const std::filesystem::path& file, std::uint64_t key,
                      const FilmAccumulator& film, const TileProgress& tiles);
 
-/// Reads back what save_checkpoint wrote, into a film of the same size.
+/// Reads back what save_checkpoint wrote, into a film of the same size, which is not to be used
+/// where it throws.
 ///
 /// @return absent if there is no such file
 /// @throws FileError if it is no checkpoint, damaged, or of an image with another key

@@ -59,46 +59,63 @@ Words load(const FilmPlane& plane, const FilmPixel& pixel) {
   return words;
 }
 
-/// Adds without a branch on what is stored; 2^24 samples of a pixel fit.
-void add_to(const FilmPlane& plane, FilmPixel& pixel, const Words& words) {
-  std::byte* at = reinterpret_cast<std::byte*>(&pixel) + plane.place;
-  if (plane.bytes == 4) {
-    std::uint32_t sum = 0;
-    std::memcpy(&sum, at, sizeof sum);
-    sum += static_cast<std::uint32_t>(words[0]);
-    std::memcpy(at, &sum, sizeof sum);
-    return;
-  }
-  std::uint64_t carry = 0;
-  for (std::size_t i = 0; i < plane.bytes / 8; ++i) {
-    std::uint64_t sum = 0;
-    std::memcpy(&sum, at + 8 * i, sizeof sum);
-    const std::uint64_t with_carry = words[i] + carry;
-    sum += with_carry;
-    carry = (with_carry < carry ? 1u : 0u) + (sum < with_carry ? 1u : 0u);
-    std::memcpy(at + 8 * i, &sum, sizeof sum);
-  }
+/// A number of up to 8 bytes with copies of its sign above; `end` is that of all that may be read.
+std::int64_t read_number(const std::byte* from, std::size_t width, const std::byte* end) {
+  std::uint64_t head = 0;
+  if (end - from >= 8)
+    std::memcpy(&head, from, 8);  // of a width that is known, so one instruction
+  else
+    std::memcpy(&head, from, width);
+  const auto up = static_cast<int>(64 - 8 * width);
+  return static_cast<std::int64_t>(head << up) >> up;
 }
 
 /// A number of `width` bytes from the byte `low` on, zeros below and its sign above.
 Words unpack(const std::byte* from, std::size_t low, std::size_t width) {
-  std::uint64_t head = 0;
-  Words words{};
-  if (width <= 8 && low % 8 + width <= 8) {  // in one word, as most are
-    std::memcpy(&head, from, width);
-    const auto up = static_cast<int>(64 - 8 * width);
-    const auto value = static_cast<std::int64_t>(head << up) >> up;
-    words[low / 8] = static_cast<std::uint64_t>(value) << (8 * (low % 8));
-    for (std::size_t i = low / 8 + 1; i < words.size(); ++i)
-      words[i] = value < 0 ? ~std::uint64_t{0} : 0;
-    return words;
-  }
   const bool is_negative = (std::to_integer<unsigned>(from[width - 1]) & 0x80u) != 0;
   std::array<std::byte, widest> bytes{};
   std::memcpy(bytes.data() + low, from, width);
   std::memset(bytes.data() + low + width, is_negative ? 0xff : 0, widest - low - width);
+  Words words{};
   std::memcpy(words.data(), bytes.data(), widest);
   return words;
+}
+
+/// sum += term, both in two's complement, lowest word first.
+template <std::size_t Count>
+void add_words(std::uint64_t* sum, const std::uint64_t* term) {
+  std::uint64_t carry = 0;
+  for (std::size_t i = 0; i < Count; ++i) {
+    const std::uint64_t with_carry = term[i] + carry;
+    sum[i] += with_carry;
+    carry = (with_carry < carry ? 1u : 0u) + (sum[i] < with_carry ? 1u : 0u);
+  }
+}
+
+/// Adds numbers of `width` bytes from the byte `low` on to sums of `Count` words each.
+template <std::size_t Count>
+void add_numbers(std::span<const std::byte> numbers, std::size_t low, std::size_t width,
+                 std::span<std::uint64_t> sums) {
+  const std::byte* from = numbers.data();
+  const std::byte* const numbers_end = from + numbers.size();
+  const std::size_t first = low / 8;
+  if (first >= Count) return;  // all of them are 0
+  const std::uint64_t* const end = sums.data() + sums.size();
+  if (width > 8) {
+    for (std::uint64_t* sum = sums.data(); sum != end; sum += Count, from += width)
+      add_words<Count>(sum, unpack(from, low, width).data());
+    return;
+  }
+  const auto up = static_cast<int>(8 * (low % 8));
+  for (std::uint64_t* sum = sums.data(); sum != end; sum += Count, from += width) {
+    const std::int64_t number = read_number(from, width, numbers_end);
+    Words term{};
+    term[first] = static_cast<std::uint64_t>(number) << up;
+    if (first + 1 < Count)  // shifted twice, as by 64 at once is none
+      term[first + 1] = static_cast<std::uint64_t>(number >> (63 - up) >> 1);
+    if (first + 2 < Count) term[first + 2] = number < 0 ? ~std::uint64_t{0} : 0;
+    add_words<Count>(sum, term.data());
+  }
 }
 
 }  // namespace
@@ -135,19 +152,37 @@ std::vector<std::byte> pack_plane(const FilmPlane& plane, std::span<const FilmPi
 
 std::size_t most_packed_bytes(std::size_t pixels) { return header_bytes + widest * pixels; }
 
-bool add_packed(const FilmPlane& plane, std::span<const std::byte> packed,
-                std::span<FilmPixel> pixels) {
+PlaneSum::PlaneSum(const FilmPlane& plane, std::size_t pixels)
+    : plane_(&plane), words_((plane.bytes + 7) / 8), sums_(words_ * pixels) {}
+
+bool PlaneSum::add_packed(std::span<const std::byte> packed) {
   if (packed.size() < header_bytes) return false;
   const auto low = std::to_integer<std::size_t>(packed[0]);
   const auto width = std::to_integer<std::size_t>(packed[1]);
-  if (width == 0 || low + width > widest || packed.size() != header_bytes + width * pixels.size())
+  if (width == 0 || low + width > widest ||
+      packed.size() != header_bytes + width * (sums_.size() / words_))
     return false;
-  const std::byte* from = packed.data() + header_bytes;
-  for (FilmPixel& pixel : pixels) {
-    add_to(plane, pixel, unpack(from, low, width));
-    from += width;
+  const std::span<const std::byte> numbers = packed.subspan(header_bytes);
+  switch (words_) {
+    case 1:
+      add_numbers<1>(numbers, low, width, sums_);
+      break;
+    case 2:
+      add_numbers<2>(numbers, low, width, sums_);
+      break;
+    default:
+      add_numbers<3>(numbers, low, width, sums_);
+      break;
   }
   return true;
+}
+
+void PlaneSum::store(std::span<FilmPixel> pixels) const {
+  const std::uint64_t* sum = sums_.data();
+  for (FilmPixel& pixel : pixels) {
+    std::memcpy(reinterpret_cast<std::byte*>(&pixel) + plane_->place, sum, plane_->bytes);
+    sum += words_;
+  }
 }
 
 }  // namespace lamina

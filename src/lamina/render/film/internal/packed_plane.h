@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct FilmPlane {
 };
 
 inline constexpr std::size_t film_planes = 20;
+inline constexpr std::size_t samples_plane = 15, hits_plane = 16;  ///< of FilmPixel's members
 extern const std::array<FilmPlane, film_planes> all_film_planes;
 
 /// The numbers of a plane without the bytes that say nothing in any of them: zeros below, copies of
@@ -28,9 +30,27 @@ extern const std::array<FilmPlane, film_planes> all_film_planes;
 /// At most so many bytes.
 [[nodiscard]] std::size_t most_packed_bytes(std::size_t pixels);
 
-/// Adds packed numbers to those of pixels. @return  false if it is not what pack_plane made of as
-/// many pixels; nothing is added then.
-[[nodiscard]] bool add_packed(const FilmPlane& plane, std::span<const std::byte> packed,
-                              std::span<FilmPixel> pixels);
+/// Sums of one number over files, for each of some pixels. They lie one behind another, as whole
+/// pixels are too far apart to be added to at the speed of reading.
+class PlaneSum {
+ public:
+  PlaneSum(const FilmPlane& plane, std::size_t pixels);
+
+  /// Adds packed numbers, modulo 2^64 in each word. @return  false if they are not what pack_plane
+  /// made of as many pixels; nothing is added then.
+  [[nodiscard]] bool add_packed(std::span<const std::byte> packed);
+
+  /// The lowest word of the sum of a pixel.
+  [[nodiscard]] std::int64_t low_word(std::size_t pixel) const {
+    return static_cast<std::int64_t>(sums_[pixel * words_]);
+  }
+
+  void store(std::span<FilmPixel> pixels) const;
+
+ private:
+  const FilmPlane* plane_;
+  std::size_t words_;                ///< of each sum
+  std::vector<std::uint64_t> sums_;  ///< [pixel][word], lowest first
+};
 
 }  // namespace lamina
