@@ -94,6 +94,10 @@ enum class Keeps {
 /// that has passed. Asks the work to stop after Ctrl-C, SIGTERM or the end of the terminal.
 [[nodiscard]] Progress make_progress(std::string label, Keeps keeps = Keeps::what_there_is);
 
+/// Until the next make_progress a signal ends the process at once and without a word, with 130: all
+/// is kept, and nothing is at work.
+void rest_between_works();
+
 /// Whether work was asked to stop; main then exits with 130. Without work that keeps something, the
 /// signal itself ends the process with that code, and so does a second one in any case.
 [[nodiscard]] bool was_interrupted();

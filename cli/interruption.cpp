@@ -25,7 +25,7 @@ constexpr int exit_code_interrupted = 130;
 constexpr std::string_view erase_line = "\r\033[K";
 
 // Read and written by a signal's handler.
-std::atomic<bool> interrupted{false}, has_something_to_keep{false};
+std::atomic<bool> interrupted{false}, has_something_to_keep{false}, is_at_rest{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 volatile sig_atomic_t is_terminal = 0;  // standard error
 
@@ -36,6 +36,7 @@ void write_error(std::string_view text) {  // what a handler may call
 void on_signal(int) {
   const int before = errno;
   if (is_terminal) write_error(erase_line);
+  if (is_at_rest) _exit(exit_code_interrupted);
   if (!has_something_to_keep) {
     write_error("lamina: interrupted: there was no result yet\n");
     _exit(exit_code_interrupted);
@@ -50,6 +51,7 @@ void on_signal(int) {
 class Bar {
  public:
   Bar(std::string label, Keeps keeps) : label_(std::move(label)), keeps_(keeps) {
+    is_at_rest = false;
     if (is_terminal) painter_ = std::jthread([this](const std::stop_token& end) { paint(end); });
   }
 
@@ -97,6 +99,11 @@ Progress make_progress(std::string label, Keeps keeps) {
   return [bar = std::make_shared<Bar>(std::move(label), keeps)](double finished) {
     return (*bar)(finished);
   };
+}
+
+void rest_between_works() {
+  has_something_to_keep = false;
+  is_at_rest = true;
 }
 
 bool was_interrupted() { return interrupted; }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "lamina/image/denoise.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/tone.h"
+#include "lamina/io/files_read.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
@@ -29,6 +31,7 @@
 #include "picture_files.h"
 #include "render_comparison.h"
 #include "shard_option.h"
+#include "watched_files.h"
 
 namespace lamina::cli {
 namespace {
@@ -41,7 +44,7 @@ struct RenderCommandOptions {
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
   bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
-       has_alpha = false, has_mattes = false, is_stamped = false, denoises = false,
+       has_alpha = false, has_mattes = false, is_stamped = false, denoises = false, watches = false,
        corrects = false, only_prepares = false, only_checks = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
@@ -290,19 +293,8 @@ std::function<void(const Image&)> make_writer(const Film& film, const PictureFil
   };
 }
 
-void run_render(const RenderCommandOptions& options) {
-  const bool is_shard = !options.shard.empty();
-  const std::string shard = is_shard ? shard_file(options, read_shard(options.shard)).string() : "";
-  require_writable(shard);
-  const PictureFiles files = is_shard || options.only_prepares
-                                 ? PictureFiles()
-                                 : picture_files(options.output, options.scene);
-  require_different({{"--output", shard},
-                     {"--output", files.exr},
-                     {"--output", files.png},
-                     {"--json", options.common.json},
-                     {"--cache", options.cache},
-                     {"the scene", options.scene}});
+/// The scene as it is to be rendered.
+Scene load(const RenderCommandOptions& options) {
   Scene scene = [&] {
     const Progress loading = make_progress("loading the scene", Keeps::nothing);
     return load_scene(options.scene, options.common.memory, options.settings);
@@ -312,24 +304,24 @@ void run_render(const RenderCommandOptions& options) {
   if (!options.cache.empty() && !scene.render.method.is_open() && !scene.render.method->keeps_light)
     throw InvalidInput(fmt::format("--cache: the method must be {}, but is {}",
                                    methods_that_keep_light(), scene.render.method.name()));
-  if (options.needs_cache && options.cache.empty())
-    throw InvalidInput("--cache-only: goes with --cache, which is not given");
-  if (!options.needs_cache) require_writable(options.cache);
-  if (options.only_checks) {
-    if (is_shard) refuse_with_shard(options, scene);
-    std::vector<std::string> written;
-    for (const std::string& file : {shard, files.exr, files.png})
-      if (!file.empty()) written.push_back(file);
-    return print_check(options, scene, written);
-  }
-  if (options.only_prepares) return run_preparation(options, scene);
-  if (is_shard) {
-    if (!options.compared.empty()) throw InvalidInput("--compare: does not go with --shard");
-    refuse_with_shard(options, scene);
-    return run_shard(options, scene, shard);
-  }
-  if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
+  return scene;
+}
 
+/// Work that ends where what it is made from has changed.
+/// @param has_changed  may be empty
+Progress until_changed(Progress progress, const std::function<bool()>& has_changed) {
+  if (!has_changed) return progress;
+  return [progress = std::move(progress), has_changed](double finished) {
+    return progress(finished) && !has_changed();
+  };
+}
+
+/// Renders and writes the picture.
+/// @param has_changed  whether what it is made from has: the work then ends without a picture.
+/// Empty
+///                     where that is not asked for
+void make_picture(const RenderCommandOptions& options, const PictureFiles& files, Scene scene,
+                  const std::function<bool()>& has_changed) {
   const fs::path checkpoint = checkpoint_file(files);
   const auto say_how_to_go_on = [&] {
     if (fs::exists(checkpoint))
@@ -341,17 +333,19 @@ void run_render(const RenderCommandOptions& options) {
                     {.cache = options.cache,
                      .memory = options.common.memory,
                      .needs_cache = options.needs_cache,
-                     .checkpoint = checkpoint,
+                     .checkpoint = has_changed ? fs::path() : checkpoint,
                      .resumes = options.resumes,
                      .keeps_samples = options.keeps,
                      .has_mattes = options.has_mattes,
                      .on_notice = say,
                      .on_image = options.is_progressive ? make_writer(scene.film, files) : nullptr},
-                    make_progress("rendering"));
+                    until_changed(make_progress("rendering"), has_changed));
   } catch (const Interrupted&) {
+    if (has_changed && !was_interrupted()) return;
     say_how_to_go_on();
     throw;
   }
+  if (has_changed && !result.statistics.is_complete && !was_interrupted()) return;
   if (options.keeps && result.statistics.is_complete && !fs::exists(checkpoint))
     say("warning: " + checkpoint.string() + " cannot be written: the samples are not kept");
   if (options.denoises) {
@@ -436,6 +430,84 @@ void run_render(const RenderCommandOptions& options) {
                   s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
 }
 
+/// The options that do not go with pictures made again and again.
+void refuse_with_watch(const RenderCommandOptions& options) {
+  for (const auto& [name, is_given] :
+       {std::pair{"--resume", options.resumes}, std::pair{"--keep", options.keeps},
+        std::pair{"--shard", !options.shard.empty()}, std::pair{"--prepare", options.only_prepares},
+        std::pair{"--check", options.only_checks},
+        std::pair{"--compare", !options.compared.empty()}})
+    if (is_given) throw InvalidInput(std::string(name) + ": does not go with --watch");
+  std::error_code ignored;
+  if (!fs::exists(options.scene, ignored) && options.scene != "-")
+    throw FileError(options.scene + ": there is no such file");
+  if (!fs::is_regular_file(options.scene, ignored))
+    throw InvalidInput("--watch: the scene must be a file, but is " + options.scene);
+}
+
+/// Renders again whenever one of the files changes that loading the scene has read or looked for.
+void run_watch(const RenderCommandOptions& options, const PictureFiles& files) {
+  refuse_with_watch(options);
+  while (true) {
+    FilesRead reading;
+    std::optional<WatchedFiles> watched;
+    try {
+      Scene scene = load(options);
+      watched.emplace(reading.files());
+      make_picture(options, files, std::move(scene), [&] { return watched->has_changed(); });
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const Error& error) {
+      say(error.what());
+      if (!watched) watched.emplace(reading.files());
+    }
+    if (was_interrupted()) return;
+    if (!watched->has_changed())
+      say(fmt::format("waiting for changes of {} file{}; Ctrl-C ends", watched->count(),
+                      watched->count() == 1 ? "" : "s"));
+    rest_between_works();
+    watched->wait_for_change();
+    const std::string changed = watched->name_of_changed();
+    say(changed.empty() ? "files have changed" : changed + " has changed");
+  }
+}
+
+void run_render(const RenderCommandOptions& options) {
+  const bool is_shard = !options.shard.empty();
+  const std::string shard = is_shard ? shard_file(options, read_shard(options.shard)).string() : "";
+  require_writable(shard);
+  const PictureFiles files = is_shard || options.only_prepares
+                                 ? PictureFiles()
+                                 : picture_files(options.output, options.scene);
+  require_different({{"--output", shard},
+                     {"--output", files.exr},
+                     {"--output", files.png},
+                     {"--json", options.common.json},
+                     {"--cache", options.cache},
+                     {"the scene", options.scene}});
+  if (options.needs_cache && options.cache.empty())
+    throw InvalidInput("--cache-only: goes with --cache, which is not given");
+  if (options.watches) return run_watch(options, files);
+  Scene scene = load(options);
+  if (!options.needs_cache) require_writable(options.cache);
+  if (options.only_checks) {
+    if (is_shard) refuse_with_shard(options, scene);
+    std::vector<std::string> written;
+    for (const std::string& file : {shard, files.exr, files.png})
+      if (!file.empty()) written.push_back(file);
+    return print_check(options, scene, written);
+  }
+  if (options.only_prepares) return run_preparation(options, scene);
+  if (is_shard) {
+    if (!options.compared.empty()) throw InvalidInput("--compare: does not go with --shard");
+    refuse_with_shard(options, scene);
+    return run_shard(options, scene, shard);
+  }
+  if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
+
+  make_picture(options, files, std::move(scene), {});
+}
+
 }  // namespace
 
 void add_render_command(CLI::App& app) {
@@ -469,6 +541,11 @@ void add_render_command(CLI::App& app) {
   command.add_flag("--progressive", options->is_progressive,
                    "writes the picture every few seconds while it grows, from the first sample of "
                    "all pixels on; each takes the place of the last as a whole");
+  command.add_flag(
+      "--watch", options->watches,
+      "renders again when the scene changes or a file that it names, until Ctrl-C; a "
+      "change ends the work on a picture that it makes out of date. What is wrong in a "
+      "file is said, and waited for");
   command
       .add_option("--shard", options->shard,
                   "does part I of N of the samples of all pixels, for `lamina merge`, which makes "

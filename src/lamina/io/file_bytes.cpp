@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "lamina/core/error.h"
+#include "lamina/io/files_read.h"
 
 namespace lamina {
 namespace {
@@ -22,6 +23,7 @@ enum class Pipes { allowed, refused };
 /// @param limit  what `most` is, as messages call it.
 std::string read_bytes(const fs::path& file, std::size_t most, const std::string& limit,
                        Pipes pipes) {
+  note_file(file);
   const auto fail = [&](const std::string& why) { throw FileError(file.string() + ": " + why); };
   std::error_code error;
   const fs::file_status status = fs::status(file, error);

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "lamina/image/map_description.h"
+#include "lamina/io/files_read.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material_file.h"
@@ -253,6 +254,7 @@ class MaterialDecoder {
     const auto& names = builtin_material_names();
     if (std::ranges::find(names, name) != names.end()) return find_material(name);
     std::error_code ignored;
+    note_file(value.file_path());  // also where it may come to be
     const bool looks_like_a_file = name.find_first_of("./\\") != std::string::npos;
     if (!looks_like_a_file && !std::filesystem::exists(value.file_path(), ignored))
       value.fail("there is no built-in material and no file \"" + name + "\"" +

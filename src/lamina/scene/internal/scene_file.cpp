@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "lamina/image/map_description.h"
+#include "lamina/io/files_read.h"
 #include "lamina/mesh/files/gltf_image.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"
@@ -65,6 +66,7 @@ std::vector<std::uint32_t> Images::load_tiles(const JsonInput& file, ColorEncodi
   for (std::size_t index = 0; index < 10 * rows; ++index) {
     const std::filesystem::path path = tile_path(file, index);
     std::error_code ignored;
+    note_file(path);  // also where it may come to be
     if (!std::filesystem::exists(path, ignored)) continue;
     const std::size_t whole = load(file, path, encoding);
     tiles.resize(index + 1, ImageMap::no_tile);
