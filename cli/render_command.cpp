@@ -23,6 +23,7 @@
 #include "lamina/image/tone.h"
 #include "lamina/io/files_read.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/scene.h"
@@ -44,8 +45,9 @@ struct RenderCommandOptions {
   int samples = 0, width = 0, height = 0, max_bounces = -1;
   float exposure = 0.0f, noise = -1.0f;
   bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
-       has_alpha = false, has_mattes = false, is_stamped = false, denoises = false, watches = false,
-       corrects = false, only_prepares = false, only_checks = false;
+       has_alpha = false, has_mattes = false, has_light_layers = false, is_stamped = false,
+       denoises = false, watches = false, corrects = false, only_prepares = false,
+       only_checks = false;
   std::vector<std::string> compared, settings;
   Option seed, exposure_given;
 };
@@ -131,6 +133,7 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
         std::pair{"--cache-only", options.needs_cache}, std::pair{"--resume", options.resumes},
         std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
         std::pair{"--cryptomatte", options.has_mattes}, std::pair{"--stamp", options.is_stamped},
+        std::pair{"--light-layers", options.has_light_layers},
         std::pair{"--denoise", options.denoises}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --compare");
   std::vector<NamedMethod> methods_to_compare;
@@ -159,7 +162,9 @@ fs::path shard_file(const RenderCommandOptions& options, const Shard& shard) {
 void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) {
   for (const auto& [name, is_given] :
        {std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
-        std::pair{"--cryptomatte", options.has_mattes}, std::pair{"--stamp", options.is_stamped}})
+        std::pair{"--cryptomatte", options.has_mattes},
+        std::pair{"--light-layers", options.has_light_layers},
+        std::pair{"--stamp", options.is_stamped}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --shard");
   if (options.denoises)
     throw InvalidInput("--denoise: is for `lamina merge`, which has all samples, not for --shard");
@@ -167,6 +172,24 @@ void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) 
     throw InvalidInput(
         "--noise: does not go with --shard, which does not know the noise of the others; `lamina "
         "merge --noise` tells it. Where the scene file has it, --noise 0");
+}
+
+/// The options that pictures made light by light cannot have.
+void refuse_with_light_layers(const RenderCommandOptions& options, const PictureFiles& files,
+                              const Scene& scene) {
+  for (const auto& [name, is_given] :
+       {std::pair{"--resume", options.resumes}, std::pair{"--keep", options.keeps},
+        std::pair{"--progressive", options.is_progressive},
+        std::pair{"--cache", !options.cache.empty()}, std::pair{"--denoise", options.denoises},
+        std::pair{"--prepare", options.only_prepares}})
+    if (is_given) throw InvalidInput(std::string(name) + ": does not go with --light-layers");
+  if (files.exr.empty())
+    throw InvalidInput("--light-layers: the output must be an EXR, but is " + files.png);
+  if (scene.render.noise > 0.0f)
+    throw InvalidInput(fmt::format(
+        "--noise: must be 0 with --light-layers, but is {:g}; where the scene file has it, "
+        "--noise 0",
+        scene.render.noise));
 }
 
 /// Makes what all shards share.
@@ -329,17 +352,22 @@ void make_picture(const RenderCommandOptions& options, const PictureFiles& files
   };
   RenderResult result;
   try {
-    result = render(scene,
-                    {.cache = options.cache,
-                     .memory = options.common.memory,
-                     .needs_cache = options.needs_cache,
-                     .checkpoint = has_changed ? fs::path() : checkpoint,
-                     .resumes = options.resumes,
-                     .keeps_samples = options.keeps,
-                     .has_mattes = options.has_mattes,
-                     .on_notice = say,
-                     .on_image = options.is_progressive ? make_writer(scene.film, files) : nullptr},
-                    until_changed(make_progress("rendering"), has_changed));
+    const RenderOptions how{
+        .cache = options.cache,
+        .memory = options.common.memory,
+        .needs_cache = options.needs_cache,
+        .checkpoint = has_changed ? fs::path() : checkpoint,
+        .resumes = options.resumes,
+        .keeps_samples = options.keeps,
+        .has_mattes = options.has_mattes,
+        .on_notice = say,
+        .on_image = options.is_progressive ? make_writer(scene.film, files) : nullptr};
+    const Progress progress =
+        until_changed(make_progress("rendering", options.has_light_layers ? Keeps::nothing
+                                                                          : Keeps::what_there_is),
+                      has_changed);
+    result = options.has_light_layers ? render_light_layers(scene, how, progress)
+                                      : render(scene, how, progress);
   } catch (const Interrupted&) {
     if (has_changed && !was_interrupted()) return;
     say_how_to_go_on();
@@ -406,6 +434,8 @@ void make_picture(const RenderCommandOptions& options, const PictureFiles& files
   for (const ProfileUse& use : s.profiles)
     json["profiles"].push_back(
         {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});
+  if (options.has_light_layers)
+    for (const LightGroup& group : light_groups(scene)) json["light_layers"].push_back(group.name);
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
   json["is_complete"] = s.is_complete;
@@ -453,6 +483,7 @@ void run_watch(const RenderCommandOptions& options, const PictureFiles& files) {
     std::optional<WatchedFiles> watched;
     try {
       Scene scene = load(options);
+      if (options.has_light_layers) refuse_with_light_layers(options, files, scene);
       watched.emplace(reading.files());
       make_picture(options, files, std::move(scene), [&] { return watched->has_changed(); });
     } catch (const Interrupted&) {
@@ -489,6 +520,8 @@ void run_render(const RenderCommandOptions& options) {
     throw InvalidInput("--cache-only: goes with --cache, which is not given");
   if (options.watches) return run_watch(options, files);
   Scene scene = load(options);
+  if (options.has_light_layers && !is_shard && options.compared.empty())
+    refuse_with_light_layers(options, files, scene);
   if (!options.needs_cache) require_writable(options.cache);
   if (options.only_checks) {
     if (is_shard) refuse_with_shard(options, scene);
@@ -618,6 +651,10 @@ void add_render_command(CLI::App& app) {
                    "channel A: how much of a pixel surfaces cover; the sky lights but is not seen");
   command.add_flag("--cryptomatte", options->has_mattes,
                    "mattes of objects and materials in the EXR, by Cryptomatte's conventions");
+  command.add_flag("--light-layers", options->has_light_layers,
+                   "layers light.NAME of each light in the EXR, whose sum is the picture; lights "
+                   "that share a \"name\" in the scene share one. They are rendered one after the "
+                   "other, each with all --samples");
   command.add_flag(
       "--stamp", options->is_stamped,
       "the EXR says the scene's file, the command, the date and the time it took, too");

@@ -194,6 +194,19 @@ expect 2 '--view' "$scene" --view sepia
 expect 2 'mattes are of all samples' "$scene" "${small[@]}" -o said_so.exr --cryptomatte --resume
 expect 2 '--cryptomatte: does not go with --shard' "$scene" "${small[@]}" --shard 0/2 -o x.shard --cryptomatte
 
+# A layer for each light, named in the scene or after its kind.
+expect 0 'light environment, 2 of 2: method probe' "$scenes/arm.json" --profile diffusion "${small[@]}" --method probe -o layers.exr --light-layers --json layers.json
+grep -qa 'light.environment.R' layers.exr || fail "no layer of the sky"
+grep -q '"light_layers"' layers.json || fail "no layers in the JSON"
+expect 2 '--shard' "$scene" "${small[@]}" --shard 0/2 -o x.shard --light-layers
+for option in --resume --keep --progressive --denoise; do
+  expect 2 "$option: does not go with --light-layers" "$scene" "${small[@]}" -o x.exr --light-layers "$option"
+done
+expect 2 'the output must be an EXR, but is x.png' "$scene" "${small[@]}" -o x.png --light-layers
+expect 2 '--noise: must be 0 with --light-layers, but is 0.1' "$scene" "${small[@]}" -o x.exr --light-layers --noise 0.1
+expect 2 'does not go with --compare' "$scene" "${small[@]}" --compare probe,hierarchy -o both --light-layers
+expect 2 'lights[0].name: must be 1 to 64 letters, digits, _ and -, but is "a.b"' "$scene" "${small[@]}" -o x.exr --set lights[0].name=a.b
+
 # Sampling ends where the noise asked for is reached.
 expect 0 '' "$scene" --samples 4000 --width 24 --height 16 --noise 0.5 -o calm.exr --json calm.json
 grep -qE '"samples_per_pixel": (1[6-9]|[2-9][0-9])([.,]|$)' calm.json || fail "--noise: $(grep samples calm.json)"

@@ -372,6 +372,7 @@ struct Scene {
   std::vector<SurfaceMaterial> materials;
   std::vector<Mesh> meshes;
   std::vector<Light> lights;
+  std::vector<std::string> light_names;  ///< [light], of layers; empty, or none: after its kind
   std::vector<BandChange> band_changes;
   std::vector<std::string>
       warnings;  ///< of loading, one line each: flipped normals, zero-area faces

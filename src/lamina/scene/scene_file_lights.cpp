@@ -12,7 +12,7 @@ namespace {
 constexpr NumberRange light_range = closed_interval(0.0, brightest);
 
 PointLight decode_point(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"type", "position", "intensity"});
+  const JsonObject object = value.object({"type", "name", "position", "intensity"});
   PointLight light{.position = decode_vector(object.required("position"), mm_per_unit),
                    .intensity = decode_color(object.required("intensity"), light_range)};
   // The file gives the irradiance one unit away.
@@ -21,8 +21,8 @@ PointLight decode_point(const JsonInput& value, double mm_per_unit) {
 }
 
 SpotLight decode_spot(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object =
-      value.object({"type", "position", "look_at", "intensity", "inner_angle", "outer_angle"});
+  const JsonObject object = value.object(
+      {"type", "name", "position", "look_at", "intensity", "inner_angle", "outer_angle"});
   SpotLight light{.position = decode_vector(object.required("position"), mm_per_unit),
                   .intensity = decode_color(object.required("intensity"), light_range)};
   const JsonInput target = object.required("look_at");
@@ -45,7 +45,7 @@ SpotLight decode_spot(const JsonInput& value, double mm_per_unit) {
 }
 
 SphereLight decode_sphere(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"type", "position", "radius", "radiance"});
+  const JsonObject object = value.object({"type", "name", "position", "radius", "radiance"});
   return {.center = decode_vector(object.required("position"), mm_per_unit),
           .radius =
               mm_per_unit * object.required("radius").number(
@@ -54,13 +54,14 @@ SphereLight decode_sphere(const JsonInput& value, double mm_per_unit) {
 }
 
 DirectionalLight decode_directional(const JsonInput& value) {
-  const JsonObject object = value.object({"type", "towards", "irradiance"});
+  const JsonObject object = value.object({"type", "name", "towards", "irradiance"});
   return {.direction = decode_direction(object.required("towards")),
           .irradiance = decode_color(object.required("irradiance"), light_range)};
 }
 
 RectangleLight decode_rectangle(const JsonInput& value, double mm_per_unit) {
-  const JsonObject object = value.object({"type", "position", "look_at", "up", "size", "radiance"});
+  const JsonObject object =
+      value.object({"type", "name", "position", "look_at", "up", "size", "radiance"});
   const Vec3 center = decode_vector(object.required("position"), mm_per_unit);
   const Vec3 target = decode_vector(object.required("look_at"), mm_per_unit);
   if (!(length(target - center) > 0.0))
@@ -99,7 +100,7 @@ std::size_t decode_environment_image(const JsonInput& value, Images& images) {
 
 EnvironmentLight decode_environment(const JsonInput& value, Images& images) {
   const JsonObject object =
-      value.object({"type", "image", "radiance", "scale", "rotation", "visible"});
+      value.object({"type", "name", "image", "radiance", "scale", "rotation", "visible"});
   const auto image = object.optional("image"), radiance = object.optional("radiance");
   if (image.has_value() == radiance.has_value())
     value.fail(image ? "must have \"image\" or \"radiance\", but has both"
@@ -121,6 +122,19 @@ EnvironmentLight decode_environment(const JsonInput& value, Images& images) {
 }
 
 }  // namespace
+
+std::string decode_light_name(const JsonInput& value) {
+  const auto given = value.peek("name");
+  if (!given) return "";
+  std::string name = given->string();
+  const auto fits = [](char c) {
+    return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  if (name.empty() || name.size() > 64 || !std::ranges::all_of(name, fits))
+    given->fail("must be 1 to 64 letters, digits, _ and -, but is \"" + name + "\"");
+  return name;
+}
 
 Light decode_light(const JsonInput& value, Images& images, double mm_per_unit) {
   enum class Type { point, spot, sphere, directional, rectangle, environment };

@@ -353,8 +353,10 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
     note_places(value, "materials." + name, material_settings, scene);
   }
   scene_materials.listed = materials.size();
-  for (const JsonInput& light : file.required("lights").array(0, 100'000))
+  for (const JsonInput& light : file.required("lights").array(0, 100'000)) {
     scene.lights.push_back(decode_light(light, images, mm_per_unit));
+    scene.light_names.push_back(scene_file::decode_light_name(light));
+  }
   for (const JsonInput& mesh : file.required("meshes").array(1, 100'000)) {
     auto [decoded, warnings] = decode_mesh(mesh, scene_materials, images, mm_per_unit);
     std::ranges::move(decoded, std::back_inserter(scene.meshes));

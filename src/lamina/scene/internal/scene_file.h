@@ -126,6 +126,9 @@ struct SceneMaterials {
 /// Whether a name fits a pattern, in which * stands for any letters and ? for one.
 [[nodiscard]] bool fits_pattern(std::string_view name, std::string_view pattern);
 
+/// What a light is called; empty: it has no name.
+[[nodiscard]] std::string decode_light_name(const JsonInput& value);
+
 [[nodiscard]] Light decode_light(const JsonInput& value, Images& images, double mm_per_unit);
 
 /// Three numbers as a vector, times `scale`.
