@@ -7,19 +7,21 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "fit_report.h"
+#include "fit_shard.h"
 #include "lamina/core/error.h"
+#include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/io/csv_table.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/io/folder_names.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
@@ -120,50 +122,71 @@ void fit_file(FittedFile& file, const MeasurementFitOptions& options) {
   });
 }
 
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
+FittedSample sample_of(const FittedFile& file) {
+  FittedSample sample{.name = file.name,
+                      .chi_squared = file.fit->chi_squared,
+                      .degrees_of_freedom = file.fit->degrees_of_freedom,
+                      .has_converged = file.fit->has_converged};
+  for (const FittedNumber& number : file.fit->numbers) {
+    const FittedParameter& fitted = number.fitted;
+    const double error = 0.5 * (fitted.low_error + fitted.high_error);
+    const bool has_error = std::isfinite(error) && !fitted.is_at_bound;
+    sample.numbers.push_back(
+        {number.name, fitted.value, has_error ? std::optional(error) : std::nullopt});
+  }
+  return sample;
 }
 
-/// A row for each file that was fitted, a value and an error for each number that any of them has.
-std::string csv_table(const std::vector<FittedFile>& files) {
-  std::vector<std::string> names;
-  for (const FittedFile& file : files)
-    if (file.fit)
-      for (const FittedNumber& number : file.fit->numbers)
-        if (std::ranges::count(names, number.name) == 0) names.push_back(number.name);
-  std::string text = "file,chi_squared,degrees_of_freedom,has_converged";
-  for (const std::string& name : names) text += "," + cell(name) + "," + cell(name + " sd");
+FittedBatch batch_of(const std::vector<FittedFile>& files) {
+  FittedBatch batch;
   for (const FittedFile& file : files) {
-    if (!file.fit) continue;
-    std::map<std::string, const FittedParameter*> found;
-    for (const FittedNumber& number : file.fit->numbers) found[number.name] = &number.fitted;
-    text += fmt::format("\n{},{},{},{}", cell(file.name), number_text(file.fit->chi_squared),
-                        file.fit->degrees_of_freedom, file.fit->has_converged ? 1 : 0);
-    for (const std::string& name : names) {
-      const auto number = found.find(name);
-      if (number == found.end()) {
-        text += ",,";
-        continue;
-      }
-      const FittedParameter& fitted = *number->second;
-      const double error = 0.5 * (fitted.low_error + fitted.high_error);
-      const bool has_error = std::isfinite(error) && !fitted.is_at_bound;
-      text += "," + number_text(fitted.value) + "," + (has_error ? number_text(error) : "");
+    if (file.fit) {
+      batch.samples.push_back(sample_of(file));
+      batch.fits.push_back(file.json);
+    } else {
+      batch.refused.push_back({file.name, file.refusal});
     }
   }
-  return text + "\n";
+  return batch;
+}
+
+/// A number that shards of one batch have in common.
+std::uint64_t key_of(const FitBatch& batch, const std::vector<BatchSample>& samples) {
+  Hash hash;
+  for (const std::string& word : words_of_shards(words_of_call())) hash.add_text(word);
+  MemoryBudget memory;
+  if (!is_device(batch.measurement)) hash.add_text(read_file_bytes(batch.measurement, memory));
+  for (const BatchSample& sample : samples) hash.add_text(sample.name);
+  return hash.value();
+}
+
+std::vector<BatchSample> find_samples(const FitBatch& batch, MemoryBudget memory) {
+  return lower_case_ending(batch.samples) == ".csv" && !fs::is_directory(batch.samples)
+             ? samples_of_table(batch.samples, memory)
+             : samples_of_folder(batch.samples);
 }
 
 }  // namespace
 
+void check_fit_batch(const FitBatch& batch, const CommonOptions& common) {
+  const std::vector<BatchSample> samples = find_samples(batch, common.memory);
+  const FittedFile first = load_sample(batch, common, samples[0]);
+  if (!first.measurement) throw InvalidInput(first.refusal);
+  JsonOutput json = make_result("fit");
+  json["samples"] = samples.size();
+  write_json(json, common);
+  print(common, fmt::format("{} samples\n", samples.size()));
+}
+
 void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
-  const std::vector<BatchSample> samples =
-      lower_case_ending(batch.samples) == ".csv" && !fs::is_directory(batch.samples)
-          ? samples_of_table(batch.samples, common.memory)
-          : samples_of_folder(batch.samples);
+  std::vector<BatchSample> samples = find_samples(batch, common.memory);
+  FitShard part{.shard = batch.shard.value_or(Shard()), .version = LAMINA_VERSION};
+  if (batch.shard) {
+    part.key = key_of(batch, samples);
+    part.command = words_of_shards(words_of_call());
+    const IndexRange range = range_of(part.shard, static_cast<std::int64_t>(samples.size()));
+    samples = {samples.begin() + range.begin, samples.begin() + range.end};
+  }
   std::vector<FittedFile> files(samples.size());
   parallel_for(samples.size(),
                [&](std::size_t i) { files[i] = load_sample(batch, common, samples[i]); });
@@ -176,38 +199,20 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
       [&](std::size_t i) { fit_file(files[i], {.tables = &tables, .seed = common.seed}); },
       make_progress("fits", Keeps::nothing));
 
-  JsonOutput json = make_result("fit");
-  json["fits"] = JsonOutput::array();
-  json["refused"] = JsonOutput::array();
-  std::string text;
-  std::map<std::string, std::size_t> refusals;  // as one, what is wrong with the measurement itself
-  std::size_t refused = 0;
-  for (const FittedFile& file : files) {
-    if (file.fit) {
-      json["fits"].push_back(file.json);
-      text += fmt::format("{}: chi squared {:.3g}, {} degrees of freedom{}\n", file.name,
-                          file.fit->chi_squared, file.fit->degrees_of_freedom,
-                          file.fit->has_converged ? "" : ", not converged");
-    } else {
-      ++refused;
-      json["refused"].push_back(JsonOutput{{"file", file.name}, {"reason", file.refusal}});
-      ++refusals[file.refusal];
-    }
+  if (batch.shard) {
+    part.batch = batch_of(files);
+    write_json(fit_shard_json(part), common);
+    print(common, fmt::format("{}: {} samples fitted, {} refused\n", common.json,
+                              part.batch.samples.size(), part.batch.refused.size()));
+    return;
   }
-  for (const auto& [reason, count] : refusals)
-    say(count == 1 ? reason : fmt::format("{} (of {} files)", reason, count));
-  if (!batch.output.empty()) write_file(batch.output, csv_table(files));
   if (!batch.report.empty()) {
     std::vector<BatchRow> rows;
     for (const FittedFile& file : files)
       rows.push_back({file.name, file.fit ? &*file.fit : nullptr, file.refusal});
     write_file(batch.report, batch_page(rows, batch.making));
   }
-  write_json(json, common);
-  print(common, text);
-  if (refused > 0)
-    throw std::runtime_error(
-        fmt::format("{} of {} files could not be fitted", refused, files.size()));
+  report_batch(batch_of(files), "fit", batch.output, common);
 }
 
 }  // namespace lamina::cli

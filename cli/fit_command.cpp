@@ -12,13 +12,15 @@
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/materials/material.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
 
 struct FitCommandOptions {
   CommonOptions common;
-  std::string measurement, output, plot, report, batch;
+  std::string measurement, output, plot, report, batch, shard;
+  bool only_checks = false;
   std::vector<std::string> settings;
 };
 
@@ -53,10 +55,13 @@ void run_fit(const FitCommandOptions& options) {
                      {"--report", options.report},
                      {"--json", options.common.json},
                      {"the measurement", options.measurement}});
-  if (!options.batch.empty())
-    return run_fit_batch({options.measurement, options.settings, options.batch, options.output,
-                          options.report, making_of(options)},
-                         options.common);
+  if (!options.batch.empty()) {
+    FitBatch batch{options.measurement, options.settings, options.batch,
+                   options.output,      options.report,   making_of(options)};
+    if (!options.shard.empty()) batch.shard = read_shard(options.shard);
+    return options.only_checks ? check_fit_batch(batch, options.common)
+                               : run_fit_batch(batch, options.common);
+  }
   const Measurement measurement =
       load_measurement(options.measurement, options.common.memory, options.settings);
   const MeasurementFit fit = fit_measurement(
@@ -102,6 +107,13 @@ void add_fit_command(CLI::App& app) {
                   "fits each CSV file of a folder, or each column of a CSV file as a spectrum of "
                   "reflectance, in place of the file of the first measured entry")
       .type_name("FOLDER|FILE.csv");
+  command
+      .add_option("--shard", options->shard,
+                  "fits part I of N of the samples of --batch; `lamina merge` puts the parts "
+                  "together")
+      .type_name("I/N");
+  command.add_flag("--check", options->only_checks,
+                   "reads the samples of --batch and says how many there are, without fitting");
   add_settings_option(command, options->settings, "measurement");
   add_common_options(command, options->common);
   command.footer(
@@ -111,8 +123,19 @@ void add_fit_command(CLI::App& app) {
       "Many samples, measured alike\n"
       "  lamina fit examples/measurements/liquid.json --batch spectra -o found.csv");
   command.callback([options, command] {
-    if (!options->batch.empty() && command.is_given("--plot"))
-      throw InvalidInput("--plot: must be left out with --batch");
+    const auto refuse = [&](const char* name, const std::string& why) {
+      if (command.is_given(name)) throw InvalidInput(std::string(name) + ": " + why);
+    };
+    if (!options->batch.empty()) refuse("--plot", "must be left out with --batch");
+    if (options->batch.empty())
+      for (const char* name : {"--shard", "--check"})
+        refuse(name, "is for samples of --batch, which is not given");
+    if (!options->shard.empty()) {
+      for (const char* name : {"--output", "--report"})
+        refuse(name, "is of all samples, and --shard of some; `lamina merge -o` makes the table");
+      if (options->common.json.empty())
+        refuse("--shard", "needs --json FILE, which keeps the part for `lamina merge`");
+    }
     run_fit(*options);
   });
 }

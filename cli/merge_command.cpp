@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "fit_shard.h"
 #include "lamina/core/error.h"
 #include "lamina/io/folder_names.h"
 #include "merge_options.h"
@@ -99,6 +100,14 @@ void run_merge(MergeOptions& options, const Command& command) {
     return merge_render(options);
   }
 #endif
+  if (is_fit_shard(options.files[0], options.common.memory)) {
+    for (const char* name : {"--plot", "--channels", "--noise", "--exposure", "--denoise"})
+      refuse(command, {name}, "is not for shards of fits, which these are");
+    if (!options.output.empty() && lower_case_ending(options.output) != ".csv")
+      throw InvalidInput("--output: must end in .csv, the table of fits, but is " + options.output);
+    require_different({{"--output", options.output}, {"--json", options.common.json}});
+    return merge_fits(options);
+  }
   refuse(command, of_pictures, "is for shards of a picture, but these are of photons");
   merge_photons(options);
 }
@@ -128,13 +137,14 @@ void report_missing(const std::vector<int>& missing, int of, bool needs_all,
 void add_merge_command(CLI::App& app) {
   auto options = std::make_shared<MergeOptions>();
   const Command command(app, "merge",
-                        "Adds the shards of photon runs and of pictures; all of them make the "
-                        "whole, bit by bit.");
+                        "Adds the shards of photon runs, of pictures and of fits; all of them make "
+                        "the whole, bit by bit.");
   command
       .add_option(
           "files", options->files,
-          "what `lamina photons --shard I/N --json` or `lamina render --shard I/N` wrote, in "
-          "any order, or folders of files that end in .shard")
+          "what `lamina photons --shard I/N --json`, `lamina render --shard I/N` or `lamina fit "
+          "--batch --shard I/N --json` wrote, in any order, or folders of files that end in "
+          ".shard")
       .required()
       .type_name("FILE");
   command.add_flag("--all", options->needs_all,
@@ -142,9 +152,8 @@ void add_merge_command(CLI::App& app) {
   command
       .add_option("-o,--output", options->output,
                   "IMAGE as of `lamina render`; or X.shard, which holds the sums of all files and "
-                  "can be merged again")
-      .type_name("FILE")
-      .group("Pictures");
+                  "can be merged again; of fits the table, .csv")
+      .type_name("FILE");
   command
       .add_option("--channels", options->channels,
                   "of IMAGE.exr, as in R,G,B,variance; all, if it is not given. Colors and noise "

@@ -165,6 +165,76 @@ class Batch(unittest.TestCase):
             self.assertEqual(os.listdir(folder), [])
 
 
+class Shards(unittest.TestCase):
+    """Three parts of five samples, one of which is refused, against all of them on one machine."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        spectra = self.folder / "spectra"
+        spectra.mkdir()
+        text = (EXAMPLES / "cuvette.csv").read_text()
+        for name in "abde":
+            (spectra / f"{name}.csv").write_text(text)
+        (spectra / "c.csv").write_text(text.replace("50.63", "-50.63"))
+        self.batch = ["fit", EXAMPLES / "liquid.json", "--batch", "spectra"]
+        for i in range(3):
+            result = self.run_here(*self.batch, "--shard", f"{i}/3", "--json", f"{i}.json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+
+    def run_here(self, *args):
+        return run(*args, cwd=self.folder)
+
+    def assertRefused(self, text, *args):
+        before = sorted(os.listdir(self.folder))
+        result = self.run_here(*args)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(text, result.stderr.splitlines()[-1])
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def test_come_to_the_whole_bit_by_bit_in_any_order(self):
+        whole = self.run_here(*self.batch, "-o", "whole.csv", "--json", "whole.json")
+        self.assertEqual(whole.returncode, 1, whole.stderr)
+        merged = self.run_here("merge", "2.json", "0.json", "1.json", "--all", "-o", "merged.csv", "--json", "merged.json")
+        self.assertEqual(merged.returncode, 1, merged.stderr)
+        self.assertEqual(merged.stderr, whole.stderr)
+        self.assertIn("1 of 5 files could not be fitted", merged.stderr)
+        self.assertEqual((self.folder / "merged.csv").read_bytes(), (self.folder / "whole.csv").read_bytes())
+        one, other = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("whole", "merged"))
+        self.assertEqual(other.pop("command"), "merge")
+        self.assertEqual(one.pop("command"), "fit")
+        self.assertEqual(one, other)
+
+    def test_that_are_missing_are_named_with_their_command(self):
+        result = self.run_here("merge", "0.json", "2.json", "-o", "some.csv")
+        self.assertEqual(result.returncode, 0, result.stderr)  # the refused sample is in the other
+        self.assertIn("1 of 3 shards are missing: 1/3", result.stderr)
+        missing = result.stderr.splitlines()[0]
+        self.assertTrue(missing.endswith("--batch spectra --shard 1/3 --json 1.json"), missing)
+        self.assertRefused("1 of 3 shards are missing", "merge", "0.json", "2.json", "--all", "-o", "none.csv")
+
+    def test_that_do_not_belong_together_or_are_damaged_are_refused_by_name(self):
+        self.assertRefused("1.json: shard 1/3 must be given once", "merge", "1.json", "1.json")
+        self.run_here(*self.batch, "--shard", "0/2", "--json", "half.json")
+        self.assertRefused("half.json: must be one of 3 shards, as 1.json", "merge", "1.json", "half.json")
+        self.run_here(*self.batch, "--seed", "5", "--shard", "0/3", "--json", "other.json")
+        self.assertRefused("other.json: must be of the measurement", "merge", "1.json", "other.json")
+        sound = (self.folder / "0.json").read_text()
+        for old, new in [('"index": 0', '"index": 2'), ('"value": 0.0', '"value": 0.1'), ("a.csv", "q.csv")]:
+            self.assertIn(old, sound)
+            (self.folder / "0.json").write_text(sound.replace(old, new, 1))
+            self.assertRefused("0.json: is damaged", "merge", "0.json", "1.json")
+
+    def test_need_a_batch_and_leave_the_whole_to_the_merge(self):
+        self.assertRefused("--shard: is for samples of --batch", "fit", EXAMPLES / "liquid.json", "--shard", "0/2")
+        self.assertRefused("--shard: must be I/N", *self.batch, "--shard", "2/2", "--json", "a.json")
+        self.assertRefused("--shard: needs --json FILE", *self.batch, "--shard", "0/2")
+        self.assertRefused("--output: is of all samples", *self.batch, "--shard", "0/2", "--json", "a.json", "-o", "a.csv")
+        self.assertRefused("--output: must end in .csv", "merge", "0.json", "-o", "a.png")
+        self.assertRefused("--denoise: is not for shards of fits", "merge", "0.json", "--denoise")
+
+
 class WrongInput(unittest.TestCase):
     def test_is_one_line_with_exit_code_2_and_writes_nothing(self):
         files = sorted((INPUTS / "bad").glob("*.json"))
