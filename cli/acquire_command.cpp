@@ -1,11 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,12 +19,14 @@
 #include "lamina/acquire/acquired_files.h"
 #include "lamina/acquire/skin_acquisition.h"
 #include "lamina/core/error.h"
+#include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
 #include "lamina/plot/html_page.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
@@ -35,7 +40,9 @@ struct AcquireOptions {
   LateralLight lateral = LateralLight::automatic;
   InversionMethod method = InversionMethod::gauss_newton;
   double most_forwards = InversionOptions{}.most_forwards, model_error = 0.0, robust_limit = 0.0;
-  bool resumes = false;
+  bool resumes = false, only_prepares = false, only_checks = false;
+  std::string tiles, shard;
+  std::size_t tile_memory = std::size_t{1} << 30;
   std::vector<std::pair<std::string, Option>> of_transport;  ///< those above, by name
 };
 
@@ -173,6 +180,67 @@ void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::p
         leaf_text(leaf) + fmt::format("{}, {}\n", files.material.string(), page.string()));
 }
 
+/// A number that the tiles of a capture follow from.
+std::uint64_t key_of_tiles(const AcquireOptions& options, const Capture& capture) {
+  constexpr std::array<std::string_view, 1> of_tiles = {"--tiles"};
+  constexpr std::array<std::string_view, 2> flags = {"--prepare", "--check"};
+  Hash hash;
+  hash.add_text(LAMINA_VERSION);
+  for (const std::string& word : without_options(words_of_shards(words_of_call()), of_tiles, flags))
+    hash.add_text(word);
+  MemoryBudget memory = options.common.memory;
+  if (options.capture != "-" && !is_device(options.capture))
+    hash.add_text(read_file_bytes(options.capture, memory));
+  hash.add_bytes(std::as_bytes(std::span(capture.reflectance.pixels)));
+  hash.add_bytes(std::as_bytes(std::span(capture.deviation.pixels)));
+  hash.add_bytes(std::as_bytes(std::span(capture.mask.faults)));
+  for (const Image& light : capture.lights) hash.add_bytes(std::as_bytes(std::span(light.pixels)));
+  hash.add(capture.sensor.values);
+  if (capture.population)
+    for (const auto& prior : capture.population->priors) {
+      hash.add(prior.mean);
+      hash.add(prior.standard_deviation);
+    }
+  return hash.value();
+}
+
+/// @throws InvalidInput for options that do not go together
+void require_tiles(const AcquireOptions& options, std::size_t count) {
+  const bool wants_part = options.only_prepares || !options.shard.empty();
+  const char* name = options.only_prepares ? "--prepare" : "--shard";
+  if (wants_part && options.tiles.empty())
+    throw InvalidInput(fmt::format("{}: needs --tiles FOLDER, which all machines see", name));
+  if (options.tiles.empty()) return;
+  if (options.resumes)
+    throw InvalidInput(
+        "--resume: does not go with --tiles, which goes on with those that are there");
+  if (count == 1)
+    throw InvalidInput(fmt::format(
+        "--tiles: must be of a capture that takes more than {} MiB, which --tile-memory "
+        "says, but this one is solved as a whole",
+        options.tile_memory >> 20));
+}
+
+/// Some tiles, or the first: no maps yet.
+void acquire_tiles(const AcquireOptions& options, const Capture& capture,
+                   const PatchAcquisitionOptions& patch) {
+  const AcquiredSkin skin =
+      acquire_patch(capture, patch, user_cache(), make_progress("acquiring", Keeps::what_there_is));
+  if (skin.inversion->stop == InversionStop::interrupted) throw Interrupted();
+  JsonOutput json = make_result("acquire");
+  json["tiles"] = options.tiles;
+  write_json(json, options.common);
+  print(options.common, fmt::format("{}\n", options.tiles));
+}
+
+void print_tiles(const AcquireOptions& options, std::size_t count, const fs::path& folder) {
+  JsonOutput json = make_result("acquire");
+  json["tiles"] = count;
+  json["output"] = folder.string();
+  write_json(json, options.common);
+  print(options.common, fmt::format("{} tiles\n", count));
+}
+
 void run_acquire(const AcquireOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
@@ -180,6 +248,7 @@ void run_acquire(const AcquireOptions& options) {
   Capture capture = load_capture(options.capture, options.common.memory, options.settings);
   const fs::path folder =
       options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
+  if (capture.leaf && options.only_checks) return print_tiles(options, 1, folder);
   if (capture.leaf) {
     run_leaf(options, capture, folder);
     return;
@@ -193,6 +262,18 @@ void run_acquire(const AcquireOptions& options) {
   patch.inversion.model_error = options.model_error;
   patch.inversion.robust_limit = options.robust_limit;
   patch.inversion.seed = options.common.seed;
+  patch.has_transport = plan.has_transport;
+  patch.most_bytes = static_cast<double>(options.tile_memory);
+  const std::size_t tiles = plan.has_table ? 1 : count_tiles(capture, patch);
+  if (options.only_checks) return print_tiles(options, tiles, folder);
+  require_tiles(options, tiles);
+  if (!options.tiles.empty()) {
+    patch.kept = {.folder = options.tiles,
+                  .key = key_of_tiles(options, capture),
+                  .only_first = options.only_prepares};
+    if (!options.shard.empty()) patch.kept->shard = read_shard(options.shard);
+    if (options.only_prepares || patch.kept->shard) return acquire_tiles(options, capture, patch);
+  }
   if (options.resumes) {
     patch.start = maps_to_go_on_from(capture, folder);
     patch.inversion.smoothness = smoothness_of(folder / result_file, capture.numbers.size());
@@ -269,7 +350,35 @@ void add_acquire_command(CLI::App& app) {
       .group("Maps with transport");
   command.add_flag("--resume", options->resumes, "go on from the maps in the folder")
       .group("Maps with transport");
-  for (const char* name : {"--method", "--most-forwards", "--model-error", "--robust", "--resume"})
+  const std::string large = "Captures that are solved by tiles";
+  command
+      .add_memory_size(
+          "--tile-memory", options->tile_memory,
+          "memory that the inversion may take, 1GiB if not given; what would take more "
+          "goes by tiles")
+      .group(large);
+  command
+      .add_option("--tiles", options->tiles,
+                  "keeps each tile in this folder, and takes those that are there: a call that was "
+                  "stopped goes on, and machines share the work")
+      .type_name("FOLDER")
+      .group(large);
+  command
+      .add_option(
+          "--shard", options->shard,
+          "only part I of N of the tiles, and no maps; the same call without it makes these "
+          "of all, bit by bit those of one machine")
+      .type_name("I/N")
+      .group(large);
+  command
+      .add_flag("--prepare", options->only_prepares,
+                "only the tile of which most is known, whose smoothness all take; a shard makes it "
+                "where it is missing")
+      .group(large);
+  command.add_flag("--check", options->only_checks,
+                   "reads the photographs and says how many tiles there are");
+  for (const char* name : {"--method", "--most-forwards", "--model-error", "--robust", "--resume",
+                           "--tile-memory", "--tiles", "--shard", "--prepare"})
     options->of_transport.emplace_back(name, command.option(name));
   add_common_options(command, options->common);
   command.footer(

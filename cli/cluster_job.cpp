@@ -114,7 +114,7 @@ ClusterPlan plan_of_picture(const ClusterJob& job) {
                     "but is to have {}",
                     samples, job.shards));
   const Words files = read_words(*root.peek("files"));
-  ClusterPlan plan{.is_picture = true, .result = files[0]};
+  ClusterPlan plan{.kind = ShardKind::picture, .result = files[0]};
   plan.finds_method = root.peek("method")->string() == "auto";
   const double noise = root.peek("noise")->number();
   // The merge tells the noise, which one shard does not know.
@@ -128,6 +128,70 @@ ClusterPlan plan_of_picture(const ClusterJob& job) {
   if (std::ranges::find(job.command, "--denoise") != job.command.end())
     plan.merge.emplace_back("--denoise");
   plan.merge = joined(plan.merge, only_options(job.command, json_names));
+  return plan;
+}
+
+/// A result of so many parts, each of which a shard can be.
+void require_parts(const ClusterJob& job, std::int64_t parts, const std::string& what) {
+  if (job.shards > parts)
+    throw InvalidInput(
+        fmt::format("--shards: {} can have at most as many shards, but {} are asked for",
+                    fmt::format("{} {}", parts, what), job.shards));
+}
+
+ClusterPlan plan_of_fits(const ClusterJob& job) {
+  constexpr std::array<std::string_view, 3> of_shards = {"--shard", "--check", "--threads"};
+  constexpr std::array<std::string_view, 2> of_one = {"--plot", "--report"};
+  refuse(job.command, of_shards, "is for the jobs, which have it without being told");
+  refuse(job.command, of_one, "does not go with shards");
+  constexpr std::array<std::string_view, 1> batch = {"--batch"};
+  if (value_of(job.command, batch).empty())
+    throw InvalidInput("--batch: must name the samples that are split, but is missing");
+  const std::string table = value_of(job.command, output_names);
+  const std::string json = value_of(job.command, json_names);
+  if (table.empty() && json.empty())
+    throw InvalidInput("--output: must name the table of all fits in the command, but is missing");
+  const JsonDocument said = checked(job, without_options(job.command, json_names, {}));
+  require_parts(job, said.root().peek("samples")->integer(1, std::int64_t{1} << 40), "samples");
+  for (const std::string& file : {table, json})
+    if (!file.empty()) require_writable((fs::path(job.folder) / file).string());
+  ClusterPlan plan{.kind = ShardKind::fits, .result = table.empty() ? json : table};
+  constexpr std::array<std::string_view, 3> of_result = {"-o", "--output", "--json"};
+  plan.shard = without_options(job.command, of_result, {});
+  plan.merge = joined({"merge"}, only_options(job.command, of_result));
+  return plan;
+}
+
+/// Of commands that keep what is done in a folder, and go on with it.
+ClusterPlan plan_of_kept(const ClusterJob& job, const fs::path& job_folder) {
+  const bool is_capture = job.command[0] == "acquire";
+  constexpr std::array<std::string_view, 7> of_shards = {
+      "--shard", "--prepare", "--check", "--threads", "--tiles", "--resume", "--list"};
+  refuse(job.command, of_shards, "is for the jobs, which have it without being told");
+  const JsonDocument said = checked(job, without_options(job.command, json_names, {}));
+  const JsonInput count = *said.root().peek(is_capture ? "tiles" : "items");
+  const std::int64_t parts = count.integer(0, std::int64_t{1} << 40);
+  if (is_capture && parts == 1)
+    throw InvalidInput(
+        "acquire: must be of a capture that is solved by tiles, but this one is solved as a whole; "
+        "--tile-memory makes tiles smaller");
+  require_parts(job, is_capture ? parts - 1 : parts,
+                is_capture ? "tiles behind the first" : "items");
+  constexpr std::array<std::string_view, 2> of_all = {"--json", "--before"};
+  const Words words = without_options(job.command, of_all, {});
+  fs::path result = said.root().peek("output")->string();
+  if (!result.has_filename()) result = result.parent_path();  // "maps/"
+  ClusterPlan plan{.kind = ShardKind::kept, .result = result};
+  if (!is_capture) {
+    plan.shard = words;
+    plan.merge = joined(job.command, {"--resume"});
+    return plan;
+  }
+  const fs::path tiles =
+      (job_folder.empty() ? fs::path(result).replace_extension(".job") : job_folder) / "tiles";
+  plan.shard = joined(words, {"--tiles", fs::absolute(fs::path(job.folder) / tiles).string()});
+  plan.prepare = joined(plan.shard, {"--prepare"});
+  plan.merge = joined(plan.shard, only_options(job.command, json_names));
   return plan;
 }
 
@@ -147,7 +211,7 @@ ClusterPlan plan_of_photons(const ClusterJob& job) {
   constexpr std::array<std::string_view, 2> flags = {"--resume", "--counts"};
   (void)checked(job, without_options(job.command, json_names, flags));
   require_writable((fs::path(job.folder) / json).string());
-  ClusterPlan plan{.is_picture = false, .result = json};
+  ClusterPlan plan{.kind = ShardKind::photons, .result = json};
   plan.shard = without_options(job.command, of_result, flags);
   plan.merge = joined({"merge"}, only_options(job.command, of_result));
   return plan;
@@ -186,24 +250,27 @@ void save_cluster_job(const ClusterJob& job, const fs::path& file) {
   write_file(file.string(), json.text(1) + "\n");
 }
 
-ClusterPlan make_cluster_plan(const ClusterJob& job) {
+ClusterPlan make_cluster_plan(const ClusterJob& job, const fs::path& job_folder) {
   Words words = job.command;
   if (!words.empty() && words[0] == "lamina") words.erase(words.begin());
   ClusterJob without_name = job;
   without_name.command = words;
-  const bool is_render = !words.empty() && words[0] == "render";
-  if (!is_render && (words.empty() || words[0] != "photons"))
-    throw InvalidInput(fmt::format(
-        "the command must be render or photons, whose work can be parted, but is \"{}\"",
-        words.empty() ? "" : words[0]));
+  const std::string command = words.empty() ? "" : words[0];
   for (const std::string& word : words)
     if (word == "-" || word == "-h" || word == "--help" || word.ends_with(".mci"))
       throw InvalidInput(
           fmt::format("{}: cannot be part of a command that many machines run", word));
 #ifndef LAMINA_RENDER
-  if (is_render) throw InvalidInput("render: this lamina was built without it");
+  if (command == "render") throw InvalidInput("render: this lamina was built without it");
 #endif
-  return is_render ? plan_of_picture(without_name) : plan_of_photons(without_name);
+  if (command == "render") return plan_of_picture(without_name);
+  if (command == "photons") return plan_of_photons(without_name);
+  if (command == "fit") return plan_of_fits(without_name);
+  if (command == "acquire" || command == "reproduce") return plan_of_kept(without_name, job_folder);
+  throw InvalidInput(fmt::format(
+      "the command must be render, photons, fit, acquire or reproduce, whose work can be "
+      "parted, but is \"{}\"",
+      command));
 }
 
 ClusterFiles::ClusterFiles(const fs::path& named) : folder(fs::absolute(named).lexically_normal()) {

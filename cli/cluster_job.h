@@ -28,19 +28,29 @@ inline constexpr int most_shards = 1'000'000;
 [[nodiscard]] ClusterJob load_cluster_job(const std::filesystem::path& file, MemoryBudget memory);
 void save_cluster_job(const ClusterJob& job, const std::filesystem::path& file);
 
+/// What a shard leaves, and the merge takes.
+enum class ShardKind {
+  picture,  ///< sums of a film, for `lamina merge`
+  photons,  ///< JSON of counts, of a run that can go on
+  fits,     ///< JSON of the samples of a batch
+  kept      ///< what the command itself keeps in a folder, for the same command without --shard
+};
+
 /// How the job's command is split and what comes of it.
 struct ClusterPlan {
   std::vector<std::string> prepare;  ///< makes what shards share; empty: nothing is to be made
   bool finds_method = false;         ///< of light below surfaces: it is left open until prepared
   std::vector<std::string> shard;    ///< without --shard, output and threads
   std::vector<std::string> merge;    ///< without the shards
-  bool is_picture = false;           ///< of `lamina render`, else photons
-  std::filesystem::path result;      ///< the first file of it, which gives the job its name
+  ShardKind kind = ShardKind::picture;
+  std::filesystem::path result;  ///< the first file of it, which gives the job its name
 };
 
-/// Looks at the command as `lamina render --check` or `lamina photons --check` does.
+/// Looks at the command as it does itself with --check.
+/// @param job_folder  of its scripts; empty: beside the result
 /// @throws InvalidInput naming what is wrong with it
-[[nodiscard]] ClusterPlan make_cluster_plan(const ClusterJob& job);
+[[nodiscard]] ClusterPlan make_cluster_plan(const ClusterJob& job,
+                                            const std::filesystem::path& job_folder = {});
 
 /// Files of a job, in its folder.
 struct ClusterFiles {

@@ -55,17 +55,43 @@ std::string with_state(const std::string& part, const std::string& work) {
 
 std::string shard_work(const ClusterJob& job, const ClusterPlan& plan) {
   const std::string words = quoted(plan.shard);
-  if (plan.is_picture)
-    return fmt::format(
-        "\"$lamina\" {}{} --shard \"$i/{}\" -o \"$job/shards/$i.shard\" --resume --threads "
-        "\"$threads\"\n",
-        words, plan.finds_method ? " --method \"$method\"" : "", job.shards);
+  const std::string part =
+      fmt::format("\"$lamina\" {} --shard \"$i/{}\" --threads \"$threads\"", words, job.shards);
   // A run that is stopped writes what it has, which is not the shard.
+  const std::string json =
+      " --json \"$job/shards/$i.$$.json\" &&\n"
+      "  mv \"$job/shards/$i.$$.json\" \"$job/shards/$i.shard\"\n";
+  switch (plan.kind) {
+    case ShardKind::picture:
+      return part + (plan.finds_method ? " --method \"$method\"" : "") +
+             " -o \"$job/shards/$i.shard\" --resume\n";
+    case ShardKind::photons:
+      return part + " --checkpoint \"$job/shards/$i.unfinished\" --resume" + json;
+    case ShardKind::fits:
+    case ShardKind::kept:
+      break;
+  }
+  return part + json;
+}
+
+/// What makes the whole of the shards.
+std::string merge_work(const ClusterJob& job, const ClusterPlan& plan) {
+  const std::string words = quoted(plan.merge);
+  if (plan.kind != ShardKind::kept)
+    return fmt::format("\"$lamina\" {} --all --threads \"$threads\" \"$job/shards\"\n", words);
   return fmt::format(
-      "\"$lamina\" {} --shard \"$i/{}\" --json \"$job/shards/$i.$$.json\" --checkpoint "
-      "\"$job/shards/$i.unfinished\" --resume --threads \"$threads\" &&\n"
-      "  mv \"$job/shards/$i.$$.json\" \"$job/shards/$i.shard\"\n",
-      words, job.shards);
+      "missing=0 i=0\n"
+      "while [ $i -lt {0} ]; do\n"
+      "  [ -e \"$job/shards/$i.shard\" ] || missing=$((missing + 1))\n"
+      "  i=$((i + 1))\n"
+      "done\n"
+      "if [ $missing -gt 0 ]; then\n"
+      "  echo \"$missing of {0} shards are missing; lamina status $job names them\" >&2\n"
+      "  (exit 2)\n"
+      "else\n"
+      "  \"$lamina\" {1} --threads \"$threads\"\n"
+      "fi\n",
+      job.shards, words);
 }
 
 /// "0-15" or "3,7,9-12".
@@ -145,9 +171,7 @@ std::string prepare_script(const ClusterJob& job, const ClusterPlan& plan,
 std::string merge_script(const ClusterJob& job, const ClusterPlan& plan,
                          const ClusterFiles& files) {
   return beginning(job, files, "The sum of all shards of") +
-         with_state("merge", fmt::format("\"$lamina\" {} --all --threads \"$threads\" "
-                                         "\"$job/shards\"\n",
-                                         quoted(plan.merge)));
+         with_state("merge", merge_work(job, plan));
 }
 
 std::string submit_script(const ClusterJob& job, const ClusterPlan& plan, const ClusterFiles& files,

@@ -17,6 +17,7 @@
 #include "lamina/reproduction/page.h"
 #include "reproduce_finished.h"
 #include "reproduce_run.h"
+#include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
@@ -26,9 +27,9 @@ namespace fs = std::filesystem;
 struct ReproduceOptions {
   CommonOptions common;
   std::vector<std::string> items;
-  std::string output = "reproduction", sources, before;
+  std::string output = "reproduction", sources, before, shard;
   ReproductionQuality quality = ReproductionQuality::draft;
-  bool only_lists = false, resumes = false;
+  bool only_lists = false, only_checks = false, resumes = false;
 };
 
 /// The folder of lamina's sources, above the program or the current one; empty if there is none.
@@ -43,6 +44,15 @@ fs::path find_sources() {
 
 bool is_in(const std::vector<ReproductionItem>& items, const std::string& id) {
   return std::ranges::find(items, id, &ReproductionItem::id) != items.end();
+}
+
+/// The part of them that a shard makes: each N-th, as those of one paper take alike.
+std::vector<ReproductionItem> items_of(const Shard& shard, std::vector<ReproductionItem> items) {
+  std::vector<ReproductionItem> part;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (static_cast<int>(i % static_cast<std::size_t>(shard.count)) == shard.index)
+      part.push_back(std::move(items[i]));
+  return part;
 }
 
 /// The items that are asked for, each once: all, those of papers, single ones, or those of files.
@@ -93,7 +103,7 @@ void list_items(const std::vector<ReproductionItem>& items, const CommonOptions&
 ReproductionResult make_item(const ReproductionItem& item, const fs::path& folder,
                              const fs::path& sources, const ReproduceOptions& options,
                              const Progress& progress) {
-  FinishedRuns finished(item, folder, sources, options.resumes);
+  FinishedRuns finished(item, folder, sources, options.resumes || !options.shard.empty());
   const RunLamina run = [&](std::vector<std::string> arguments, const fs::path& in) {
     if (std::optional<std::string> result = finished.next()) return *result;
     if (options.common.threads > 0)
@@ -110,7 +120,16 @@ ReproductionResult make_item(const ReproductionItem& item, const fs::path& folde
 }
 
 void run_reproduce(const ReproduceOptions& options) {
-  const std::vector<ReproductionItem> items = find_items(options);
+  std::vector<ReproductionItem> items = find_items(options);
+  if (options.only_checks) {
+    JsonOutput json = make_result("reproduce");
+    json["items"] = items.size();
+    json["output"] = options.output;
+    write_json(json, options.common);
+    return print(options.common, fmt::format("{} items\n", items.size()));
+  }
+  const bool is_part = !options.shard.empty();
+  if (is_part) items = items_of(read_shard(options.shard), std::move(items));
   if (options.only_lists) return list_items(items, options.common);
   const fs::path out = fs::absolute(options.output);
   const fs::path sources = options.sources.empty() ? find_sources() : fs::absolute(options.sources);
@@ -138,7 +157,14 @@ void run_reproduce(const ReproduceOptions& options) {
     say(fmt::format("{:<18} {} ({:.1f} s){}", item.id, name_of(result.verdict), result.seconds,
                     result.why_not_made.empty() ? "" : ": " + result.why_not_made));
   }
-  if (results.empty()) throw Interrupted();
+  if (results.size() < items.size() && (is_part || results.empty())) throw Interrupted();
+  if (is_part) {
+    JsonOutput json = make_result("reproduce");
+    json["items"] = results.size();
+    write_json(json, options.common);
+    if (has_failed) throw ReproductionFailed("not all items could be made");
+    return;
+  }
   write_file((out / "index.html").string(), format_page(results, options.quality));
   const JsonOutput summary = reproduction_json(results, options.quality);
   write_file((out / "summary.json").string(), summary.text(1) + "\n");
@@ -176,6 +202,13 @@ void add_reproduce_command(CLI::App& app) {
       "go on after an interrupted call: commands that have finished in DIR are not run "
       "again, if program and item are the same");
   command
+      .add_option(
+          "--shard", options->shard,
+          "makes part I of N of the items, and no page: the same call with --resume in place "
+          "of it makes that of all. What has finished in DIR is not run again")
+      .type_name("I/N");
+  command.add_flag("--check", options->only_checks, "says how many items would be made");
+  command
       .add_option("--sources", options->sources,
                   "the folder with lamina's scenes/ and demo/, if it is not found")
       .type_name("DIR");
@@ -189,7 +222,11 @@ void add_reproduce_command(CLI::App& app) {
       "Exit code 1: an item could not be made, or --before found a worse verdict.\n\n"
       "Example: the tables of Donner & Jensen 2005, and one figure of another paper\n"
       "  lamina reproduce donner_jensen_2005 hk93.fig8 -o papers");
-  command.callback([options] { run_reproduce(*options); });
+  command.callback([options, command] {
+    if (!options->shard.empty() && command.is_given("--before"))
+      throw InvalidInput("--before: is compared with all items, and --shard makes some");
+    run_reproduce(*options);
+  });
 }
 
 }  // namespace lamina::cli

@@ -58,9 +58,14 @@ ClusterJob job_of(const SubmitOptions& options) {
   return job;
 }
 
+/// That of the job, if it is known without its command.
+fs::path given_folder(const SubmitOptions& options) {
+  if (is_job_folder(options.job)) return fs::absolute(options.job);
+  return options.output.empty() ? fs::path() : fs::absolute(options.output);
+}
+
 fs::path folder_of(const SubmitOptions& options, const ClusterJob& job, const ClusterPlan& plan) {
-  if (is_job_folder(options.job)) return options.job;
-  if (!options.output.empty()) return options.output;
+  if (const fs::path given = given_folder(options); !given.empty()) return given;
   return (fs::path(job.folder) / plan.result).replace_extension(".job");
 }
 
@@ -107,7 +112,7 @@ void hand_over(const ClusterJob& job, const ClusterPlan& plan, const ClusterFile
 
 void run_submit(const SubmitOptions& options) {
   const ClusterJob job = job_of(options);
-  const ClusterPlan plan = make_cluster_plan(job);
+  const ClusterPlan plan = make_cluster_plan(job, given_folder(options));
   const ClusterFiles files(folder_of(options, job, plan));
   require_same(job, files);
   make_folders(files);
@@ -159,7 +164,7 @@ void run_submit(const SubmitOptions& options) {
 void add_submit_command(CLI::App& app) {
   auto options = std::make_shared<SubmitOptions>();
   const Command command(app, "submit",
-                        "Splits a render or a photon run over a cluster: Slurm, or plain scripts.");
+                        "Splits work that takes long over a cluster: Slurm, or plain scripts.");
   command
       .add_option("job", options->job,
                   "what is to be made: a command in quotes, 'render scene.json -o picture'; a job "

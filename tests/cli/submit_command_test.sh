@@ -3,7 +3,7 @@
 # Jobs of many shards by their scripts, with a Slurm that only notes what it is asked for.
 #   submit_command_test.sh LAMINA SCENES INPUTS
 set -euo pipefail
-lamina=$1 scenes=$2 inputs=$3
+lamina=$1 scenes=$2 inputs=$3 root=$(cd "$2/.." && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -112,13 +112,41 @@ asked '0 --parsable'; asked '--array=3 '; asked '1000 --parsable'; asked '--arra
 printf '#!/bin/sh\n[ "$1" = --version ] || { echo "sbatch: error: invalid partition" >&2; exit 1; }\n' >bin/sbatch
 expect 1 'sbatch: error: invalid partition' submit 'photons donner_jensen_skin --json other.json' --shards 2
 
+# Fits of a batch, and items of papers; tiles are in acquire_command_test.py.
+mkdir spectra
+for name in a b c; do cp "$root/examples/measurements/cuvette.csv" spectra/$name.csv; done
+fit="fit $root/examples/measurements/liquid.json --batch spectra"
+expect 0 'by hand' submit "$fit -o found.csv" --shards 2 --dry-run
+for i in 1 0; do sh found.job/shard.sh $i >/dev/null; done
+sh found.job/merge.sh >/dev/null
+expect 0 'merge: done' status found.job
+expect 0 '' $fit -o whole.csv
+cmp whole.csv found.csv || fail "shards of fits make another table"
+expect 2 '3 samples can have at most as many shards' submit "$fit -o found.csv" --shards 4
+expect 2 '--batch: must name the samples' submit "fit $root/examples/measurements/liquid.json -o x.json" --shards 2
+expect 2 '--report: does not go with shards' submit "$fit -o found.csv --report x.html" --shards 2
+sed 's/my.item/my.other/' "$inputs/reproduction/good/marble.json" >other.json
+items="reproduce $inputs/reproduction/good/marble.json other.json"
+expect 0 'by hand' submit "$items -o papers" --shards 2 --dry-run
+sh papers.job/shard.sh 1 2>/dev/null >&2
+sh papers.job/merge.sh >output 2>&1 && fail "merged without all items"
+grep -q '1 of 2 shards are missing' output || fail "$(cat output)"
+[ -e papers/my.other/finished.json ] && [ ! -e papers/my.item ] || fail "not the items of the shard"
+sh papers.job/shard.sh 0 2>/dev/null >&2
+sh papers.job/merge.sh 2>/dev/null >&2
+expect 0 'merge: done' status papers.job
+expect 0 '' $items -o whole
+for item in my.item my.other; do cmp papers/$item/numbers.csv whole/$item/numbers.csv || fail "items of shards have other numbers"; done
+expect 2 '2 items can have at most as many shards' submit "$items -o papers" --shards 3
+expect 2 'solved as a whole' submit "acquire $inputs/capture/good/bands.json --set population=forearms" --shards 2
+
 # Without Slurm; what cannot be split; and what is not so.
 mkdir empty && for tool in sh seq; do ln -s "$(command -v $tool)" empty; done
 got=0
 PATH=$PWD/empty "$lamina" submit 'photons donner_jensen_skin --json few.json' --shards 2 2>output || got=$?
 [ $got = 1 ] && grep -q 'sbatch: there is no such program here.* by hand: seq 0 1' output || fail "$got: $(cat output)"
 expect 2 'holds 3 shards of' submit "$photons" --shards 4
-expect 2 'the command must be render or photons' submit 'slab donner_jensen_skin' --shards 4
+expect 2 'the command must be render, photons, fit, acquire or reproduce' submit 'slab donner_jensen_skin' --shards 4
 expect 2 '--json: must name the file of the merged result' submit 'photons donner_jensen_skin' --shards 4
 expect 2 'there is no option --photonz; did you mean "--photons"' submit 'photons donner_jensen_skin --photonz 3 --json x.json' --shards 4
 expect 2 'at most as many shards' submit "render 'a scene.json' -o x" --shards 99

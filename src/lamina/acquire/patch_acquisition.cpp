@@ -12,8 +12,6 @@
 namespace lamina {
 namespace {
 
-/// What an inversion may take: captures that would take more are solved in tiles that take this.
-constexpr double bytes_at_once = 0x1p30, bytes_of_tile = 0x1p29;
 /// Enough for the tables of a large capture.
 constexpr std::size_t table_samples = 65536;
 
@@ -29,6 +27,20 @@ std::size_t count_fields(const Capture& capture) {
       count += is_seen ? 1 : 0;
     }
   return count;
+}
+
+/// The tiles of a capture; none if it is inverted as a whole.
+std::optional<TileOptions> tiling_of(const Capture& capture,
+                                     const PatchAcquisitionOptions& options) {
+  const std::size_t fields = count_fields(capture);
+  if (static_cast<double>(capture.mask.faults.size() * fields) * inversion_bytes_per_texel <=
+      options.most_bytes)
+    return std::nullopt;
+  TileOptions tiling{.kept = options.kept};
+  if (!options.has_transport) tiling.halo = 0.0;
+  tiling.side = side_of_tiles(options.most_bytes / 2.0, fields, capture.mm_per_pixel.value_or(1.0),
+                              tiling.halo);
+  return tiling;
 }
 
 /// Maps of the size of a capture, of which nothing is found yet.
@@ -131,22 +143,16 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
   if (!options.start.empty())
     patch.start = [&](const TexelRectangle& part) { return parts_of(options.start, part); };
   const TexelRectangle all{0, 0, patch.width, patch.height};
-  const std::size_t fields = count_fields(capture);
-  const bool is_large =
-      static_cast<double>(capture.mask.faults.size() * fields) * inversion_bytes_per_texel >
-      bytes_at_once;
+  const std::optional<TileOptions> tiling = tiling_of(capture, options);
   const InversionTables tables = make_inversion_tables(
-      is_large ? sampled_patch(capture, table_samples) : patch.part(all), model, cache);
+      tiling ? sampled_patch(capture, table_samples) : patch.part(all), model, cache);
   InversionOptions inversion = options.inversion;
   if (!options.has_transport) inversion.method = InversionMethod::per_pixel;
   AcquiredSkin skin = skin_before(capture, tables);
   InversionResult course;
-  if (is_large) {
-    TileOptions tiling;
-    if (!options.has_transport) tiling.halo = 0.0;
-    tiling.side = side_of_tiles(bytes_of_tile, fields, patch.mm_per_texel, tiling.halo);
+  if (tiling) {
     course = invert_tiles(
-        patch, tables, tiling, inversion,
+        patch, tables, *tiling, inversion,
         [&](const PatchTile& tile, const InversionResult& part) {
           put_found(capture, tile.kept, part, skin);
         },
@@ -165,6 +171,14 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
                     .history = std::move(course.history),
                     .stop = course.stop};
   return skin;
+}
+
+std::size_t count_tiles(const Capture& capture, const PatchAcquisitionOptions& options) {
+  const std::optional<TileOptions> tiling = tiling_of(capture, options);
+  if (!tiling) return 1;
+  return patch_tiles(capture.reflectance.width, capture.reflectance.height,
+                     capture.mm_per_pixel.value_or(1.0), *tiling)
+      .size();
 }
 
 }  // namespace lamina

@@ -1,11 +1,13 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "lamina/acquire/acquired_skin.h"
 #include "lamina/acquire/capture.h"
+#include "lamina/acquire/inversion/kept_tiles.h"
 #include "lamina/acquire/inversion/patch_inversion.h"
 
 namespace lamina {
@@ -15,13 +17,16 @@ struct PatchAcquisitionOptions {
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   InversionOptions inversion = {.deviation_samples = usual_deviation_samples};
   std::vector<Image> start;  ///< [number] values to go on from; empty: none
+  /// What the inversion may take [bytes]; where it would take more, tiles of half of that
+  double most_bytes = 0x1p30;
+  std::optional<KeptTiles> kept = {};  ///< of a capture that goes by tiles
 
   static constexpr int usual_deviation_samples = 4;
 };
 
 /// All pixels of a capture of any bands together, by invert_patch; without transport each on its
-/// own. What would take more than a GiB goes by invert_tiles: history and smoothness are those of
-/// the tile of which most is known.
+/// own. What would take more memory than it may goes by invert_tiles: history and smoothness are
+/// those of the tile of which most is known. Tiles that are left to other machines have the prior.
 ///
 /// @param cache     keeps the tables of the transport; absent: none
 /// @param progress  asked to stop, the best so far is handed over
@@ -31,5 +36,9 @@ struct PatchAcquisitionOptions {
                                          const PatchAcquisitionOptions& options,
                                          const std::optional<DiskCache>& cache = {},
                                          const Progress& progress = {});
+
+/// Tiles by which acquire_patch goes; 1: all pixels at once.
+[[nodiscard]] std::size_t count_tiles(const Capture& capture,
+                                      const PatchAcquisitionOptions& options);
 
 }  // namespace lamina

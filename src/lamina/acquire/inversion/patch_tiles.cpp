@@ -41,6 +41,15 @@ InversionResult maps_without_inversion(const InversionTables& tables, const Patc
   return result;
 }
 
+/// Whether a tile behind the first is for this machine: number `i` of so many.
+bool is_wanted(const std::optional<KeptTiles>& kept, std::size_t i, std::size_t count) {
+  if (!kept) return true;
+  if (kept->only_first) return false;
+  if (!kept->shard) return true;
+  const IndexRange range = range_of(*kept->shard, static_cast<std::int64_t>(count));
+  return range.begin <= static_cast<std::int64_t>(i) && static_cast<std::int64_t>(i) < range.end;
+}
+
 }  // namespace
 
 int side_of_tiles(double bytes, std::size_t fields, double mm_per_texel, double halo) {
@@ -157,12 +166,18 @@ InversionResult invert_tiles(
     const PatchTile& tile = tiles[i];
     const auto count = static_cast<double>(tiles.size());
     const auto done = static_cast<double>(i);
-    if (patch.start) own.start = patch.start(tile.inverted);
+    if (i > 0 && !is_wanted(tiling.kept, i - 1, tiles.size() - 1)) continue;
+    std::optional<InversionResult> kept;
+    if (tiling.kept) kept = load_tile(*tiling.kept, tile.kept);
+    if (!kept && patch.start) own.start = patch.start(tile.inverted);
     InversionResult part =
-        is_interrupted ? maps_without_inversion(tables, tile, own)
-                       : invert_tile(patch.part(tile.inverted), tables, tile, own,
-                                     lamina::part_of(progress, done / count, (done + 1.0) / count));
+        kept ? std::move(*kept)
+        : is_interrupted
+            ? maps_without_inversion(tables, tile, own)
+            : invert_tile(patch.part(tile.inverted), tables, tile, own,
+                          lamina::part_of(progress, done / count, (done + 1.0) / count));
     is_interrupted |= part.stop == InversionStop::interrupted;
+    if (tiling.kept && !kept && !is_interrupted) save_tile(*tiling.kept, tile.kept, part);
     take(tile, part);
     if (i > 0) continue;
     own.smoothness = whole.smoothness = std::move(part.smoothness);

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "lamina/acquire/inversion/kept_tiles.h"
 #include "lamina/acquire/inversion/patch_inversion.h"
 
 namespace lamina {
@@ -28,6 +30,7 @@ struct PatchTile {
 struct TileOptions {
   int side = 512;     ///< of what is kept [texel], > 0
   double halo = 2.5;  ///< around it [mm], >= 0: a few times as far as light goes in skin
+  std::optional<KeptTiles> kept = {};  ///< takes tiles from there, and keeps them there
 };
 
 /// Memory that invert_patch takes for each texel of each light at each wavelength, about [bytes].
@@ -69,9 +72,11 @@ void put_tile(int width, int height, const PatchTile& tile, const InversionResul
 /// All tiles one after the other, that of which most is known first; its smoothness serves all.
 ///
 /// @param take      is handed each tile with its maps; tiles that are left when progress asks to
-///                  stop are as those of which nothing is known
+///                  stop are as those of which nothing is known. It is not handed those that are
+///                  left to other machines
 /// @return  history, smoothness and correlation of the first tile, without maps
-/// @throws InvalidInput as check_capture, for tiling and options out of range
+/// @throws InvalidInput as check_capture, for tiling and options out of range; WriteError if a
+///         tile cannot be kept
 [[nodiscard]] InversionResult invert_tiles(
     const LargePatch& patch, const InversionTables& tables, const TileOptions& tiling,
     const InversionOptions& options,

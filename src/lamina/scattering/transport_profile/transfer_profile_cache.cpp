@@ -1,13 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 
-#include <cstring>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
+#include "lamina/io/packed_values.h"
 #include "transfer_profile_fingerprint.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is
@@ -15,63 +14,12 @@
 namespace lamina {
 namespace {
 
-/// Values one after the other, as this machine has them.
-class Writer {
- public:
-  template <class T>
-  void put(const T& value) {
-    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  template <class T>
-  void put(const std::vector<T>& values) {
-    put(values.size());
-    for (const T& value : values) put(value);
-  }
-  void put_text(std::string_view text) {
-    put(text.size());
-    bytes_ += text;
-  }
-  [[nodiscard]] std::string bytes() && { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-};
-
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : rest_(bytes) {}
-
-  template <class T>
-  void get(T& value) {
-    is_good_ = is_good_ && rest_.size() >= sizeof value;
-    if (!is_good_) return;
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_.remove_prefix(sizeof value);
-  }
-  template <class T>
-  void get(std::vector<T>& values) {
-    std::size_t size = 0;
-    get(size);
-    is_good_ = is_good_ && size <= rest_.size() / sizeof(T);
-    if (!is_good_) return;
-    values.resize(size);
-    for (T& value : values) get(value);
-  }
-  /// Whether all was there and nothing is left.
-  [[nodiscard]] bool is_done() const { return is_good_ && rest_.empty(); }
-
- private:
-  std::string_view rest_;
-  bool is_good_ = true;
-};
-
-void put(Writer& writer, const HenyeyGreenstein& phase) {
+void put(PackedWriter& writer, const HenyeyGreenstein& phase) {
   writer.put('h');
   writer.put(phase.g);
 }
-void put(Writer& writer, const Rayleigh&) { writer.put('r'); }
-void put(Writer& writer, const PhaseMixture& mixture) {
+void put(PackedWriter& writer, const Rayleigh&) { writer.put('r'); }
+void put(PackedWriter& writer, const PhaseMixture& mixture) {
   writer.put('m');
   writer.put(mixture.lobes.size());
   for (const auto& [weight, phase] : mixture.lobes) {
@@ -80,13 +28,13 @@ void put(Writer& writer, const PhaseMixture& mixture) {
   }
 }
 
-void put(Writer& writer, const Interface& boundary) {
+void put(PackedWriter& writer, const Interface& boundary) {
   const auto& [roughness, distribution] = boundary;
   writer.put(roughness);
   writer.put(distribution);
 }
 
-void put(Writer& writer, const LayerStack& stack) {
+void put(PackedWriter& writer, const LayerStack& stack) {
   writer.put(stack.ior_above());
   writer.put(stack.ior_below());
   const auto& [ground_top, ground_reflectance] = stack.ground();
@@ -104,13 +52,14 @@ void put(Writer& writer, const LayerStack& stack) {
 
 std::string key_of(std::span<const LayerStack> stacks, const RadialGrid& radii,
                    const TransferProfileOptions& options) {
-  Writer writer;
+  PackedWriter writer;
   writer.put_text("transfer profile, format 3, solver " LAMINA_TRANSFER_PROFILE_FINGERPRINT);
   const auto& [first, last, size] = radii;
   writer.put(first);
   writer.put(last);
   writer.put(size);
-  const auto& [accuracy, error, r_lowest, r_highest, illumination, is_from_below, progress] = options;
+  const auto& [accuracy, error, r_lowest, r_highest, illumination, is_from_below, progress] =
+      options;
   for (const double value : {accuracy, r_lowest, r_highest}) writer.put(value);
   writer.put(error);
   writer.put(illumination);
@@ -134,13 +83,13 @@ void for_each_member(Result& result, const Act& act) {
 }
 
 std::string packed(const TransferProfile& result) {
-  Writer writer;
+  PackedWriter writer;
   for_each_member(result, [&](const auto& member) { writer.put(member); });
   return std::move(writer).bytes();
 }
 
 std::optional<TransferProfile> unpacked(std::string_view bytes) {
-  Reader reader(bytes);
+  PackedReader reader(bytes);
   TransferProfile result;
   for_each_member(result, [&](auto& member) { reader.get(member); });
   return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;
