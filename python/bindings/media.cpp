@@ -140,9 +140,12 @@ py::array_t<double> lost(const LayerStacks& stacks, bool is_diffuse, double thet
   std::vector<double> values = work.run([&](const Progress& progress) {
     std::vector<double> all;
     for (std::size_t i = 0; i < stacks.stacks.size(); ++i) {
-      report_or_throw(progress, static_cast<double>(i) / static_cast<double>(stacks.stacks.size()));
-      const LostLight one = lost_light(stacks.stacks[i], {is_diffuse, theta}, beam_diameter,
-                                       port_diameter, {.photons = photons, .seed = seed});
+      const auto count = static_cast<double>(stacks.stacks.size()), at = static_cast<double>(i);
+      const LostLight one =
+          lost_light(stacks.stacks[i], {is_diffuse, theta}, beam_diameter, port_diameter,
+                     {.photons = photons,
+                      .seed = seed,
+                      .progress = part_of(progress, at / count, (at + 1) / count)});
       all.insert(all.end(), {one.reflected.value, one.reflected.standard_error,
                              one.transmitted.value, one.transmitted.standard_error});
     }

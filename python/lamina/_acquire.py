@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
-from ._input import PathLike, doubles, name_text, number, one_of, path_text, refuse, whole
+from ._input import PathLike, doubles, name_list, number, one_of, path_text, refuse, whole
 from ._lamina import InvalidInput
 from ._maps import Map, SkinMaps, maps_of_skin
 from ._progress import Progress, progress_of
@@ -246,9 +246,7 @@ def filters(
     wide = doubles("widths", widths, 0.0, 200.0, unit="nm")
     if wide.shape not in ((), nm.shape):
         raise InvalidInput(f"widths: must be one or {nm.size}, but have the shape {wide.shape}")
-    if not isinstance(numbers, (list, tuple)) or not all(isinstance(n, str) for n in numbers):
-        raise refuse("numbers", "be names in a list", numbers)
-    names = [name_text(f"numbers[{i}]", name) for i, name in enumerate(numbers)]
+    names = name_list("numbers", numbers)
     places = None
     if compare is not None:
         wanted = np.atleast_1d(doubles("compare", compare, 350.0, 1000.0, unit="nm"))

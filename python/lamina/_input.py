@@ -53,6 +53,13 @@ def name_text(name: str, value: object, must: str = "be a name") -> str:
     return value
 
 
+def name_list(name: str, values: object) -> list[str]:
+    """Some names, each as name_text takes it."""
+    if not isinstance(values, (list, tuple)):
+        raise refuse(name, "be a list of names", values)
+    return [name_text(f"{name}[{i}]", value) for i, value in enumerate(values)]
+
+
 def path_text(name: str, value: object) -> str:
     if not isinstance(value, (str, os.PathLike)):
         raise refuse(name, "be a path", value)
@@ -217,6 +224,9 @@ def json_text(name: str, value: object) -> str:
     return text
 
 
+MOST_IN_JSON = 10_000_000
+
+
 def _plain(where: str, value: object) -> object:
     if isinstance(value, Mapping):
         plain: dict[str, object] = {}
@@ -226,6 +236,8 @@ def _plain(where: str, value: object) -> object:
             plain[key] = _plain(f"{where}.{key}", item)
         return plain
     if isinstance(value, np.ndarray):
+        if value.size > MOST_IN_JSON:
+            raise InvalidInput(f"{where}: must have at most {MOST_IN_JSON} elements, but has {value.size}")
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [_plain(f"{where}[{i}]", item) for i, item in enumerate(value)]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, opened, settings_of
-from ._input import PathLike, doubles, flag, name_text, number, one_of, path_text, refuse, shown, whole
+from ._input import PathLike, doubles, flag, name_list, number, one_of, path_text, refuse, shown, whole
 from ._lamina import InvalidInput
 from ._progress import Progress, progress_of
 from ._result import Result, quantity, setting
@@ -250,7 +250,7 @@ def save_image(path: PathLike, image: ArrayLike, *, channels: Sequence[str] = ("
     pixels = np.asarray(image)
     if pixels.dtype.kind not in "fiu":
         raise InvalidInput(f"image: must be numbers, but is an array of {pixels.dtype}")
-    names = [name_text(f"channels[{i}]", channel) for i, channel in enumerate(channels)]
+    names = name_list("channels", channels)
     _lamina.save_image(pixels.astype(np.float32, copy=False), names, name, name.endswith(".exr"))
 
 

@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "lamina/core/parallel_parts.h"
 
 namespace lamina {
 namespace {
@@ -24,6 +28,36 @@ TEST(ParallelFor, ThrowsWhatItsBodyThrows) {
                               if (i == 37) throw std::runtime_error("37");
                             }),
                std::runtime_error);
+}
+
+TEST(ParallelParts, TellTheMeanOfWhatEachHasFinished) {
+  std::mutex mutex;
+  std::vector<double> told;
+  parallel_parts(
+      4,
+      [](std::size_t, const Progress& of_part) {
+        for (const double half : {0.5, 1.0}) report_or_throw(of_part, half);
+      },
+      [&](double finished) {
+        const std::lock_guard lock(mutex);
+        told.push_back(finished);
+        return true;
+      });
+  EXPECT_EQ(told.size(), 12u);  // the end of each part, too
+  for (const double finished : told) EXPECT_EQ(finished, std::clamp(finished, 0.125, 1.0));
+  EXPECT_EQ(*std::ranges::max_element(told), 1.0);
+}
+
+TEST(ParallelParts, EndWithinAPartThatIsAskedToStop) {
+  std::atomic<int> steps = 0;
+  EXPECT_THROW(parallel_parts(
+                   1,
+                   [&](std::size_t, const Progress& of_part) {
+                     for (int i = 0; i < 100; ++i, ++steps) report_or_throw(of_part, 0.01 * i);
+                   },
+                   [](double finished) { return finished < 0.1; }),
+               Interrupted);
+  EXPECT_EQ(steps, 10);
 }
 
 // Else what is read from it afterwards is not there.

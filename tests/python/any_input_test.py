@@ -71,7 +71,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "material": dict(what=PLATE_FILE),
     "mcml": dict(path="nowhere.mci"),
     "medium_from_look": dict(reflectance=[0.2, 0.5], diffuse_mfp=1.0, g=0.5, ior=1.4),
-    "mie_bulk": dict(volume_fraction=[0.01, 0.02], median_radius=0.3, ior=1.5, wavelength=550.0, sigma_log_radius=0.1),
+    "mie_bulk": dict(volume_fraction=[0.01, 0.02], median_radius=3e-4, ior=1.5, wavelength=550.0, sigma_log_radius=0.1),
     "mie_phase": dict(cos_theta=[-1.0, 0.5], size_parameter=2.0, relative_ior=1.4 + 0.01j),
     "mie_sphere": dict(size_parameter=[1.0, 2.0], relative_ior=1.4),
     "oblique_profile": dict(material=PLATE, angle=30.0, radii=4, moments=2),
@@ -174,20 +174,50 @@ def test_every_function_is_here() -> None:
             getattr(lamina, name)(**copy.deepcopy(arguments))
 
 
-# What only computes, in one thread, whatever the size: no cases that take hours or the memory.
-PURE = ["color_difference", "fresnel", "fresnel_diffuse", "half_space_color", "invert", "invert_dipole_albedo", "lab", "layers",
-        "leaf", "medium_from_look", "phase_function", "skin", "snow", "spectrum_color", "sphere_reading"]  # fmt: skip
+def known(name: str) -> list[str]:
+    return [p for p in inspect.signature(getattr(lamina, name)).parameters if p not in ("progress", "seconds")]
 
 
-@pytest.mark.parametrize("name", PURE)
-@settings(max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+SETTINGS = dict(deadline=None, database=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+
+
+@pytest.mark.parametrize("name", CALLS)
+@settings(max_examples=40, **SETTINGS)  # type: ignore[arg-type]
 @given(st.data())
 def test_any_argument_is_taken_or_refused(name: str, data: st.DataObject) -> None:
-    which = data.draw(st.sampled_from(list(inspect.signature(getattr(lamina, name)).parameters)))
+    which = data.draw(st.sampled_from(known(name)))
     call(name, {**CALLS[name], which: data.draw(SOME)()})
 
 
+def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """The paths of all values of a dict."""
+    found = [at] if at else []
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        found += places(item, (*at, key))
+    return found
+
+
 FILES = {"material": "what", "render": "scene", "maps": "source", "acquire": "capture", "fit": "measurement"}
+
+
+@pytest.mark.parametrize("name", [*FILES, "patch"])
+@settings(max_examples=25, **SETTINGS)  # type: ignore[arg-type]
+@given(st.data())
+def test_any_value_in_a_dict_is_taken_or_refused(name: str, data: st.DataObject) -> None:
+    source = copy.deepcopy(PATCH if name == "patch" else CALLS[name][FILES[name]])
+    path = data.draw(st.sampled_from(places(source)))
+    inside: Any = source
+    for key in path[:-1]:
+        inside = inside[key]
+    if data.draw(st.booleans()):
+        inside[path[-1]] = data.draw(SOME)()
+    else:
+        del inside[path[-1]]
+    others = {k: v for k, v in CALLS[name].items() if k in ("samples", "lateral")}
+    call(name, {**others, FILES.get(name, "source"): source})
+
+
 BEYOND_JSON = [_cycle, _deep, lambda: "\ud800", lambda: float("nan"), lambda: 1j, lambda: {1: 2}, object, lambda: b"x", lambda: 10**400]
 
 
@@ -223,3 +253,13 @@ def test_numbers_and_names_are_refused_in_one_short_line(value: Any) -> None:
 def test_an_unknown_argument_is_named(name: str) -> None:
     with pytest.raises(TypeError, match=re.escape("colour_of_the_cat")):
         getattr(lamina, name)(**CALLS[name], colour_of_the_cat=1)
+
+
+def test_series_and_walks_without_end_are_refused() -> None:
+    """They took all memory, or went on without hearing Ctrl-C."""
+    with pytest.raises(lamina.InvalidInput, match="size parameter of at most 1e5"):
+        lamina.mie_bulk(volume_fraction=0.1, median_radius=10.0, ior=1.5, wavelength=550.0, sigma_log_radius=1.5)
+    with pytest.raises(lamina.InvalidInput, match="relative_ior: must have .* a magnitude <= 100"):
+        lamina.mie_sphere(1.0, 1e9)
+    with pytest.raises(lamina.InvalidInput, match=r"length: must be in \[0.001, 1000000\] mm, but is"):
+        lamina.cylinder_photons(**{**CALLS["cylinder_photons"], "length": 5e-324})

@@ -41,6 +41,28 @@ SkinPatch uniform_patch(int size) {
   return patch;
 }
 
+// A band takes seconds where its tables are new: it must hear Ctrl-C in the midst of it.
+TEST(SkinPatch, IsStoppedWithinABand) {
+  SkinPatch patch = uniform_patch(16);
+  patch.bands = BandSet({550.0});
+  std::vector<double> told;
+  const auto stop_after = [&](std::size_t calls) -> Progress {
+    told.clear();
+    return [&told, calls](double finished) {
+      told.push_back(finished);
+      return told.size() <= calls;
+    };
+  };
+  (void)render_skin_patch(patch, std::nullopt, stop_after(100'000));
+  EXPECT_GT(told.size(), 30u);
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_EQ(told.back(), 1.0);
+  for (const std::size_t calls : {std::size_t{0}, told.size() / 2, told.size() - 2}) {
+    EXPECT_THROW((void)render_skin_patch(patch, std::nullopt, stop_after(calls)), Interrupted);
+    EXPECT_EQ(told.size(), calls + 1);
+  }
+}
+
 // Adding-doubling of the whole stack is what `lamina slab` prints.
 TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoes) {
   SkinPatch patch = uniform_patch(16);

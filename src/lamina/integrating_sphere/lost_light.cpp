@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/integrating_sphere/lost_light.h"
 
+#include <atomic>
 #include <numbers>
 
 #include "lamina/core/error.h"
@@ -18,7 +19,13 @@ LostLight lost_light(const LayerStack& stack, const Incidence& incidence, double
   MonteCarloOptions run{.photons = options.photons, .seed = options.seed, .incidence = incidence};
   if (beam_diameter > 0.0) run.beam = {Beam::Shape::flat, 0.5 * beam_diameter};
   run.tallies.r = {.count = 2, .width = port};  // within, and all beyond
+  std::atomic<bool> is_stopped = false;
+  run.progress = [&](double finished) {
+    if (!report_progress(options.progress, finished)) is_stopped = true;
+    return !is_stopped;
+  };
   const MonteCarloResult found = trace_photons(stack, run);
+  if (is_stopped) throw Interrupted();
   // Densities over the rings, of which the second ends at twice the port.
   const double area = 3.0 * std::numbers::pi * port * port;
   const auto beyond = [&](const Estimate& density) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "lamina/core/estimate.h"
+#include "lamina/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
@@ -18,6 +19,7 @@ struct LostLight {
 struct LostLightOptions {
   std::uint64_t photons = 1'000'000;
   std::uint64_t seed = 1;
+  Progress progress;  ///< asked after every batch
 };
 
 /// Light that spreads in a sample, and in slides of glass around it, beyond round ports above and
@@ -26,7 +28,7 @@ struct LostLightOptions {
 /// @param beam_diameter  of an even beam in the middle of the ports [mm]; 0: a narrow one. Diffuse
 ///                       light falls on it likewise: that of a sphere fills the port.
 /// @param port_diameter  [mm], > 0, at least that of the beam
-/// @throws InvalidInput as trace_photons.
+/// @throws InvalidInput as trace_photons; Interrupted if progress asks to stop.
 ///
 /// Source: [Prahl2011] §"Lost light", by another program of the same kind.
 [[nodiscard]] LostLight lost_light(const LayerStack& stack, const Incidence& incidence,

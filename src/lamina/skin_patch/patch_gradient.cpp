@@ -8,6 +8,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/core/parallel_parts.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/heterogeneous/transport_gradient.h"
 
@@ -73,14 +74,14 @@ DifferentiableSkinPatch::DifferentiableSkinPatch(SkinPatch patch,
   const std::size_t bands = p.bands.size();
   model_->bands.resize(bands);
   model_->light.resize(bands);
-  parallel_for(
+  parallel_parts(
       bands,
-      [&](std::size_t b) {
+      [&](std::size_t b, const Progress& of_band) {
         const BandTexels texels =
             band_texels(made_of.material, made_of.maps, p.light.pixels.size(), b);
         const StackTables tables =
             cached_stack_tables(cache, mapped_stack(made_of.material, b, texels), p.totals,
-                                reference_absorptions(texels));
+                                reference_absorptions(texels), {}, part_of(of_band, 0.0, 0.5));
         Model::Band& band = model_->bands[b];
         band.entering = static_cast<float>(
             entry_transmittance(layer_stack(made_of.material, b), {.theta = p.theta}));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "lamina/core/parallel.h"
+#include "lamina/core/parallel_parts.h"
 #include "lamina/image/resample.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/reflectance/skin_colors.h"
@@ -88,9 +88,10 @@ void add_colors(Image& image, std::size_t first, const Material& material) {
 
 /// Multiplies what leaves by a texture's reflectance in a band over that in even light.
 void texture(const SkinPatch& patch, std::size_t band, const HeterogeneousLayers& layers,
-             const std::vector<float>& entering, Plane& leaving) {
+             const std::vector<float>& entering, Plane& leaving, const Progress& progress) {
   const Plane even =
-      transport(layers, plane_of(entering, patch.width, patch.height), patch.transport).reflected;
+      transport(layers, plane_of(entering, patch.width, patch.height), patch.transport, progress)
+          .reflected;
   for (std::size_t i = 0; i < even.values.size(); ++i)
     if (even.values[i] > 0.0f)
       leaving.values[i] *=
@@ -171,28 +172,32 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
   const Plane arriving = plane_of(patch.light.pixels, patch.width, patch.height);
   const double all_light = std::accumulate(arriving.values.begin(), arriving.values.end(), 0.0);
   std::atomic<double> table_seconds = 0.0, transport_seconds = 0.0;
-  const auto light_band = [&](std::size_t b) {
+  // Tables take most of the time where the cache does not have them.
+  constexpr double with_tables = 0.6, with_layers = 0.8;
+  const auto light_band = [&](std::size_t b, const Progress& of_band) {
     const BandTexels texels = band_texels(material, made_of.maps, arriving.values.size(), b);
     result.tables[b] = [&] {
       const Stopwatch watch(table_seconds);
       return cached_stack_tables(cache, mapped_stack(material, b, texels), patch.totals,
-                                 reference_absorptions(texels));
+                                 reference_absorptions(texels), {},
+                                 part_of(of_band, 0.0, with_tables));
     }();
     const StackTables& tables = result.tables[b];
     const Stopwatch watch(transport_seconds);
     std::vector<Plane> absorbance;
     for (const std::vector<float>& sheet : texels.absorbance)
       absorbance.push_back(plane_of(sheet, patch.width, patch.height));
-    const HeterogeneousLayers layers =
-        make_heterogeneous_layers(tables, patch.width, patch.height, texels.layers, absorbance,
-                                  patch.mm_per_texel, patch.profile);
+    const HeterogeneousLayers layers = make_heterogeneous_layers(
+        tables, patch.width, patch.height, texels.layers, absorbance, patch.mm_per_texel,
+        patch.profile, 5e-5, part_of(of_band, with_tables, with_layers));
     Plane light = arriving;
     const std::vector<float> entering =
         entering_fractions(material, b, patch.theta, texels.layers[0].roughness);
     for (std::size_t i = 0; i < light.values.size(); ++i)
       light.values[i] *= entering[entering.size() > 1 ? i : 0];
-    TransportResult out = transport(layers, light, patch.transport);
-    if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected);
+    const Progress going_on = part_of(of_band, with_layers, with_layers);
+    TransportResult out = transport(layers, light, patch.transport, going_on);
+    if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected, going_on);
     put_channel(result.image, b, out.reflected);
     if (lets_through) put_channel(result.image, first_transmitted + b, out.transmitted);
     const double leaving =
@@ -202,7 +207,7 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
                        .interlayer_bounces = out.interlayer_bounces,
                        .last_bounce = out.last_bounce};
   };
-  parallel_for(bands, light_band, progress);
+  parallel_parts(bands, light_band, progress);
   if (!is_rgb) add_colors(result.image, bands, material);
   if (!is_rgb && lets_through) add_colors(result.image, first_transmitted + bands, material);
   result.table_seconds = table_seconds;

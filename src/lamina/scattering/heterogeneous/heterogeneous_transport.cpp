@@ -107,7 +107,8 @@ class PlaneField {
  public:
   using Light = Plane;
 
-  explicit PlaneField(const HeterogeneousLayers& model) : model_(model) {}
+  PlaneField(const HeterogeneousLayers& model, const Progress& progress)
+      : model_(model), progress_(progress) {}
 
   [[nodiscard]] std::size_t junctions() const { return model_.junctions.size(); }
   [[nodiscard]] bool has_bottom() const {
@@ -152,10 +153,12 @@ class PlaneField {
   template <std::size_t K>
   [[nodiscard]] std::vector<Plane> blurs(std::size_t layer, const std::array<std::size_t, K>& which,
                                          const Plane& light) const {
+    report_or_throw(progress_, 0.0);
     return apply_layer(model_.pyramid, light, model_.layers[layer], which);
   }
 
   const HeterogeneousLayers& model_;
+  const Progress& progress_;
 };
 
 /// The texels with absorption as light on its way meets it.
@@ -203,7 +206,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
                                               const std::vector<LayerTexels>& texels,
                                               const std::vector<Plane>& absorbance,
                                               double mm_per_texel, ProfileAt profile,
-                                              double tolerance) {
+                                              double tolerance, const Progress& progress) {
   assert(texels.size() == tables.layers.size() && absorbance.size() + 1 == texels.size());
   const double texel = mm_per_texel * mm_per_texel;
   HeterogeneousLayers model{
@@ -218,6 +221,7 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
     model.layers.push_back(make_transport_layer(
         tables, i, of_both ? along_plane_paths(texels[i], model.pyramid, mm_per_texel) : texels[i],
         width, height, scales, tolerance, of_both ? ProfileAt::both : ProfileAt::exit));
+    report_or_throw(progress, static_cast<double>(i + 1) / static_cast<double>(texels.size()));
   }
   for (const Plane& sheet : absorbance) {
     Plane left = sheet;
@@ -234,13 +238,13 @@ HeterogeneousLayers make_heterogeneous_layers(const StackTables& tables, int wid
 }
 
 TransportResult transport(const HeterogeneousLayers& model, const Plane& irradiance,
-                          const TransportOptions& options) {
+                          const TransportOptions& options, const Progress& progress) {
   assert(irradiance.width == model.pyramid.width && irradiance.height == model.pyramid.height);
   detail::BounceCounter counter(options);
   const auto is_last = [&](const Plane& down) {
     return counter.is_last(std::accumulate(down.values.begin(), down.values.end(), 0.0));
   };
-  auto light = detail::sum_interlayer_bounces(PlaneField(model), irradiance,
+  auto light = detail::sum_interlayer_bounces(PlaneField(model, progress), irradiance,
                                               options.has_local_closure, is_last);
   TransportResult result{.reflected = std::move(light.reflected),
                          .transmitted = {},

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 #include "lamina/scattering/heterogeneous/path_absorption.h"
@@ -39,11 +40,12 @@ void check_layer_count(std::size_t layers);
 /// The same of layers of which anything may vary.
 ///
 /// @param texels  [layer] width * height each, or one.
-/// @throws InvalidInput if there are too many layers.
+/// @throws InvalidInput if there are too many layers; Interrupted if progress, which is told after
+///         each, asks to stop.
 [[nodiscard]] HeterogeneousLayers make_heterogeneous_layers(
     const StackTables& tables, int width, int height, const std::vector<LayerTexels>& texels,
     const std::vector<Plane>& absorbance, double mm_per_texel, ProfileAt profile = ProfileAt::both,
-    double tolerance = 5e-5);
+    double tolerance = 5e-5, const Progress& progress = {});
 
 struct TransportOptions {
   /// Times that light goes down and comes back between layers; 0: as many as `energy_threshold`
@@ -75,9 +77,12 @@ struct TransportResult {
 /// Linear in the light; every step is a blur, which is its own adjoint, or a product with a map.
 ///
 /// @param irradiance  flux that enters per area, of the maps' size.
+/// @param progress    told before each blur that the work goes on
+/// @throws Interrupted if asked to stop.
 ///
 /// Source: [Donner2008] eqs. 5-8; the closure is lamina's.
 [[nodiscard]] TransportResult transport(const HeterogeneousLayers& layers, const Plane& irradiance,
-                                        const TransportOptions& options = {});
+                                        const TransportOptions& options = {},
+                                        const Progress& progress = {});
 
 }  // namespace lamina

@@ -180,7 +180,7 @@ LayerState reference_state(const MappedLayer& layer, double sigma_a) {
 
 StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
                               std::span<const double> reference_sigma_a,
-                              const GaussianTableGrid& grid) {
+                              const GaussianTableGrid& grid, const Progress& progress) {
   assert(grid.rows >= 4 && grid.gaussians >= 1 && !stack.layers.empty());
   StackTables result{
       .grid = grid,
@@ -195,17 +195,21 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
   std::vector<LayerSpectra> spectra;
   for (std::size_t i = 0; i < stack.layers.size(); ++i)
     spectra.push_back(closed_form(stack, i, result.lattices[i], k));
+  report_or_throw(progress, 0.0);
   if (totals != OperatorTotals::diffusion) {
     std::vector<LayerState> reference;
     for (std::size_t i = 0; i < stack.layers.size(); ++i)
       reference.push_back(
           reference_state(stack.layers[i], stack.layers[i].states ? 0.0 : reference_sigma_a[i]));
+    const bool has_profile = totals == OperatorTotals::radiative_transfer_profile;
     const auto wanted = detail::transfer_operator_totals(
-        stack, result.lattices, reference, totals == OperatorTotals::radiative_transfer_diffuse);
+        stack, result.lattices, reference, totals == OperatorTotals::radiative_transfer_diffuse,
+        part_of(progress, 0.0, has_profile ? 0.2 : 0.9));
     for (std::size_t i = 0; i < spectra.size(); ++i) scale_to(wanted[i], spectra[i]);
-    if (totals == OperatorTotals::radiative_transfer_profile)
+    if (has_profile)
       correct_profile(spectra, result.lattices, reference, k,
-                      detail::transfer_stack_shapes(stack, reference, result.lattices[0], k));
+                      detail::transfer_stack_shapes(stack, reference, result.lattices[0], k,
+                                                    part_of(progress, 0.2, 0.9)));
   }
   for (std::size_t i = 0; i < spectra.size(); ++i) {
     const bool is_half_space = std::isinf(stack.layers[i].thickness);
@@ -214,6 +218,8 @@ StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
                                         : fit(spectra[i][which], gaussians, fitting);
     };
     result.layers.push_back({table(0), table(1), table(2), table(3)});
+    report_or_throw(progress,
+                    0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(spectra.size()));
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lamina/core/enum_names.h"
+#include "lamina/core/progress.h"
 #include "lamina/io/disk_cache.h"
 #include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
@@ -101,18 +102,21 @@ inline constexpr double highest_fitted_frequency = 200.0;
 ///
 /// @param reference_sigma_a  [layer] the absorptions at which that holds [1/mm], of layers without
 ///                           states; not used for the totals of diffusion.
-/// @throws InvalidInput as LayerStack.
+/// @param progress           told after each solution of radiative transfer
+/// @throws InvalidInput as LayerStack; Interrupted if asked to stop.
 ///
 /// Source: [Donner2008] §5; [DEon2007] for Gaussians; docs/heterogeneous_skin.md.
 [[nodiscard]] StackTables make_stack_tables(const MappedStack& stack, OperatorTotals totals,
                                             std::span<const double> reference_sigma_a = {},
-                                            const GaussianTableGrid& grid = {});
+                                            const GaussianTableGrid& grid = {},
+                                            const Progress& progress = {});
 
 /// The same, kept in a cache between runs.
 [[nodiscard]] StackTables cached_stack_tables(const std::optional<DiskCache>& cache,
                                               const MappedStack& stack, OperatorTotals totals,
                                               std::span<const double> reference_sigma_a = {},
-                                              const GaussianTableGrid& grid = {});
+                                              const GaussianTableGrid& grid = {},
+                                              const Progress& progress = {});
 
 /// The weights at a place of the table's lattice, [gaussian].
 [[nodiscard]] std::vector<double> weights_at(const StateLattice& lattice,

@@ -84,12 +84,12 @@ std::optional<StackTables> unpacked(std::string_view bytes, const GaussianTableG
 
 StackTables cached_stack_tables(const std::optional<DiskCache>& cache, const MappedStack& stack,
                                 OperatorTotals totals, std::span<const double> reference_sigma_a,
-                                const GaussianTableGrid& grid) {
-  if (!cache) return make_stack_tables(stack, totals, reference_sigma_a, grid);
+                                const GaussianTableGrid& grid, const Progress& progress) {
+  if (!cache) return make_stack_tables(stack, totals, reference_sigma_a, grid, progress);
   const std::string key = key_of(stack, totals, reference_sigma_a, grid);
   if (const auto bytes = load_cached(*cache, key))
     if (auto tables = unpacked(*bytes, grid, stack)) return std::move(*tables);
-  StackTables tables = make_stack_tables(stack, totals, reference_sigma_a, grid);
+  StackTables tables = make_stack_tables(stack, totals, reference_sigma_a, grid, progress);
   save_cached(*cache, key, packed(tables));
   return tables;
 }

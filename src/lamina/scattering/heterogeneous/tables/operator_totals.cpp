@@ -162,7 +162,7 @@ LayerResponse first_of(const Entered& whole, const LayerResponse& below, LayerRe
 std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
                                                   std::span<const StateLattice> lattices,
                                                   std::span<const LayerState> reference,
-                                                  bool is_lit_evenly) {
+                                                  bool is_lit_evenly, const Progress& progress) {
   assert(reference.size() == stack.layers.size() && lattices.size() == stack.layers.size());
   const std::size_t size = stack.layers.size();
   const From outside = is_lit_evenly ? From::outside_evenly : From::outside;
@@ -178,8 +178,12 @@ std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
         covers.for_transmission = cover_of(stack, at_reference, reference, outside, 0.0);
     }
     boxes.emplace_back(lattices[i], 4.0, 28);
-    for (std::size_t point = 0; point < boxes[i].size(); ++point)
+    for (std::size_t point = 0; point < boxes[i].size(); ++point) {
       at_points[i].push_back(solve_on(stack, i, boxes[i].state(point), covers, outside));
+      const double in_layer = static_cast<double>(point + 1) / static_cast<double>(boxes[i].size());
+      report_or_throw(progress,
+                      (static_cast<double>(i) + in_layer) / static_cast<double>(size + 1));
+    }
     at_reference.push_back(solve_on(stack, i, reference[i], covers, outside));
   }
   if (size > 1 && stack.layers[0].states) {
@@ -194,6 +198,7 @@ std::vector<LayerTotals> transfer_operator_totals(const MappedStack& stack,
       at_points[0][point] =
           first_of(solve(LayerStack(layers, stack.ior_above, stack.ior_below), outside), below,
                    at_points[0][point]);
+      report_or_throw(progress, static_cast<double>(size) / static_cast<double>(size + 1));
     }
   }
 

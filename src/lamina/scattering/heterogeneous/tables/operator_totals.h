@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lamina/core/progress.h"
 #include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 
 namespace lamina::detail {
@@ -21,9 +22,10 @@ using LayerTotals = std::array<std::vector<double>, 4>;
 /// @param lattices       [layer] states of each layer
 /// @param reference      [layer] what a layer is while the others vary
 /// @param is_lit_evenly  from outside, else normally
+/// @throws Interrupted if progress asks to stop
 [[nodiscard]] std::vector<LayerTotals> transfer_operator_totals(
     const MappedStack& stack, std::span<const StateLattice> lattices,
-    std::span<const LayerState> reference, bool is_lit_evenly);
+    std::span<const LayerState> reference, bool is_lit_evenly, const Progress& progress);
 
 /// What the top and the bottom boundary of a layer turn back from inside.
 /// @param roughness  of the lit surface, if the layer is the first

@@ -30,7 +30,8 @@ StateLattice solved_part(StateLattice lattice) {
 std::vector<std::vector<double>> transfer_stack_shapes(const MappedStack& stack,
                                                        std::span<const LayerState> reference,
                                                        const StateLattice& lattice,
-                                                       std::span<const double> k) {
+                                                       std::span<const double> k,
+                                                       const Progress& progress) {
   const double ratio =
       std::pow(highest_transfer_frequency / lowest_frequency, 1.0 / (frequencies - 1));
   std::vector<double> solved_k = {0.0};
@@ -52,6 +53,7 @@ std::vector<std::vector<double>> transfer_stack_shapes(const MappedStack& stack,
     for (std::size_t j = 1; j < reflectance.size(); ++j)
       logarithms.push_back(std::log(std::max(1e-4, reflectance[j] / reflectance[0])));
     at_points.push_back(std::move(logarithms));
+    report_or_throw(progress, static_cast<double>(point + 1) / static_cast<double>(box.size()));
   }
 
   std::vector<std::vector<double>> shapes;

@@ -17,9 +17,10 @@ namespace lamina::detail {
 /// Solved for at most 8 states along one axis, 4 along each of two and 3 along each of more; of
 /// absorption alone from .02 to 40/mm; and for 16 frequencies up to 200/mm. Beyond these it stays
 /// as at the nearest. Two to three seconds of CPU time for 8 states.
+/// @throws Interrupted if progress, which is told after each state, asks to stop
 [[nodiscard]] std::vector<std::vector<double>> transfer_stack_shapes(
     const MappedStack& stack, std::span<const LayerState> reference, const StateLattice& lattice,
-    std::span<const double> k);
+    std::span<const double> k, const Progress& progress);
 
 /// Beyond this frequency the shapes are those at it [1/mm].
 inline constexpr double highest_transfer_frequency = highest_fitted_frequency;
