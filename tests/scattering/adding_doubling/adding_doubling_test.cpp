@@ -274,6 +274,24 @@ TEST(AddingDoubling, ThickestSlabsStillTransmit) {
   }
 }
 
+// By conservation: what gets through is 1e-13 of the light, below rounding.
+TEST(AddingDoubling, SlabsThatLetLessThanRoundingThroughReturnTheRest) {
+  for (double optical = 1e12; optical < 1e17; optical *= 1.7)
+    for (const double co_albedo : {0.0, 4e-27, 1e-17, 3e-16, 1e-14})
+      for (const double outside : {0.3, 1.0}) {
+        const double sigma_s = optical / 9149.7;
+        const LayerStack stack({layer(co_albedo * sigma_s, sigma_s, 0.0, 1.0, 9149.7)}, outside,
+                               outside);
+        for (const double accuracy : {1e-2, 1e-6}) {
+          const AddingDoublingTotals found = adding_doubling(stack, {}, {.accuracy = accuracy});
+          EXPECT_NEAR(sum(found.totals), 1.0, 1e-4)
+              << optical << " " << co_albedo << " " << outside << " " << accuracy;
+          EXPECT_NEAR(found.totals.specular_reflectance + found.totals.diffuse_reflectance, 1.0,
+                      1e-4);
+        }
+      }
+}
+
 TEST(AddingDoubling, ClearHalfSpaceSwallowsTheLight) {
   const LayerStack water({layer(0.0, 0.0, 0.0, 1.33, infinite)}, 1.0, 1.33);
   const auto totals = adding_doubling(water).totals;

@@ -26,6 +26,22 @@ LayerOperators clear_layer_operators(const GridLayer& layer) {
   return operators;
 }
 
+/// Below this fraction of the scattering, absorption may be less than what rounding makes of light;
+/// what such a layer absorbs of it is 1e-5 at most.
+constexpr double least_absorption = 1e-11;
+
+/// Whether more light leaves a layer than enters, or what is no number.
+bool makes_light(const LayerOperators& operators, const std::vector<double>& roots) {
+  const std::size_t n = roots.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    double leaves = 0.0;
+    for (std::size_t j = 0; j < n; ++j)
+      leaves += (operators.reflection(i, j) + operators.transmission(i, j)) * roots[j];
+    if (!(leaves <= roots[i] * (1.0 + 1e-9))) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 TruncatedPhase truncate(const PhaseFunction& phase, int count) {
@@ -189,12 +205,17 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
   const TransferMatrices transfer = transfer_matrices(layer, m);
   SlabProblem problem = slab_problem(layer, transfer);
   std::vector<double> roots;
-  if (m == 0 && layer.sigma_a == 0.0) {
-    roots = root_etendues(layer);
-    problem.conserved = roots.data();
-  }
+  if (m == 0 && layer.sigma_a <= least_absorption * layer.sigma_s) roots = root_etendues(layer);
+  if (layer.sigma_a == 0.0 && !roots.empty()) problem.conserved = roots.data();
   LayerOperators operators{Matrix(n, n), Matrix(n, n)};
-  double_slab(problem, operators.reflection.values.data(), operators.transmission.values.data());
+  const auto solve = [&] {
+    double_slab(problem, operators.reflection.values.data(), operators.transmission.values.data());
+  };
+  solve();
+  if (problem.conserved == nullptr && !roots.empty() && makes_light(operators, roots)) {
+    problem.conserved = roots.data();
+    solve();
+  }
   if (!std::isfinite(layer.thickness))
     std::fill(operators.transmission.values.begin(), operators.transmission.values.end(), 0.0);
   return operators;

@@ -261,7 +261,8 @@ struct Cholesky {
                         transposed(root).at(0, first), vectors, first, last - first, subtract);
       for (std::size_t j = first; j < last; ++j) {
         subtract_columns<Kind>(below, vectors, factors(root), first, j);
-        const V pivot = Kind::factor(root.element(j, j));
+        // Of a slab that lets less than rounding through, a pivot may come out 0 or less.
+        const V pivot = hn::Max(Kind::factor(root.element(j, j)), hn::Set(d, 1e-15));
         const V scale = hn::Div(hn::Set(d, 1.0), hn::Sqrt(pivot));
         hn::Store(scale, d, inverse.get() + j * lanes());
         scale_column(below, vectors, j, scale);
