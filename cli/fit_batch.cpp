@@ -35,6 +35,7 @@ struct FittedFile {
   std::optional<MeasurementFit> fit = {};
   JsonOutput json = {};
   std::string refusal = {};
+  bool is_unreadable = false;  ///< rather than wrong
 };
 
 std::vector<fs::path> csv_files(const std::string& folder) {
@@ -57,6 +58,7 @@ void attempt(FittedFile& file, const Work& work) {
     file.refusal = error.what();
   } catch (const FileError& error) {
     file.refusal = error.what();
+    file.is_unreadable = true;
   }
 }
 
@@ -200,6 +202,9 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
       make_progress("fits", Keeps::nothing));
 
   if (batch.shard) {
+    // Another machine, or a later run, may be able to read it.
+    for (const FittedFile& file : files)
+      if (file.is_unreadable) throw FileError(file.refusal);
     part.batch = batch_of(files);
     write_json(fit_shard_json(part), common);
     print(common, fmt::format("{}: {} samples fitted, {} refused\n", common.json,

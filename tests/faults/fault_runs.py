@@ -20,9 +20,11 @@ import random
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 KINDS = {"memory": "memory", "write": "write", "short": "write", "space": "write", "sync": "sync", "read": "read"}
 
@@ -37,13 +39,16 @@ COMMANDS = {
     "edit": "edit {in}/maps --tan 0.5 --no-preview -o {out}",
     "export": "export jensen_skin1 --to mcx,mcml,pbrt-v4 -o {out}",
     "filters": "filters --count 5 --candidates {in}/bands.csv --json {out}/filters.json",
+    "acquire_tiles": "acquire {in}/large.json --tile-memory 2MiB --tiles {out}/tiles -o {out}/maps",
     "fit": "fit {source}/tests/inputs/measurement/good/table.json -o {out}/fit.json --report {out}/fit.html",
+    "fit_shard": "fit {source}/examples/measurements/liquid.json --batch {in}/spectra --shard 0/2 --json {out}/fits.json",
     "info": "info {source}/tests/inputs/scene/good/everything.json --json {out}/info.json",
     "invert": "invert --color 0.5 0.3 0.2 --json {out}/invert.json",
     "invert_texture": "invert --texture {source}/examples/layers/brush.png --clamp -o {out}/albedo.exr",
     "maps": f"maps {{source}}/examples/skin/freckles.json {' '.join(SMALL)} -o {{out}} --png",
     "materials": "materials marble --json {out}/marble.json",
     "merge": "merge {in}/0.shard {in}/1.shard -o {out}/merged.exr",
+    "merge_fits": "merge {in}/0.fits {in}/1.fits -o {out}/fits.csv --json {out}/fits.json",
     "merge_photons": "merge {in}/0.json {in}/1.json --json {out}/photons.json",
     "patch": "patch {source}/tests/inputs/patch/good/everything.json -o {out}/patch --no-cache",
     "photons": "photons marble --photons 2000 --tally r,angle --json {out}/photons.json --plot {out}/photons.svg",
@@ -71,6 +76,28 @@ def make_inputs(lamina, source, folder):
     for i in range(2):
         run("render", f"{source}/scenes/bumpy.json", "--method", "probe", "--profile", "diffusion", "--width", "8", "--samples", "4", "--shard", f"{i}/2", "-o", f"{folder}/{i}.shard")
         run("photons", "marble", "--photons", "2000", "--tally", "r", "--shard", f"{i}/2", "--json", f"{folder}/{i}.json")
+    os.makedirs(f"{folder}/spectra")
+    for name in "ab":
+        shutil.copy(f"{source}/examples/measurements/cuvette.csv", f"{folder}/spectra/{name}.csv")
+    for i in range(2):
+        run("fit", f"{source}/examples/measurements/liquid.json", "--batch", f"{folder}/spectra", "--shard", f"{i}/2", "--json", f"{folder}/{i}.fits")
+    images = []
+    for nm, level in ((450, 60), (550, 80), (650, 130)):
+        with open(f"{folder}/{nm}.png", "wb") as file:
+            file.write(gray_png(80, 70, lambda x, y: level + (x * 7 + y * 3) % 20))
+        images.append({"image": f"{nm}.png", "encoding": "linear", "sensor": {"wavelength_nm": nm}})
+    with open(f"{folder}/large.json", "w") as file:
+        json.dump({"lamina": "capture", "version": 1, "population": "none", "numbers": ["melanin", "hemoglobin_dermis"], "images": images}, file)
+
+
+def gray_png(width, height, value):
+    """8 bits; value(x, y) in [0, 255]."""
+    rows = b"".join(b"\0" + bytes(value(x, y) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def hash_of(path):

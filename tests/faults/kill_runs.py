@@ -35,6 +35,8 @@ WORK = {
     "maps": (f"maps {{source}}/examples/skin/freckles.json {' '.join(LARGER_MAPS)} -o {{out}} --png", False, []),
     "patch": ("patch {source}/tests/inputs/patch/good/minimal.json -o {out}/patch", False, []),
     "acquire": (COMMANDS["acquire"], False, []),
+    "acquire_tiles": (COMMANDS["acquire_tiles"], False, []),
+    "fit_shard": (COMMANDS["fit_shard"], False, []),
     "profile": ("profile donner_jensen_skin --json {out}/profile.json", False, []),
     "reproduce": (COMMANDS["reproduce"], True, [".json"]),
     "merge": (COMMANDS["merge"], False, []),
