@@ -7,6 +7,9 @@ returns `reflectance` of diffuse light; `g`, `ior` and `roughness` (alpha of the
 `reflectance` and `transmittance` alone.
 
 The rules are facts of Cycles: 3.4.1 as Debian has it, tested there; 4.0 to 5.1 and 5.2 as their sources read, untested.
+
+How long a radius is: up to 5.1, and with LEGACY later, the kernel divides it by 4 pi and takes it as 1 / sigma_t', but of SKIN,
+whose radius it multiplies by sqrt(3 (1 - albedo')). From 5.2 on RANDOM_WALK has the radius as it is for 1 / sigma_t.
 """
 import math
 
@@ -62,31 +65,27 @@ def van_de_hulst_color(albedo, g):
     return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s)
 
 
-def color_of(albedo, g, fit):
-    """The color from which `fit` makes an albedo; the lowest one where it makes nothing whiter."""
-    albedo = min(albedo, WHITEST)
-    low, high = 0.0, 1.0
+def argument_of(value, rising, high):
+    """Where in [0, high] a rising function has a value: the low end where it is above, the high one where it is below."""
+    low = 0.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if fit(middle, g) < albedo:
+        if rising(middle) < value:
             low = middle
         else:
             high = middle
     return 0.5 * (low + high)
+
+
+def color_of(albedo, g, fit):
+    """The color from which `fit` makes an albedo; the lowest one where it makes nothing whiter."""
+    return argument_of(min(albedo, WHITEST), lambda color: fit(color, g), 1.0)
 
 
 def albedo_of_changed_color(albedo, g, factor):
     """The albedo with which a half-space under a matched boundary returns `factor` times what it returns with `albedo`:
     van de Hulst's fit is right for what differs little."""
-    wanted = van_de_hulst_color(albedo, g) * factor
-    low, high = 0.0, WHITEST
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if van_de_hulst_color(middle, g) < wanted:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+    return argument_of(van_de_hulst_color(albedo, g) * factor, lambda x: van_de_hulst_color(x, g), WHITEST)
 
 
 def fresnel(cos_i, eta):
@@ -195,7 +194,7 @@ def walk(medium, rule, method):
             color = color_of(changed, g, fit)
         colors.append(color)
         if is_new:
-            radii.append(4 * math.pi * length)
+            radii.append(length)  # the mean free path itself
         else:
             scaled = length / (1 - g)  # 1 / sigma_t is radius times 1 - g
             radii.append(scaled / math.sqrt(3 * (1 - dipole_albedo(color, ior))) if method == "SKIN"

@@ -37,7 +37,7 @@ def cycles(plan, medium, rule):
     new = rule == "5.2" and plan["method"] == "RANDOM_WALK"
     scale = inputs.get("Subsurface Scale", 1.0)
     for color, radius in zip(inputs["Base Color"], inputs["Subsurface Radius"]):
-        length = 0.25 / math.pi * scale * radius
+        length = scale * radius if new else 0.25 / math.pi * scale * radius
         if new:
             albedo, sigma_t = rules.van_de_hulst_albedo(color, g), 1 / length
         else:
@@ -79,6 +79,12 @@ class Rules(unittest.TestCase):
                 ratio = rules.van_de_hulst_color(albedo, 0.6) / rules.van_de_hulst_color(wanted, 0.6)
                 self.assertGreater(ratio, 0.9)  # what surface and entry take is given back
                 self.assertLess(ratio, 1.35)
+
+    def test_radius_is_the_mean_free_path_from_5_2_on(self):
+        for version, factor in (((3, 4), 4 * math.pi / 0.4), ((5, 1), 4 * math.pi / 0.4), ((5, 2), 1)):
+            inputs = rules.plan(MEDIUM, version, 10)["inputs"]
+            for radius, length in zip(inputs["Subsurface Radius"], MEDIUM["mean_free_path_mm"]):
+                self.assertAlmostEqual(10 * inputs.get("Subsurface Scale", 1) * radius, factor * length, delta=1e-9)
 
     def test_surface_and_burley_take_what_was_given(self):
         walk, retro = rules.burley_factors(0.3)

@@ -49,13 +49,13 @@ TEST(MaterialImport, PrincipledOfThreeVersionsHasTheLengthsThatEachMeans) {
                        .ior = 1.0,
                        .roughness = 0.0};
   const double four_pi = 12.566370614359172;
-  for (const auto& [rules, factor] :
-       {std::pair{BlenderRules::blender_3, 0.5}, std::pair{BlenderRules::blender_4, 0.5},
-        std::pair{BlenderRules::blender_5_2, 1.0}}) {
+  for (const auto& [rules, factor] : {std::pair{BlenderRules::blender_3, 0.5 / four_pi},
+                                      std::pair{BlenderRules::blender_4, 0.5 / four_pi},
+                                      std::pair{BlenderRules::blender_5_2, 1.0}}) {
     p.blender = rules;
     const ImportedMaterial imported = import_material(p);
     const MaterialLayer& layer = imported.material.layers.front();
-    EXPECT_NEAR(1.0 / (layer.sigma_a[0] + layer.sigma_s[0]), factor / four_pi, 1e-9);
+    EXPECT_NEAR(1.0 / (layer.sigma_a[0] + layer.sigma_s[0]), factor, 1e-9);
     // Below a surface that does nothing the color is nearly the one that was asked for.
     EXPECT_NEAR(returned(imported.material, 0), 0.6, 0.04);
   }

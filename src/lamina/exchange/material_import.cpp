@@ -88,7 +88,8 @@ Walk walk_of(const ImportedParameters& p, std::size_t channel) {
   const HalfSpaceColor matched({.ior = 1.0, .g = p.g, .definition = ColorDefinition::diffuse});
   const bool is_new = p.blender == BlenderRules::blender_5_2;
   const double albedo = is_new ? van_de_hulst_albedo(color, p.g) : wrenninge_albedo(color, p.g);
-  Walk walk{.mean_free_path = length / (4.0 * std::numbers::pi) * (is_new ? 1.0 : 1.0 - p.g)};
+  // Up to 5.1 the kernel takes a 4 pi-th of the radius for the reduced mean free path.
+  Walk walk{.mean_free_path = is_new ? length : length / (4.0 * std::numbers::pi) * (1.0 - p.g)};
   walk.total = p.blender == BlenderRules::blender_3
                    ? burley_exit * matched.color(albedo) + burley_retro(p.roughness) * color
                    : enters * refracted_entry(albedo, p.g, p.ior) * matched.color(albedo);
