@@ -11,6 +11,10 @@ struct HalfSpaceAlbedo {
 
 /// The reduced albedo of a half-space that returns the wanted fraction of diffuse light, its first
 /// reflection left out, by adding-doubling.
+///
+/// For fits whose totals are printed to five digits, of any index and mean cosine. HalfSpaceColor
+/// answers the same question from its table in microseconds, within .1 % and for what a
+/// HalfSpaceLook may be.
 [[nodiscard]] HalfSpaceAlbedo half_space_albedo(double reflectance, double g, double ior,
                                                 double ior_above);
 
