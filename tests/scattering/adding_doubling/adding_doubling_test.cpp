@@ -292,6 +292,16 @@ TEST(AddingDoubling, SlabsThatLetLessThanRoundingThroughReturnTheRest) {
       }
 }
 
+TEST(AddingDoubling, HalfSpacesThatTurnLightStraightBackReturnAll) {
+  const LayerStack stack({layer(1e-9, 1e9, -1.0 + 1e-9, 1.0, infinite)});
+  for (const double degrees : {0.0, 30.0, 60.0, 80.0, 87.12, 89.0})
+    for (const double accuracy : {1e-2, 1e-6}) {
+      const auto totals = adding_doubling(stack, oblique(degrees), {.accuracy = accuracy}).totals;
+      EXPECT_NEAR(totals.diffuse_reflectance, 1.0, 1e-4) << degrees << " " << accuracy;
+      EXPECT_NEAR(sum(totals), 1.0, 1e-4) << degrees << " " << accuracy;
+    }
+}
+
 TEST(AddingDoubling, ClearHalfSpaceSwallowsTheLight) {
   const LayerStack water({layer(0.0, 0.0, 0.0, 1.33, infinite)}, 1.0, 1.33);
   const auto totals = adding_doubling(water).totals;

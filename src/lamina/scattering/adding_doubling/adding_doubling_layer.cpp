@@ -205,7 +205,8 @@ LayerOperators layer_operators(const GridLayer& layer, int m) {
   const TransferMatrices transfer = transfer_matrices(layer, m);
   SlabProblem problem = slab_problem(layer, transfer);
   std::vector<double> roots;
-  if (m == 0 && layer.sigma_a <= least_absorption * layer.sigma_s) roots = root_etendues(layer);
+  if (m == 0 && layer.sigma_a <= least_absorption * (layer.sigma_s + layer.backward))
+    roots = root_etendues(layer);
   if (layer.sigma_a == 0.0 && !roots.empty()) problem.conserved = roots.data();
   LayerOperators operators{Matrix(n, n), Matrix(n, n)};
   const auto solve = [&] {
