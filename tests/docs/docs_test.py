@@ -46,6 +46,8 @@ NOT_RUN = {
     "tissue.mci": "stands for a file of the reader's",
     "--partition": "needs a Slurm",
     "submit sphere.job": "needs a Slurm",
+    "picture.job/shards/1?.shard": "a part of hundreds of shards",
+    "part*.shard": "the parts of hundreds of shards",
     "--resume": "goes on with a picture that was stopped",
 }
 # A `word` that is not of lamina's sources: of papers, formats, tools and the reader's own files.

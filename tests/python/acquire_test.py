@@ -141,7 +141,7 @@ def test_bands_are_those_of_the_command() -> None:
 
 @pytest.mark.parametrize(("arguments", "message"), [
     ({"count": 3}, "count: must lie in [5, 31]"),
-    ({"numbers": "melanin"}, "numbers: must be names in a list"),
+    ({"numbers": "melanin"}, "numbers: must be a list of names"),
     ({"numbers": ["melanine"]}, "melanin"),
     ({"candidates": [500, 400]}, "candidates: must be ascending"),
     ({"widths": [1.0, 2.0]}, "widths: must be one or 31"),
