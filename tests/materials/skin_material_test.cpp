@@ -12,6 +12,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/materials/material.h"
+#include "lamina/materials/material_file.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
@@ -93,6 +94,18 @@ TEST(SkinMaterial, StatesLookAsTheirCommentsSay) {
   EXPECT_LT(color_difference(lip, {53, 19, 10}), 1.0);
   EXPECT_LT(color_difference(dark, {38, 11, 15}), 1.0);
   EXPECT_NEAR(typology_angle(dark), -38.0, 1.0);
+}
+
+// [Xiao2017] Table: back of hand, Thai. [Alaluf2002]: forearm in the sun, Indian,
+// whose 43.7, 12.9, 17.2 for the observer of 1964 are 44.2, 13.6, 17.3 for that of 1931.
+// [JablonskiChaplin2000]: darkest inner arms.
+TEST(SkinMaterial, TanAndBrownHaveTheColorsThatWereMeasured) {
+  EXPECT_LT(color_difference(color("skin_tan"), {57.6, 9.4, 19.0}), 0.3);
+  EXPECT_LT(color_difference(color("skin_brown"), {44.2, 13.6, 17.3}), 0.3);
+  EXPECT_LT(color_difference(color("skin_deep"), {29.5, 7.4, 8.2}), 0.3);
+  const Material deep = find_sampled_material("skin_deep", std::vector{680.0, 685.0, 690.0});
+  EXPECT_NEAR(reflectances(deep)[1], 0.13, 0.002);
+  EXPECT_LT(reflectances(deep)[1], 0.193);
 }
 
 /// The mean spectrum of the forearms of [Cooksey2017] whose typology angle lies in a class, at
