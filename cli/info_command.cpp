@@ -199,6 +199,8 @@ void show_mesh(const InfoOptions& options) {
 std::string kind_of(const SurfaceMaterial& material) {
   constexpr std::array names = {"diffuse", "subsurface", "dielectric", "thin"};
   std::string text = names[material.surface.index()];
+  for (const Covering& covering : coverings_of(material))
+    text += ", over it " + (covering.name.empty() ? std::string("layers") : covering.name);
   if (material.coat) text += ", coat";
   const Vec3f& e = material.emission;
   if (e.x > 0.0F || e.y > 0.0F || e.z > 0.0F) text += ", emission";

@@ -62,6 +62,7 @@ const std::vector<Sample>& material_samples() {
       {"single_scattering_blur", wax, wax + R"(, "single_scattering_blur": 0.2)",
        R"("single_scattering": "straight")"},
       {"maps", wax, wax + R"(, "maps": {"0.sigma_a": 5})"},
+      {"over", wax, wax + R"(, "over": [{"material": "jade", "thickness": 0.2, "coverage": 0.7}])"},
       {"coat", wax, wax + R"(, "coat": {"roughness": 0.5})"},
       {"bump", wax, wax + R"(, "bump": {"noise": {"size": 0.5}, "scale": 0.1})"},
       {"normal_map", wax, wax + R"(, "normal_map": "checker.png")"},

@@ -15,6 +15,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/scattering/diffusion/dipole.h"
+#include "lamina/scene/common_bands.h"
 #include "lamina/scene/scene.h"
 #include "lamina/scene/studio_environment.h"
 #include "mesh/mesh_samples.h"
@@ -221,6 +222,33 @@ TEST(SceneFile, ANumberTakesTheChannelOfAnImageThatIsNamed) {
   const Coat& coat = *scene.materials[0].coat;
   EXPECT_EQ(std::get<ImageMap>(coat.weight.map->source).image, 1U);
   EXPECT_EQ(std::get<ImageMap>(coat.roughness.map->source).image, 1U);
+}
+
+TEST(SceneFile, SaysWhatLiesOverASurface) {
+  std::string text = scene_text("1", R"({"shape": "rectangle", "material": "wall"})", "");
+  const std::string matte = R"({"diffuse": 0.5})";
+  text.replace(text.find(matte), matte.size(),
+               R"({"diffuse": 0.5, "over": [
+                     {"material": "jade", "thickness": 0.2, "name": "green"},
+                     {"material": "dust", "coverage": {"noise": {"size": 3}, "scale": 0.5}}],
+                   "coat": {"second_lobe": {"roughness": 0.6, "share": 0.2}}})");
+  const Scene scene = load_text(text, "over");
+  const std::span<const Covering> over = coverings_of(scene.materials[0]);
+  ASSERT_EQ(over.size(), 2U);
+  EXPECT_EQ(over[0].name, "green");
+  EXPECT_EQ(over[0].material.layers.back().thickness, 0.2);
+  EXPECT_EQ(over[0].coverage.value, 1.0F);
+  EXPECT_EQ(over[1].name, "dust");
+  EXPECT_EQ(over[1].coverage.map->scale, 0.5F);
+  // Of dust, which has wavelengths; jade is turned into them.
+  EXPECT_FALSE(bands_of(scene).is_rgb());
+  EXPECT_EQ(over[0].material.bands, over[1].material.bands);
+  ASSERT_EQ(scene.warnings.size(), 1U + (scene.lights.empty() ? 1U : 0U));
+  EXPECT_NE(scene.warnings.back().find(R"(material "wall": over "green": RGB turned into the )"),
+            std::string::npos);
+  const auto& second = scene.materials[0].coat->second;
+  EXPECT_EQ(second->roughness.value, 0.6F);
+  EXPECT_EQ(second->share.value, 0.2F);
 }
 
 TEST(SceneFile, TheUnitScalesWhatLiesInSpaceAndNothingElse) {

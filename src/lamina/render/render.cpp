@@ -269,8 +269,9 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   const BandConversion<N> conversion =
       make_band_conversion<N>(bands, weights_of_bands(*scene.scene, bands));
   const ThinSheets<N> sheets = make_thin_sheets<N>(*scene.scene);
+  const Coverings<N> coverings = make_coverings<N>(scene);
   const CameraRays camera(scene.scene->camera, width, height);
-  const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, camera);
+  const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, coverings, camera);
   Scene chosen;
   choose<N>(scene, conversion, camera, seen, options, progress, chosen, statistics);
   const RenderSettings& settings = scene.scene->render;
@@ -282,6 +283,7 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
                               methods,
                               layered,
                               sheets,
+                              coverings,
                               {.max_bounces = settings.max_bounces,
                                .direct_light = static_cast<DirectLight>(options.direct_light)}});
   LightCache cache(*scene.scene, options);

@@ -209,6 +209,11 @@ BandSet bands_of(const Scene& scene) {
   for (const SurfaceMaterial& material : scene.materials)
     if (const Material* layers = layers_of(material.surface))
       if (!found || (found->is_rgb() && !layers->bands.is_rgb())) found = &layers->bands;
+  for (const SurfaceMaterial& material : scene.materials)
+    for (const Covering& covering : coverings_of(material))
+      if (const BandSet& bands = covering.material.bands;
+          !found || (found->is_rgb() && !bands.is_rgb()))
+        found = &bands;
   return found ? *found : BandSet::rgb();
 }
 
@@ -217,7 +222,7 @@ BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
     const Material* layers = layers_of(scene.materials[i].surface);
     const bool was_rgb = std::ranges::any_of(scene.band_changes, [&](const BandChange& change) {
-      return change.material == i && change.from.is_rgb();
+      return change.material == i && change.covering.empty() && change.from.is_rgb();
     });
     if (!layers || was_rgb || layers->bands.is_rgb()) continue;
     if (!layers->skin || !std::holds_alternative<SubsurfaceSurface>(scene.materials[i].surface))
@@ -230,20 +235,25 @@ BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
 void make_bands_common(Scene& scene) {
   const BandSet bands = bands_of(scene);
   const BandWeights weights = weights_of_bands(scene, bands);
-  for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
-    Material* layers = layers_of(scene.materials[i].surface);
-    if (!layers || layers->bands == bands) continue;
-    const Material before = *layers;
-    *layers = with_bands(before, bands, weights);
+  const auto change = [&](std::uint32_t i, const std::string& covering, Material& layers) {
+    if (layers.bands == bands) return;
+    const Material before = layers;
+    layers = with_bands(before, bands, weights);
     scene.band_changes.push_back(
-        {i, before.bands, color_error(before, own_weights(before), *layers, weights)});
+        {i, covering, before.bands, color_error(before, own_weights(before), layers, weights)});
+  };
+  for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
+    SurfaceMaterial& material = scene.materials[i];
+    if (Material* layers = layers_of(material.surface)) change(i, {}, *layers);
+    for (Covering& covering : coverings_of(material)) change(i, covering.name, covering.material);
   }
 }
 
 std::string describe_band_change(const BandChange& change, const Scene& scene) {
   char error[32];
   std::snprintf(error, sizeof error, "%.2g", change.color_error);
-  return "material \"" + scene.materials[change.material].name + "\": " +
+  return "material \"" + scene.materials[change.material].name +
+         "\": " + (change.covering.empty() ? "" : "over \"" + change.covering + "\": ") +
          (change.from.is_rgb() ? "RGB" : std::to_string(change.from.size()) + " wavelengths") +
          " turned into the " + std::to_string(bands_of(scene).size()) +
          " wavelengths of the scene; colors differ by up to " + error;

@@ -45,6 +45,17 @@ std::string path_of(const RenderSetting& setting) { return "render." + std::stri
 }  // namespace
 
 std::optional<std::string> refusal(const Scene& scene, SceneMethod method) {
+  for (const SurfaceMaterial& material : scene.materials) {
+    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
+    if (!surface || surface->over.empty()) continue;
+    const auto refuse = [&](std::string_view key) {
+      return place(scene, "materials." + material.name + ".over") + ": must not stand beside \"" +
+             std::string(key) + "\" of \"render\", which takes the surface as bare";
+    };
+    if (scene.render.is_corrected) return refuse("correct");
+    if (scene.render.single_scattering != RenderSettings().single_scattering)
+      return refuse("single_scattering");
+  }
   if (method.is_open()) return std::nullopt;
   for (const RenderSetting& setting : render_settings)
     if (const std::string path = path_of(setting);

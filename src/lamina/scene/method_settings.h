@@ -57,6 +57,8 @@ inline constexpr auto material_settings = [] {
        {"subsurface.maps",  // numbers of the material
         "maps of what a material is made of are not for it",
         [](const Surface& s) { return !s.material_maps.empty(); }},
+       {"over", "its light does not pass what lies over a surface",
+        [](const Surface& s) { return !s.over.empty(); }},
        {"subsurface.skin.dermis_thickness", "it takes the thickness of a fold from the mesh",
         [](const Surface& s) {
           return s.material.skin && std::isfinite(s.material.skin->skin.dermis_thickness);

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -111,6 +112,16 @@ struct LayerMap {
   std::vector<ScalarParameter> terms;  ///< the value is their sum
 };
 
+/// Thin layers that lie on a surface, or on parts of it: foundation, paint, dust. Where they lie
+/// they take part in what enters and leaves; light does not spread in them.
+struct Covering {
+  std::string name;
+  Material material;         ///< of finite layers; what it covers takes the place of its ground
+  ScalarParameter coverage;  ///< share of the surface that is covered, in [0, 1]
+};
+
+inline constexpr std::size_t most_coverings = 4;  ///< of one surface
+
 /// A layered translucent material under a rough surface.
 struct SubsurfaceSurface {
   Material material;
@@ -128,6 +139,7 @@ struct SubsurfaceSurface {
   std::vector<LayerMap> maps;                             ///< for method layered_bsdf
   std::vector<MaterialMap> material_maps;  ///< of the material's numbers, for texture_space,
                                            ///< layered_bsdf and random_walk
+  std::vector<Covering> over;  ///< what lies on it, from below; each as if it lay there by chance
 };
 
 template <>  // "none" is where there is no color
@@ -138,6 +150,7 @@ inline constexpr auto enum_names<SubsurfaceSurface::ColorUse> =
 
 struct DiffuseSurface {
   ColorParameter color{.value = {0.5f, 0.5f, 0.5f}};  ///< reflectance
+  std::vector<Covering> over;                         ///< as of SubsurfaceSurface
 };
 
 /// Which light a rough dielectric passes on, and how its facets hide one another.
@@ -178,6 +191,12 @@ struct Coat {
   ScalarParameter roughness{.value = 0.3f};  ///< microfacet alpha
   ScalarParameter weight{.value = 1.0f};     ///< in [0, 1]
   MicrofacetDistribution distribution = MicrofacetDistribution::beckmann;
+  /// A second lobe: the share of the coat that has this other roughness.
+  struct SecondLobe {
+    ScalarParameter roughness;
+    ScalarParameter share{.value = 0.5f};  ///< in [0, 1]
+  };
+  std::optional<SecondLobe> second;
 };
 
 struct SurfaceMaterial {
@@ -190,6 +209,18 @@ struct SurfaceMaterial {
   std::optional<ImageMap> normal_map;  ///< tangent space, OpenGL convention
   Vec3f emission{};  ///< radiance that it gives off on its outer side, of diffuse ones only
 };
+
+/// What lies over a surface; nothing over glass and thin sheets.
+[[nodiscard]] inline std::span<const Covering> coverings_of(const SurfaceMaterial& material) {
+  if (const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface))
+    return subsurface->over;
+  const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface);
+  return diffuse ? std::span<const Covering>(diffuse->over) : std::span<const Covering>();
+}
+[[nodiscard]] inline std::span<Covering> coverings_of(SurfaceMaterial& material) {
+  const std::span<const Covering> over = coverings_of(std::as_const(material));
+  return {const_cast<Covering*>(over.data()), over.size()};
+}
 
 struct PointLight {
   Vec3 position;    ///< [mm]
@@ -358,6 +389,7 @@ inline constexpr auto enum_names<RenderSettings::Profile> =
 /// A translucent material that was given for other bands than the scene is rendered with.
 struct BandChange {
   std::uint32_t material = 0;  ///< index into Scene::materials
+  std::string covering;        ///< the name of what lies over it; empty: the material itself
   BandSet from = BandSet::rgb();
   double color_error = 0.0;  ///< largest of R, G, B: of the color of a thick piece in diffuse
                              ///< light, or of what a thin one reflects and lets through

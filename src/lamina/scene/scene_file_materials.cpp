@@ -56,7 +56,7 @@ class MaterialDecoder {
     // A misspelled key is named as such before the kind is missed.
     (void)value.object({"subsurface", "diffuse", "dielectric", "thin", "color", "color_use",
                         "thickness", "single_scattering_weight", "single_scattering_blur",
-                        "opacity", "emission", "coat", "bump", "normal_map"});
+                        "opacity", "emission", "over", "coat", "bump", "normal_map"});
     value.fail(
         count == 0
             ? "must have \"subsurface\", \"diffuse\", \"dielectric\" or \"thin\", but has none"
@@ -104,7 +104,7 @@ class MaterialDecoder {
   void decode_subsurface(const JsonInput& value) {
     const JsonObject object =
         value.object({"subsurface", "color", "color_use", "thickness", "single_scattering_weight",
-                      "single_scattering_blur", "maps", "coat", "bump", "normal_map"});
+                      "single_scattering_blur", "maps", "over", "coat", "bump", "normal_map"});
     SubsurfaceSurface surface;
     std::optional<ScalarParameter> oiliness;
     const MaterialMaps take = [&](const MappableNumber& number,
@@ -161,15 +161,17 @@ class MaterialDecoder {
           map.terms.push_back(decode_scalar_parameter(given, closed_interval(0.0, largest_factor)));
         surface.maps.push_back(std::move(map));
       }
+    surface.over = decode_coverings(object);
     result_.material.surface = std::move(surface);
     decode_common(object);
   }
 
   void decode_diffuse(const JsonInput& value) {
     const JsonObject object =
-        value.object({"diffuse", "emission", "opacity", "coat", "bump", "normal_map"});
+        value.object({"diffuse", "emission", "opacity", "over", "coat", "bump", "normal_map"});
     result_.material.surface =
-        DiffuseSurface{.color = decode_color_parameter(object.required("diffuse"))};
+        DiffuseSurface{.color = decode_color_parameter(object.required("diffuse")),
+                       .over = decode_coverings(object)};
     decode_opacity(object);
     if (const auto emission = object.optional("emission")) {
       result_.material.emission = decode_color(*emission, closed_interval(0.0, brightest));
@@ -193,6 +195,36 @@ class MaterialDecoder {
     result_.material.surface = std::move(surface);
     decode_opacity(object);
     decode_common(object);
+  }
+
+  std::vector<Covering> decode_coverings(const JsonObject& object) {
+    std::vector<Covering> coverings;
+    if (const auto over = object.optional("over"))
+      for (const JsonInput& value : over->array(1, most_coverings))
+        coverings.push_back(decode_covering(value));
+    return coverings;
+  }
+
+  Covering decode_covering(const JsonInput& value) {
+    const JsonObject object = value.object({"name", "material", "thickness", "coverage"});
+    const JsonInput layers = object.required("material");
+    Covering covering{.material = decode_layers_of(layers), .coverage = {.value = 1.0f}};
+    covering.name = covering.material.name;
+    if (const auto name = object.optional("name")) covering.name = name->string();
+    double& last = covering.material.layers.back().thickness;
+    if (const auto thickness = object.optional("thickness")) {
+      if (std::isfinite(last))
+        thickness->fail(
+            "the layers of the material say how thick it is: leave it out, or make the last one "
+            "infinite");
+      last = thickness->number({.low = 0.0, .high = longest, .includes_low = false, .unit = "mm"});
+    } else if (std::isinf(last)) {
+      layers.fail("ends in a layer without end: say its \"thickness\" beside it");
+    }
+    if (const auto coverage = object.optional("coverage"))
+      covering.coverage =
+          decode_scalar_parameter(*coverage, closed_interval(0.0, 1.0), Use::coverage);
+    return covering;
   }
 
   void decode_opacity(const JsonObject& object) {
@@ -227,7 +259,8 @@ class MaterialDecoder {
   }
 
   Coat decode_coat(const JsonInput& value) {
-    const JsonObject object = value.object({"ior", "roughness", "weight", "distribution"});
+    const JsonObject object =
+        value.object({"ior", "roughness", "weight", "distribution", "second_lobe"});
     Coat coat;
     if (const auto ior = object.optional("ior"))
       coat.ior = static_cast<float>(ior->number(closed_interval(1.0, 10.0)));
@@ -237,6 +270,13 @@ class MaterialDecoder {
       coat.weight = decode_scalar_parameter(*weight, closed_interval(0.0, 1.0));
     if (const auto distribution = object.optional("distribution"))
       coat.distribution = decode_distribution(*distribution);
+    if (const auto second = object.optional("second_lobe")) {
+      const JsonObject lobe = second->object({"roughness", "share"});
+      coat.second = Coat::SecondLobe{.roughness = decode_scalar_parameter(
+                                         lobe.required("roughness"), closed_interval(0.0, 1.0))};
+      if (const auto share = lobe.optional("share"))
+        coat.second->share = decode_scalar_parameter(*share, closed_interval(0.0, 1.0));
+    }
     return coat;
   }
 

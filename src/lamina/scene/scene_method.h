@@ -32,7 +32,7 @@ struct SubsurfaceMethodInfo {
   bool is_bsdf = false;          ///< light leaves where it entered
   bool keeps_light = false;      ///< for other cameras, in RenderOptions::cache
   /// Of the keys that not all methods honour (method_settings.h) those that it does.
-  std::array<std::string_view, 12> honours = {};
+  std::array<std::string_view, 13> honours = {};
   std::span<const MethodNumber> numbers = {};
 
   [[nodiscard]] constexpr bool honours_key(std::string_view key) const {

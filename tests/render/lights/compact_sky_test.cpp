@@ -243,7 +243,8 @@ double arriving_radiance(const Scene& scene, const Ray& ray) {
   const std::vector<std::unique_ptr<SubsurfaceMethod<4>>> transports(scene.materials.size());
   const LayeredMaterials<4> layered(scene.materials.size());
   const ThinSheets<4> sheets = make_thin_sheets<4>(scene);
-  const PathTracer<4> tracer({prepared, conversion, transports, layered, sheets, {}});
+  const Coverings<4> coverings(scene.materials.size());
+  const PathTracer<4> tracer({prepared, conversion, transports, layered, sheets, coverings, {}});
   constexpr int count = 1 << 16;
   double sum = 0.0;
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -137,7 +137,10 @@ float pdf_specular(const SurfaceBoundary& boundary, const Vec3f& wo, const Vec3f
 SpecularSample sample_specular(const SurfaceBoundary& boundary, const Vec3f& wo, float u_lobe,
                                Vec2f u) {
   if (boundary.count == 0 || !(wo.z > 0.0f)) return {};
-  const int chosen = boundary.count == 2 && u_lobe >= lobe_probability(boundary, 0) ? 1 : 0;
+  int chosen = 0;
+  for (float below = lobe_probability(boundary, 0); chosen + 1 < boundary.count && u_lobe >= below;
+       below += lobe_probability(boundary, chosen))
+    ++chosen;
   const SpecularLobe& lobe = boundary.lobes[static_cast<std::size_t>(chosen)];
   if (is_smooth(lobe)) {
     const float reflected = lobe.share * lobe.table->at(lobe.roughness, wo.z);

@@ -53,16 +53,18 @@ struct SpecularLobe {
   float share = 1.0f;      ///< of the surface, in [0, 1]
 };
 
-/// What lies over the base of an opaque surface at one point: nothing, a boundary, or two side by
-/// side. Each light ray crosses one of them. What they reflect does not enter, and what is inside
-/// leaves with the angular distribution of what they let through, so light is never lost twice:
-/// a base of reflectance 1 under any boundary returns exactly all light.
+/// What lies over the base of an opaque surface at one point: nothing, a boundary, or several side
+/// by side. Each light ray crosses one of them. What they reflect does not enter, and what is
+/// inside leaves with the angular distribution of what they let through, so light is never lost
+/// twice: a base of reflectance 1 under any boundary returns exactly all light.
 ///
 /// Directions are unit vectors in a frame whose +z is the normal, away from the surface.
 struct SurfaceBoundary {
-  std::array<SpecularLobe, 2> lobes;
+  static constexpr int most = 7;  ///< two of a coat, four of coverings, and the material's own
+  std::array<SpecularLobe, most> lobes;
   int count = 0;
 
+  /// Shares sum to 1 at most.
   void add(const SpecularLobe& lobe) {
     if (lobe.share > 0.0f) lobes[static_cast<std::size_t>(count++)] = lobe;
   }

@@ -102,19 +102,30 @@ void add(SceneHash& hash, const LayerMap& map) {
   for (const ScalarParameter& term : terms) add_parameter(hash, term);
 }
 
-void add(SceneHash& hash, const DiffuseSurface& surface) {
-  const auto& [color] = surface;
-  add_parameter(hash, color);
-}
-
 /// Without what only people read.
 std::string text_of_layers(Material material) {
   material.name = material.source = {};
   return format_material(material);
 }
 
+void add(SceneHash& hash, const Covering& covering) {
+  const auto& [name, material, coverage] = covering;
+  hash.add_text(text_of_layers(material));
+  add_parameter(hash, coverage);
+}
+
+void add(SceneHash& hash, const DiffuseSurface& surface) {
+  const auto& [color, over] = surface;
+  add_parameter(hash, color);
+  hash.add(over.size());
+  for (const Covering& covering : over) add(hash, covering);
+}
+
 void add(SceneHash& hash, const SubsurfaceSurface& surface) {
-  const auto& [material, color, color_use, thickness, weight, blur, maps, material_maps] = surface;
+  const auto& [material, color, color_use, thickness, weight, blur, maps, material_maps, over] =
+      surface;
+  hash.add(over.size());
+  for (const Covering& covering : over) add(hash, covering);
   hash.add_text(text_of_layers(material));
   for (const MaterialMap& map : material_maps) {
     hash.add_text(map.number.name);
@@ -150,11 +161,15 @@ void add(SceneHash& hash, const ThinSurface& surface) {
 }
 
 void add(SceneHash& hash, const Coat& coat) {
-  const auto& [ior, roughness, weight, distribution] = coat;
+  const auto& [ior, roughness, weight, distribution, second] = coat;
   hash.add(ior);
   add_parameter(hash, roughness);
   add_parameter(hash, weight);
   hash.add(distribution);
+  hash.add_optional(second, [&](const Coat::SecondLobe& lobe) {
+    add_parameter(hash, lobe.roughness);
+    add_parameter(hash, lobe.share);
+  });
 }
 
 void add(SceneHash& hash, const SurfaceMaterial& material) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lamina/render/shading/band_conversion.h"
+#include "lamina/render/shading/covering.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/shading/thin_sheet.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
@@ -37,10 +38,12 @@ template <int N>
 struct PathWorld {
   const RenderScene& scene;
   const BandConversion<N>& conversion;
-  // One entry per material, null where it is not translucent, none for its BSDF alone, or not thin:
+  // One entry per material, null where it is not translucent, none for its BSDF alone, not thin, or
+  // not covered:
   const SubsurfaceMethods<N>& transports;
   const LayeredMaterials<N>& layered;
   const ThinSheets<N>& sheets;
+  const Coverings<N>& coverings;
   PathOptions options;
 };
 

@@ -52,6 +52,10 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
   const SurfaceBoundary boundary = boundary_at(world_.scene, entry);
   EnteringLight<N> found;
   Vec3f of_open_sky;
+  const auto cover = cover_at(world_.scene, world_.coverings, entry);
+  const auto pass = [&](float cos_i) {
+    return cover ? cover->through(cos_i) : Bands::filled(1.0f);
+  };
   const auto mis_weight = [&](const LightSample& light, float cos_i) {
     return mis_weight_of_light_sample(world_.options.direct_light, light, cos_i / float_pi);
   };
@@ -78,7 +82,8 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
     const ResampledLight<N> drawn =
         resample_light(world_, entry, samples, weighed, Dielectrics::transmit, stratum);
     if (drawn.weight > 0.0f)
-      found.irradiance += drawn.weight * entering(drawn.light) * drawn.transmittance *
+      found.irradiance += drawn.weight * entering(drawn.light) *
+                          pass(dot(drawn.light.direction, entry.normal)) * drawn.transmittance *
                           world_.conversion.from_rgb(drawn.light.radiance);
     if (!sky || !(drawn.open_weight > 0.0f) || !is_sky(drawn.light)) continue;
     const float cos_i = dot(drawn.light.direction, entry.normal);
@@ -95,7 +100,7 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
   const bool is_above = dot(direction, entry.geometric_normal) > 0.0f;
   const float pdf = wi.z / float_pi;
   if (wi.z > 0.0f && is_above) {
-    found.irradiance += float_pi * (1.0f - reflectance(boundary, wi.z)) *
+    found.irradiance += float_pi * (1.0f - reflectance(boundary, wi.z)) * pass(wi.z) *
                         trace_path({.ray = {leave_surface(entry, direction), direction},
                                     .bounce = bounce + 1,
                                     .pdf = pdf,
@@ -104,6 +109,11 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
                                     .is_scattered = true},
                                    samples);
   }
+  // What coverings return to the inside counts half where light enters, half where it leaves.
+  Bands returning = Bands::filled(1.0f);
+  if (const auto& method = world_.transports[entry.material]; cover && method)
+    returning = sqrt(cover->returning(method->local_reflectance(entry)));
+  found.irradiance = returning * found.irradiance;
   if (!sky) return found;
   if (wi.z > 0.0f)
     for_sky_seen(world_.scene.lights, direction, [&](const LightSeen& seen) {
@@ -112,6 +122,7 @@ EnteringLight<N> PathTracer<N>::entering_light(const SurfacePoint& entry, int bo
       of_open_sky += (weight * sky->entering(wi.z) / pdf) * seen.radiance;
     });
   found.missed = world_.conversion.from_rgb(sky->at(entry.normal) - of_open_sky);
+  if (cover) found.missed = returning * cover->mean_through() * found.missed;
   return found;
 }
 

@@ -36,11 +36,17 @@ class Recorder final : public SubsurfaceMethod<N> {
 template <int N>
 struct Scout {
   Scout(const RenderScene& scene, const BandConversion<N>& conversion, const ThinSheets<N>& sheets,
-        int max_bounces)
+        const Coverings<N>& coverings, int max_bounces)
       : points(scene.scene->materials.size()),
         transports(points.size()),
         layered(points.size()),
-        tracer({scene, conversion, transports, layered, sheets, {.max_bounces = max_bounces}}) {
+        tracer({scene,
+                conversion,
+                transports,
+                layered,
+                sheets,
+                coverings,
+                {.max_bounces = max_bounces}}) {
     for (std::size_t m = 0; m < points.size(); ++m)
       if (std::holds_alternative<SubsurfaceSurface>(scene.scene->materials[m].surface))
         transports[m] = std::make_unique<Recorder<N>>(points[m]);
@@ -55,7 +61,8 @@ struct Scout {
 
 template <int N>
 SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>& conversion,
-                              const ThinSheets<N>& sheets, const CameraRays& camera) {
+                              const ThinSheets<N>& sheets, const Coverings<N>& coverings,
+                              const CameraRays& camera) {
   constexpr double most_rays = 5e5;
   const int width = scene.scene->film.width, height = scene.scene->film.height;
   const int step = static_cast<int>(
@@ -65,13 +72,13 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
     const Ray ray = camera.make_ray(x, y, random);
     (void)tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
   };
-  const Scout<N> scout(scene, conversion, sheets, 0);
+  const Scout<N> scout(scene, conversion, sheets, coverings, 0);
   const int columns = (width + step - 1) / step, rows = (height + step - 1) / step;
   parallel_for(static_cast<std::size_t>(rows), [&](std::size_t row) {
     for (int column = 0; column < columns; ++column)
       trace(scout.tracer, column * step, static_cast<int>(row) * step);
   });
-  const Scout<N> timed(scene, conversion, sheets, scene.scene->render.max_bounces);
+  const Scout<N> timed(scene, conversion, sheets, coverings, scene.scene->render.max_bounces);
   constexpr std::size_t few = 300;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const double seconds = seconds_of(few, [&](std::size_t i) {
@@ -95,7 +102,8 @@ SeenSurface find_seen_surface(const RenderScene& scene, const BandConversion<N>&
 
 #define LAMINA_INSTANTIATE(N)                                                             \
   template SeenSurface find_seen_surface<N>(const RenderScene&, const BandConversion<N>&, \
-                                            const ThinSheets<N>&, const CameraRays&)
+                                            const ThinSheets<N>&, const Coverings<N>&,    \
+                                            const CameraRays&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

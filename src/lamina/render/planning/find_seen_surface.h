@@ -10,7 +10,9 @@ namespace lamina {
 /// Sends rays from the camera and times a few of them.
 template <int N>
 [[nodiscard]] SeenSurface find_seen_surface(const RenderScene& scene,
-                                           const BandConversion<N>& conversion,
-                                           const ThinSheets<N>& sheets, const CameraRays& camera);
+                                            const BandConversion<N>& conversion,
+                                            const ThinSheets<N>& sheets,
+                                            const Coverings<N>& coverings,
+                                            const CameraRays& camera);
 
 }  // namespace lamina

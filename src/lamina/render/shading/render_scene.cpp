@@ -43,7 +43,16 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
   RenderScene::Boundaries boundaries;
   if (const auto& coat = material.coat)
     boundaries.coat = std::make_unique<BoundaryReflectance>(
-        coat->ior, coat->distribution, coat->roughness.value, coat->roughness.map.has_value());
+        coat->ior, coat->distribution, coat->roughness.value,
+        coat->roughness.map.has_value() || coat->second.has_value());
+  for (const Covering& covering : coverings_of(material)) {
+    if (covering.material.layers.empty())
+      throw InvalidInput("material \"" + material.name + "\": over \"" + covering.name +
+                         "\": at least one layer is required");
+    const MaterialLayer& layer = covering.material.layers.front();
+    boundaries.over.push_back({make_boundary(layer, covering.material.ior_above, layer.top),
+                               static_cast<float>(layer.top.roughness)});
+  }
   const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
   const auto* thin = std::get_if<ThinSurface>(&material.surface);
   if (!subsurface && !thin) return boundaries;
@@ -85,8 +94,24 @@ SurfaceBoundary boundary_at(const RenderScene& scene, const SurfacePoint& point)
     const float share = std::clamp(scene.textures.scalar(material.coat->weight, point), 0.0f, 1.0f);
     const float roughness =
         std::clamp(scene.textures.scalar(material.coat->roughness, point), 0.0f, 1.0f);
-    boundary.add({tables.coat.get(), roughness, share});
+    float second = 0.0f;
+    if (const auto& lobe = material.coat->second) {
+      second = share * std::clamp(scene.textures.scalar(lobe->share, point), 0.0f, 1.0f);
+      boundary.add({tables.coat.get(),
+                    std::clamp(scene.textures.scalar(lobe->roughness, point), 0.0f, 1.0f), second});
+    }
+    boundary.add({tables.coat.get(), roughness, share - second});
     uncovered -= share;
+  }
+  if (!tables.over.empty() && !point.is_below) {
+    const std::span<const Covering> over = coverings_of(material);
+    for (std::size_t i = over.size(); i-- > 0;) {  // the last one is on top
+      const float covered =
+          uncovered * std::clamp(scene.textures.scalar(over[i].coverage, point), 0.0f, 1.0f);
+      if (const auto& top = tables.over[i]; top.table)
+        boundary.add({top.table.get(), top.roughness, covered});
+      uncovered -= covered;
+    }
   }
   if (const auto& own = point.is_below ? tables.own_below : tables.own)
     boundary.add(

@@ -16,6 +16,12 @@ namespace lamina {
 
 /// A scene with all that paths ask of it precomputed, whatever the bands.
 struct RenderScene {
+  /// The boundary on top of a covering; no table where the indices are equal.
+  struct CoveringTop {
+    std::unique_ptr<BoundaryReflectance> table;
+    float roughness = 0.0f;
+  };
+
   /// The boundaries of one material. A coat stands in for the material's own surface where it
   /// lies: its reflection takes the place of the other, so no light is reflected by both.
   struct Boundaries {
@@ -23,6 +29,7 @@ struct RenderScene {
     std::unique_ptr<BoundaryReflectance> own;        ///< of a translucent material, unless matched
     std::unique_ptr<BoundaryReflectance> own_below;  ///< of finite layers, their other side
     float own_roughness = 0.0f, own_roughness_below = 0.0f;
+    std::vector<CoveringTop> over;  ///< [covering]
   };
 
   /// `scene` must outlive the result.

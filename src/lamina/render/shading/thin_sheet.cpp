@@ -8,12 +8,12 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
+#include "lamina/render/shading/internal/table_incidences.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {
 
-constexpr double grazing = 0.02;     // cosine in place of 0, where nothing enters
 constexpr int steps_per_octave = 2;  // of the table over thickness
 constexpr int octaves = 3;           // thinner and thicker than the material
 
@@ -26,15 +26,6 @@ double total_thickness(const Material& material) {
 Material scaled(Material material, double factor) {
   for (MaterialLayer& layer : material.layers) layer.thickness *= factor;
   return material;
-}
-
-/// The cosines of the table, outside; grazing light stands for that along the surface.
-std::vector<Incidence> table_incidences(std::size_t nodes) {
-  std::vector<Incidence> incidences;
-  for (std::size_t i = 0; i < nodes; ++i)
-    incidences.push_back({.theta = std::acos(std::max(
-                              grazing, static_cast<double>(i) / static_cast<double>(nodes - 1)))});
-  return incidences;
 }
 
 template <int N>

@@ -166,6 +166,18 @@ PathStep<N> make_step(const PathWorld<N>& world, const BoundaryPoint& at, const 
   return step;
 }
 
+/// A covered surface: as one that scatters light where it enters, with what comes from inside.
+template <int N>
+PathStep<N> make_step(const PathWorld<N>& world, const BoundaryPoint& at,
+                      const CoveredBase<N>& base, const PathState<N>& path,
+                      const LightGatherer<N>& gatherer, PixelSamples& samples) {
+  PathStep<N> step = make_step<N, CoveredBase<N>>(world, at, base, path, gatherer, samples);
+  if (!base.method) return step;
+  const ExitPoint exit{at.point, at.boundary, at.wo.z, -path.ray.direction};
+  step.inside = base.leaving * base.method->leaving_radiance(exit, gatherer, samples);
+  return step;
+}
+
 }  // namespace
 
 template <int N>

@@ -153,6 +153,70 @@ float SheetBase<N>::estimate(const BoundaryPoint& at, const Vec3f& wi) const {
   return brightness(wi.z < 0.0f ? transmittance : reflectance) * lobe(at, wi);
 }
 
+// Covered surfaces
+
+template <int N>
+BandValues<N> CoveredBase<N>::scattered_to(float cos_i, float cos_o) const {
+  return cover.reflection(cos_i, cos_o) + cover.matte_reflection(cos_i, cos_o, matte) +
+         cover.through(cos_i) * returned * cover.through(cos_o);
+}
+
+template <int N>
+BaseValue<N> CoveredBase<N>::evaluate(const BoundaryPoint& at, const Vec3f& wi,
+                                      PixelSamples&) const {
+  if (!(wi.z > 0.0f)) return {{}, pdf(wi)};
+  return {diffuse_lobe(at, at.boundary, wi.z) * scattered_to(wi.z, at.wo.z), pdf(wi)};
+}
+
+template <int N>
+std::optional<BaseSample<N>> CoveredBase<N>::sample(const BoundaryPoint&, float, float, Vec2f u2,
+                                                    PixelSamples&) const {
+  return sample_side<N>(false, u2);
+}
+
+template <int N>
+float CoveredBase<N>::pdf(const Vec3f& wi) const {
+  return std::max(wi.z, 0.0f) / float_pi;
+}
+
+template <int N>
+float CoveredBase<N>::estimate(const BoundaryPoint& at, const Vec3f& wi) const {
+  if (!(wi.z > 0.0f)) return 0.0f;
+  return brightness(scattered_to(wi.z, at.wo.z)) * diffuse_lobe(at, at.boundary, wi.z);
+}
+
+namespace {
+
+/// What coverings and base reflect together, of the flux that has entered.
+template <int N>
+BandValues<N> covered_reflectance(const CoverAt<N>& cover, const BandValues<N>& base, float cos_o) {
+  return cover.reflected(cos_o) +
+         cover.through(cos_o) * base * cover.returning(base) * cover.mean_through();
+}
+
+template <int N>
+CoveredBase<N> covered_matte(const CoverAt<N>& cover, const BandValues<N>& base, float cos_o) {
+  return {.reflectance = covered_reflectance(cover, base, cos_o), .cover = cover, .matte = base};
+}
+
+/// @param method  that gathers its light; null: light leaves where it enters
+template <int N>
+CoveredBase<N> covered_translucent(const CoverAt<N>& cover, const BandValues<N>& base,
+                                   const SubsurfaceMethod<N>* method, float cos_o) {
+  CoveredBase<N> covered{.reflectance = covered_reflectance(cover, base, cos_o), .cover = cover};
+  const BandValues<N> returning = cover.returning(base);
+  if (!method) {
+    covered.returned = base * returning;
+    return covered;
+  }
+  covered.method = method;
+  covered.leaving = sqrt(returning) * cover.through(cos_o);
+  covered.is_subsurface = true;
+  return covered;
+}
+
+}  // namespace
+
 template <int N>
 PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& point,
                                  const Vec3f& towards_eye, bool is_from_eye) {
@@ -174,8 +238,13 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
     return world.conversion.from_rgb(
         {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)});
   };
+  const auto cover = cover_at(world.scene, world.coverings, p);
   if (const auto* diffuse = std::get_if<DiffuseSurface>(&material.surface)) {
-    surface.base = DiffuseBase<N>{color_of(diffuse->color)};
+    const BandValues<N> reflectance = color_of(diffuse->color);
+    if (cover)
+      surface.base = covered_matte<N>(*cover, reflectance, surface.at.wo.z);
+    else
+      surface.base = DiffuseBase<N>{reflectance};
   } else if (sheet) {
     const auto place = sheet->place_at(world.scene.textures, p);
     const int side = is_inside ? 1 : 0;
@@ -190,7 +259,11 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
                                 .beyond = boundary_beyond()};
   } else if (method) {
     const BandValues<N> reflectance = method->local_reflectance(p);
-    if (is_from_eye && (!is_inside || is_sheet))
+    const bool is_followed = is_from_eye && (!is_inside || is_sheet);
+    if (cover && (is_followed || !is_sheet))
+      surface.base = covered_translucent<N>(*cover, reflectance, is_followed ? method : nullptr,
+                                            surface.at.wo.z);
+    else if (is_followed)
       surface.base = TranslucentBase<N>{reflectance, method};
     else if (is_sheet)
       surface.base = DiffuseBase<N>{reflectance, method->local_transmittance(p), boundary_beyond()};
@@ -214,6 +287,7 @@ PathSurface<N> make_path_surface(const PathWorld<N>& world, const SurfacePoint& 
   template struct DiffuseBase<N>;                                                     \
   template struct LayeredBase<N>;                                                     \
   template struct SheetBase<N>;                                                       \
+  template struct CoveredBase<N>;                                                     \
   template PathSurface<N> make_path_surface(const PathWorld<N>&, const SurfacePoint&, \
                                             const Vec3f&, bool)
 LAMINA_INSTANTIATE(4);

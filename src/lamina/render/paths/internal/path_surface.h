@@ -119,12 +119,40 @@ struct SheetBase {
   [[nodiscard]] float lobe(const BoundaryPoint& at, const Vec3f& wi) const;
 };
 
-/// A surface that ends a path's ray: a boundary over one of four bases. Dielectrics are none of
+/// A matte or translucent surface with thin coverings on it, which scatter light by themselves,
+/// too.
+template <int N>
+struct CoveredBase {
+  BandValues<N> reflectance;  ///< of coverings and base together
+  CoverAt<N> cover;
+  BandValues<N> matte;     ///< reflectance of a matte base; 0 of others
+  BandValues<N> returned;  ///< of the light that comes down through the coverings, what others send
+                           ///< up where it came; 0 where a method gathers it
+  const SubsurfaceMethod<N>* method = nullptr;  ///< null where there is none
+  BandValues<N> leaving;  ///< with a method: the factor on the light that it finds
+  bool is_subsurface = false;
+
+  [[nodiscard]] BaseValue<N> evaluate(const BoundaryPoint& at, const Vec3f& wi,
+                                      PixelSamples& samples) const;
+  [[nodiscard]] std::optional<BaseSample<N>> sample(const BoundaryPoint& at, float u, float chance,
+                                                    Vec2f u2, PixelSamples& samples) const;
+  [[nodiscard]] float pdf(const Vec3f& wi) const;
+  [[nodiscard]] float estimate(const BoundaryPoint& at, const Vec3f& wi) const;
+  [[nodiscard]] bool is_random() const { return false; }
+  [[nodiscard]] float continuous_chance() const { return 1.0f; }
+  [[nodiscard]] BandValues<N> scattered() const { return reflectance; }
+
+ private:
+  [[nodiscard]] BandValues<N> scattered_to(float cos_i, float cos_o) const;
+};
+
+/// A surface that ends a path's ray: a boundary over one of five bases. Dielectrics are none of
 /// them: paths pass them without a bounce (path_dielectric.cpp).
 template <int N>
 struct PathSurface {
   BoundaryPoint at;
-  std::variant<DiffuseBase<N>, TranslucentBase<N>, LayeredBase<N>, SheetBase<N>> base;
+  std::variant<DiffuseBase<N>, TranslucentBase<N>, LayeredBase<N>, SheetBase<N>, CoveredBase<N>>
+      base;
 
   [[nodiscard]] BandValues<N> reflectance() const {
     return std::visit([](const auto& kind) { return kind.reflectance; }, base);
