@@ -65,15 +65,12 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-/// The bands of all translucent materials, which must agree; else RGB.
+/// The bands of all translucent materials and of what lies over surfaces, which must agree; else
+/// RGB.
 BandSet common_bands(const Scene& scene) {
   const SurfaceMaterial* first = nullptr;
   BandSet bands = BandSet::rgb();
-  for (const SurfaceMaterial& material : scene.materials) {
-    const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
-    const auto* thin = std::get_if<ThinSurface>(&material.surface);
-    if (!subsurface && !thin) continue;
-    const BandSet& own = subsurface ? subsurface->material.bands : thin->material.bands;
+  const auto take = [&](const SurfaceMaterial& material, const BandSet& own) {
     if (!first) {
       first = &material;
       bands = own;
@@ -82,6 +79,13 @@ BandSet common_bands(const Scene& scene) {
                          "\": all translucent materials of a scene must have the same bands; "
                          "make_bands_common() sees to it");
     }
+  };
+  for (const SurfaceMaterial& material : scene.materials) {
+    if (const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface))
+      take(material, subsurface->material.bands);
+    if (const auto* thin = std::get_if<ThinSurface>(&material.surface))
+      take(material, thin->material.bands);
+    for (const Covering& covering : coverings_of(material)) take(material, covering.material.bands);
   }
   if (bands.size() > 16)
     throw InvalidInput("material \"" + first->name +

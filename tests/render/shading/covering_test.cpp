@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
+#include "lamina/materials/material_file.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/render.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/spectrum/band_color.h"
 #include "render/small_scenes.h"
 
 namespace lamina {
@@ -146,6 +148,22 @@ TEST(Covering, IsPartOfWhatKeptLightFollowsFrom) {
   EXPECT_NE(key({covering_of(film())}), key({covering_of(film(), 0.5f)}));
   EXPECT_NE(key({covering_of(film())}), key({covering_of(white_film())}));
   EXPECT_NE(key({}), key({}, Coat::SecondLobe{}));
+}
+
+// The surface below has no bands of its own.
+TEST(Covering, ByWavelengthsMakesThePictureOneOfThem) {
+  const Material paint = find_material("red_paint");
+  Scene scene = square_in_even_light(
+      matte(0.4f, {{.name = "paint", .material = paint, .coverage = {.value = 1.0f}}}), 1.0, 256);
+  const Image image = render(scene).image;
+  std::vector<double> spectrum;
+  for (std::size_t b = 0; b < paint.bands.size(); ++b)
+    spectrum.push_back(total(layer_stack(paint, b), 1.0));  // its ground reflects as much
+  const LinearSrgb expected = linear_srgb(make_band_weights(paint.bands), spectrum);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(mean_of(image, c), expected[c], 0.02 * expected[0]) << c;
+  scene.materials.push_back(translucent({}));  // in RGB
+  EXPECT_THROW(render(scene), InvalidInput);
 }
 
 TEST(Covering, RefusesLayersWithoutEnd) {
