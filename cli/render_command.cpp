@@ -446,6 +446,7 @@ void make_picture(const RenderCommandOptions& options, const PictureFiles& files
   for (const BandChange& change : scene.band_changes) {
     auto& entry = json["band_changes"].emplace_back();
     entry["material"] = scene.materials[change.material].name;
+    if (!change.covering.empty()) entry["over"] = change.covering;
     entry["from"] =
         change.from.is_rgb() ? JsonOutput("rgb") : JsonOutput(change.from.wavelengths());
     entry["color_error"] = change.color_error;

@@ -68,25 +68,15 @@ double peak_memory_mib() {
 /// The bands of all translucent materials and of what lies over surfaces, which must agree; else
 /// RGB.
 BandSet common_bands(const Scene& scene) {
-  const SurfaceMaterial* first = nullptr;
-  BandSet bands = BandSet::rgb();
-  const auto take = [&](const SurfaceMaterial& material, const BandSet& own) {
-    if (!first) {
-      first = &material;
-      bands = own;
-    } else if (!(own == bands)) {
-      throw InvalidInput("materials \"" + first->name + "\" and \"" + material.name +
+  const std::vector<SceneLayers> all = layers_of(scene);
+  if (all.empty()) return BandSet::rgb();
+  const auto& [first, layers] = all.front();
+  const BandSet& bands = layers->bands;
+  for (const auto& [surface, own] : all)
+    if (!(own->bands == bands))
+      throw InvalidInput("materials \"" + first->name + "\" and \"" + surface->name +
                          "\": all translucent materials of a scene must have the same bands; "
                          "make_bands_common() sees to it");
-    }
-  };
-  for (const SurfaceMaterial& material : scene.materials) {
-    if (const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface))
-      take(material, subsurface->material.bands);
-    if (const auto* thin = std::get_if<ThinSurface>(&material.surface))
-      take(material, thin->material.bands);
-    for (const Covering& covering : coverings_of(material)) take(material, covering.material.bands);
-  }
   if (bands.size() > 16)
     throw InvalidInput("material \"" + first->name +
                        "\": at most 16 bands can be rendered, but it has " +

@@ -204,17 +204,21 @@ BandWeights own_weights(const Material& material) {
 
 }  // namespace
 
-BandSet bands_of(const Scene& scene) {
-  const BandSet* found = nullptr;
+std::vector<SceneLayers> layers_of(const Scene& scene) {
+  std::vector<SceneLayers> all;
   for (const SurfaceMaterial& material : scene.materials)
-    if (const Material* layers = layers_of(material.surface))
-      if (!found || (found->is_rgb() && !layers->bands.is_rgb())) found = &layers->bands;
+    if (const Material* layers = layers_of(material.surface)) all.push_back({&material, layers});
   for (const SurfaceMaterial& material : scene.materials)
     for (const Covering& covering : coverings_of(material))
-      if (const BandSet& bands = covering.material.bands;
-          !found || (found->is_rgb() && !bands.is_rgb()))
-        found = &bands;
-  return found ? *found : BandSet::rgb();
+      all.push_back({&material, &covering.material});
+  return all;
+}
+
+BandSet bands_of(const Scene& scene) {
+  const std::vector<SceneLayers> all = layers_of(scene);
+  const auto is_rgb = [](const SceneLayers& layers) { return layers.material->bands.is_rgb(); };
+  if (all.empty() || std::ranges::all_of(all, is_rgb)) return BandSet::rgb();
+  return std::ranges::find_if_not(all, is_rgb)->material->bands;
 }
 
 BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {

@@ -2,11 +2,21 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lamina/scene/scene.h"
 #include "lamina/spectrum/band_color.h"
 
 namespace lamina {
+
+/// Layers of a scene that light is followed through.
+struct SceneLayers {
+  const SurfaceMaterial* surface = nullptr;  ///< that they belong to
+  const Material* material = nullptr;
+};
+
+/// Those of all translucent surfaces, then those that lie over surfaces.
+[[nodiscard]] std::vector<SceneLayers> layers_of(const Scene& scene);
 
 /// The bands of a scene: of its first translucent material by wavelengths, else of the first one,
 /// else RGB.

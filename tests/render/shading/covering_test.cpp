@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
+#include "lamina/core/quadrature.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
@@ -114,6 +115,39 @@ TEST(Covering, LiesOnTheOneBeforeIt) {
   };
   EXPECT_GT(seen({covering_of(black), covering_of(white_film())}),
             seen({covering_of(white_film()), covering_of(black)}) + 0.1);
+}
+
+/// What a matte base under coverings sends out into all directions of a light's, of the flux that
+/// has entered; without noise.
+double entered_light_returned(float reflectance, std::vector<Covering> over, float cos_i) {
+  const Scene scene = square_in_even_light(matte(reflectance, std::move(over)), 1.0, 1);
+  const RenderScene prepared(scene);
+  const Coverings<4> coverings = make_coverings<4>(prepared);
+  const std::optional<CoverAt<4>> cover =
+      cover_at<4>(prepared, coverings, SurfacePoint{.material = 0});
+  // Leaves through the boundary on top, inside of which the light is diffuse.
+  const double ior = 1.4;
+  const Quadrature rule = gauss_legendre(64, 0.0, 1.0);
+  double weights = 0.0, returned = 0.0;
+  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+    const double mu = rule.nodes[k], weight = rule.weights[k] * mu * (1.0 - fresnel(mu, ior));
+    const auto cos_o = static_cast<float>(mu);
+    weights += weight;
+    returned +=
+        weight * static_cast<double>(
+                     cover->reflection(cos_i, cos_o)[0] +
+                     cover->matte_reflection(cos_i, cos_o, BandValues<4>::filled(reflectance))[0]);
+  }
+  return returned / weights;
+}
+
+TEST(Covering, WithoutAbsorptionOnWhiteReturnsAllLight) {
+  for (const float cos_i : {1.0f, 0.7f, 0.3f}) {
+    EXPECT_NEAR(entered_light_returned(1.0f, {covering_of(white_film())}, cos_i), 1.0, 2e-3);
+    EXPECT_NEAR(
+        entered_light_returned(1.0f, {covering_of(white_film()), covering_of(clear_film())}, cos_i),
+        1.0, 2e-3);
+  }
 }
 
 TEST(Covering, WithoutAbsorptionOnWhiteDisappearsInEvenLight) {

@@ -2,6 +2,7 @@
 #include "lamina/render/shading/covering.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lamina/core/error.h"
@@ -9,7 +10,6 @@
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
-#include "lamina/render/shading/internal/table_incidences.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
@@ -37,12 +37,10 @@ LayerStack stack_of(const SurfaceMaterial& material, std::size_t state, std::siz
 }
 
 /// The interpolated value of a table over cosines.
-template <int N, std::size_t nodes>
-BandValues<N> at_cosine(const std::array<BandValues<N>, nodes>& table, float cosine) {
-  const float x = std::clamp(cosine, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-  const auto i = std::min(static_cast<std::size_t>(x), nodes - 2);
-  const float f = x - static_cast<float>(i);
-  return table[i] + f * (table[i + 1] - table[i]);
+template <int N>
+BandValues<N> at_cosine(const std::array<BandValues<N>, cosine_nodes>& table, float cosine) {
+  const auto [i, f] = table_place(cosine);
+  return mix(table[i], table[i + 1], f);
 }
 
 float entering_of(const BoundaryReflectance* boundary, float roughness) {
@@ -54,60 +52,60 @@ float entering_of(const BoundaryReflectance* boundary, float roughness) {
 template <int N>
 CoveringTable<N>::CoveringTable(const RenderScene& scene, std::uint32_t material) {
   const SurfaceMaterial& surface = scene.scene->materials[material];
-  states_.resize(std::size_t{1} << coverings_of(surface).size());
   const RenderScene::Boundaries& boundaries = scene.boundaries[material];
+  const std::span<const Covering> over = coverings_of(surface);
+  states_.resize(std::size_t{1} << over.size());
   State& bare = states_[0];
   bare.reflected.fill({});
   bare.through.fill(Bands::filled(1.0f));
   const float eta = boundaries.own ? boundaries.own->ior() : 1.0f;
   bare.leaving = entering_of(boundaries.own.get(), boundaries.own_roughness) / (eta * eta);
   bare.below = Bands::filled(1.0f - bare.leaving);
-  for (std::size_t state = 1; state < states_.size(); ++state) solve(scene, material, state);
-}
-
-template <int N>
-void CoveringTable<N>::solve(const RenderScene& scene, std::uint32_t material, std::size_t state) {
-  const SurfaceMaterial& surface = scene.scene->materials[material];
-  const std::span<const Covering> over = coverings_of(surface);
-  State& found = states_[state];
-  std::size_t top = over.size() - 1;
-  while (!(state >> top & 1)) --top;
-  const RenderScene::CoveringTop& boundary = scene.boundaries[material].over[top];
-  const LayerStack first = stack_of(surface, state, 0);
-  const auto eta_below = static_cast<float>(first.ior_below() / first.ior_above());
-  found.leaving = entering_of(boundary.table.get(), boundary.roughness) / (eta_below * eta_below);
-  const std::vector<Incidence> incidences = table_incidences(nodes);
-  const Quadrature rule = gauss_legendre(64, 0.0, 1.0);
   try {
-    parallel_for(over[top].material.bands.size(), [&](std::size_t band) {
-      const int lane = static_cast<int>(band);
-      const LayerStack stack = with_smooth_ends(stack_of(surface, state, band));
-      const auto solved = adding_doubling_by_angle(stack, incidences, {.accuracy = 1e-4});
-      for (std::size_t i = 0; i < nodes; ++i) {
-        const SlabTotals& totals = solved[i].totals;
-        const double entered = 1.0 - totals.specular_reflectance;
-        found.reflected[i][lane] = static_cast<float>(totals.diffuse_reflectance / entered);
-        found.through[i][lane] = static_cast<float>(totals.transmittance / entered);
-      }
-      // Of the interpolated values, so that what leaves adds up to what there is.
-      const double eta = stack.layers().front().medium.ior / stack.ior_above();
-      double entered = 0.0, reflected = 0.0;
-      for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-        const double mu = rule.nodes[k];
-        const double weight = rule.weights[k] * 2.0 * mu * (1.0 - fresnel(mu, eta));
-        entered += weight;
-        reflected +=
-            weight * static_cast<double>(at_cosine(found.reflected, static_cast<float>(mu))[lane]);
-      }
-      found.mean_reflected[lane] = static_cast<float>(reflected / entered);
-      const SlabTotals below =
-          adding_doubling(flipped(stack), {.is_diffuse = true}, {.accuracy = 1e-4}).totals;
-      found.below[lane] =
-          static_cast<float>(below.specular_reflectance + below.diffuse_reflectance);
+    const std::size_t bands = over.front().material.bands.size();
+    parallel_for((states_.size() - 1) * bands, [&](std::size_t job) {
+      const std::size_t state = 1 + job / bands, band = job % bands;
+      states_[state].solve(stack_of(surface, state, band), static_cast<int>(band));
     });
+    for (std::size_t state = 1; state < states_.size(); ++state) {
+      const std::size_t top = std::bit_width(state) - 1;
+      const RenderScene::CoveringTop& boundary = boundaries.over[top];
+      const LayerStack stack = stack_of(surface, state, 0);
+      const auto eta_below = static_cast<float>(stack.ior_below() / stack.ior_above());
+      states_[state].leaving =
+          entering_of(boundary.table.get(), boundary.roughness) / (eta_below * eta_below);
+    }
   } catch (const InvalidInput& error) {
     throw InvalidInput("material \"" + surface.name + "\": over " + error.what());
   }
+}
+
+template <int N>
+void CoveringTable<N>::State::solve(const LayerStack& layers, int band) {
+  const LayerStack stack = with_smooth_ends(layers);
+  const auto solved = adding_doubling_by_angle(stack, table_incidences(), {.accuracy = 1e-4});
+  for (std::size_t i = 0; i < cosine_nodes; ++i) {
+    const SlabTotals& totals = solved[i].totals;
+    const double entered = 1.0 - totals.specular_reflectance;
+    reflected[i][band] = static_cast<float>(totals.diffuse_reflectance / entered);
+    through[i][band] = static_cast<float>(totals.transmittance / entered);
+  }
+  // Of the interpolated values, so that what leaves adds up to what there is.
+  const double eta = stack.layers().front().medium.ior / stack.ior_above();
+  const Quadrature rule = gauss_legendre(64, 0.0, 1.0);
+  double all_entered = 0.0, all_reflected = 0.0;
+  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+    const double mu = rule.nodes[k];
+    const double entered = rule.weights[k] * 2.0 * mu * (1.0 - fresnel(mu, eta));
+    all_entered += entered;
+    all_reflected +=
+        entered * static_cast<double>(at_cosine(reflected, static_cast<float>(mu))[band]);
+  }
+  mean_reflected[band] = static_cast<float>(all_reflected / all_entered);
+  const SlabTotals from_below =
+      adding_doubling(flipped(stack), {.is_diffuse = true}, {.accuracy = 1e-4}).totals;
+  below[band] =
+      static_cast<float>(from_below.specular_reflectance + from_below.diffuse_reflectance);
 }
 
 template <int N>
@@ -146,11 +144,8 @@ BandValues<N> CoverAt<N>::reflected(float cos_i) const {
 template <int N>
 BandValues<N> CoverAt<N>::reflection(float cos_i, float cos_o) const {
   return sum_of([&](const auto& state) {
-    const Bands a = at_cosine(state.reflected, cos_i), b = at_cosine(state.reflected, cos_o);
-    Bands value;
-    for (int i = 0; i < N; ++i)
-      value[i] = state.mean_reflected[i] > 0.0f ? a[i] * b[i] / state.mean_reflected[i] : 0.0f;
-    return value;
+    return separable(at_cosine(state.reflected, cos_i), at_cosine(state.reflected, cos_o),
+                     state.mean_reflected);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/spectrum/band_values.h"
 
@@ -35,16 +36,17 @@ class CoveringTable {
  private:
   template <int M>
   friend class CoverAt;
-  static constexpr std::size_t nodes = 17;  ///< at the cosines i / (nodes - 1)
   struct State {
-    std::array<Bands, nodes> reflected, through;
+    std::array<Bands, cosine_nodes> reflected, through;
     Bands mean_reflected;  ///< of diffuse light
     Bands below;           ///< of diffuse light from below, what comes back there
     /// Of diffuse light from below, what leaves, over the mean of `through`: by reciprocity what
     /// passes the top boundary of diffuse light from outside, over the square of the index below.
     float leaving = 1.0f;
+
+    /// All but `leaving` of a band; bands can be solved at once.
+    void solve(const LayerStack& stack, int band);
   };
-  void solve(const RenderScene& scene, std::uint32_t material, std::size_t state);
 
   std::vector<State> states_;  ///< [bit i: covering i lies there]; 0 is the bare surface
 };

@@ -8,7 +8,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
-#include "lamina/render/shading/internal/table_incidences.h"
+#include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
@@ -26,11 +26,6 @@ double total_thickness(const Material& material) {
 Material scaled(Material material, double factor) {
   for (MaterialLayer& layer : material.layers) layer.thickness *= factor;
   return material;
-}
-
-template <int N>
-BandValues<N> mix(const BandValues<N>& a, const BandValues<N>& b, float blend) {
-  return a + blend * (b - a);
 }
 
 }  // namespace
@@ -64,9 +59,8 @@ ThinSheet<N>::ThinSheet(const SurfaceMaterial& material) {
       for (std::size_t s = 0; s < 2; ++s) {
         const LayerStack stack = s == 0 ? top : flipped(top);
         Side& side = rows_[r].sides[s];
-        const auto solved =
-            adding_doubling_by_angle(stack, table_incidences(nodes), {.accuracy = 1e-4});
-        for (std::size_t i = 0; i < nodes; ++i) {
+        const auto solved = adding_doubling_by_angle(stack, table_incidences(), {.accuracy = 1e-4});
+        for (std::size_t i = 0; i < cosine_nodes; ++i) {
           const SlabTotals& totals = solved[i].totals;
           const double straight = solved[i].unscattered_transmittance;
           const double entered = 1.0 - totals.specular_reflectance;
@@ -110,9 +104,7 @@ typename ThinSheet<N>::Place ThinSheet<N>::place_at(const TextureStore& textures
 
 template <int N>
 typename ThinSheet<N>::Fractions ThinSheet<N>::at_cosine(const Side& side, float cos_i) {
-  const float x = std::clamp(cos_i, 0.0f, 1.0f) * static_cast<float>(nodes - 1);
-  const auto i = std::min(static_cast<std::size_t>(x), nodes - 2);
-  const float f = x - static_cast<float>(i);
+  const auto [i, f] = table_place(cos_i);
   const Fractions &a = side.at[i], &b = side.at[i + 1];
   return {mix(a.reflected, b.reflected, f), mix(a.transmitted, b.transmitted, f),
           mix(a.straight, b.straight, f)};
@@ -128,18 +120,6 @@ typename ThinSheet<N>::Fractions ThinSheet<N>::fractions(const Place& place, int
   return {mix(a.reflected, b.reflected, place.blend),
           mix(a.transmitted, b.transmitted, place.blend), mix(a.straight, b.straight, place.blend)};
 }
-
-namespace {
-
-/// a b / mean, the separable form that is symmetric and keeps the flux; 0 where nothing is.
-template <int N>
-BandValues<N> separable(const BandValues<N>& a, const BandValues<N>& b, const BandValues<N>& mean) {
-  BandValues<N> value;
-  for (int i = 0; i < N; ++i) value[i] = mean[i] > 0.0f ? a[i] * b[i] / mean[i] : 0.0f;
-  return value;
-}
-
-}  // namespace
 
 template <int N>
 BandValues<N> ThinSheet<N>::reflection(const Place& place, int side, float cos_i,

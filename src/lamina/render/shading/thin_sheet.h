@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/scene/scene.h"
 #include "lamina/spectrum/band_values.h"
 #include "lamina/surface/texture.h"
@@ -49,9 +50,8 @@ class ThinSheet {
   [[nodiscard]] Bands transmission(const Place& place, int side, float cos_i, float cos_o) const;
 
  private:
-  static constexpr std::size_t nodes = 17;  ///< at the cosines i / (nodes - 1)
   struct Side {
-    std::array<Fractions, nodes> at;
+    std::array<Fractions, cosine_nodes> at;
     Bands mean_reflected, mean_transmitted;  ///< of diffuse light
   };
   struct Row {
