@@ -13,6 +13,7 @@
 #include "lamina/io/json_input.h"
 #include "lamina/io/json_output.h"
 #include "lamina/io/shell_text.h"
+#include "picture_look.h"
 #include "run_program.h"
 #include "shard_option.h"
 
@@ -103,7 +104,8 @@ ClusterPlan plan_of_picture(const ClusterJob& job) {
   refuse(job.command, of_one, "does not go with shards");
   constexpr std::array<std::string_view, 4> with_value = {"-o", "--output", "--json", "--noise"};
   constexpr std::array<std::string_view, 2> flags = {"--resume", "--denoise"};
-  const Words words = without_options(job.command, with_value, flags);
+  const Words words = without_options(without_options(job.command, with_value, flags),
+                                      look_option_names, flags);  // which the merge has
   const JsonDocument said =
       checked(job, without_options(job.command, json_names, flags_of_resuming));
   const JsonInput root = said.root();
@@ -127,6 +129,7 @@ ClusterPlan plan_of_picture(const ClusterJob& job) {
   if (noise > 0.0) plan.merge = joined(plan.merge, {"--noise", fmt::format("{}", noise)});
   if (std::ranges::find(job.command, "--denoise") != job.command.end())
     plan.merge.emplace_back("--denoise");
+  plan.merge = joined(plan.merge, only_options(job.command, look_option_names));
   plan.merge = joined(plan.merge, only_options(job.command, json_names));
   return plan;
 }

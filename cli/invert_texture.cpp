@@ -26,7 +26,7 @@ struct Unreached {
 
 InvertedTexture invert_texture(const TextureInversion& wanted, const HalfSpaceLook& look,
                                MemoryBudget memory, const Progress& progress) {
-  const Image texture = load_image(wanted.file, wanted.encoding, memory);
+  const Image texture = load_image(wanted.file, of_colors(wanted.encoding), memory);
   require_finite(texture, wanted.file);
   const Image colors = rgb_image(texture);
   const auto alpha = channel_index(texture, "A");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <string_view>
 
 #include "commands.h"
 #include "console.h"
@@ -85,12 +86,18 @@ std::vector<std::string> found_files(const std::vector<std::string>& named) {
   return files;
 }
 
-void refuse(const Command& command, const std::vector<const char*>& names, const std::string& why) {
-  for (const char* name : names)
-    if (command.is_given(name)) throw InvalidInput(fmt::format("{}: {}", name, why));
+void refuse(const Command& command, const std::vector<std::string_view>& names,
+            const std::string& why) {
+  for (const std::string_view name : names)
+    if (command.is_given(std::string(name))) throw InvalidInput(fmt::format("{}: {}", name, why));
 }
 
-constexpr auto of_pictures = {"--output", "--channels", "--noise", "--exposure", "--denoise"};
+/// The options that only pictures have.
+std::vector<std::string_view> of_pictures() {
+  std::vector<std::string_view> names = {"--channels", "--noise", "--denoise"};
+  names.insert(names.end(), look_option_names.begin(), look_option_names.end());
+  return names;
+}
 
 void run_merge(MergeOptions& options, const Command& command) {
   options.files = found_files(options.files);
@@ -101,14 +108,15 @@ void run_merge(MergeOptions& options, const Command& command) {
   }
 #endif
   if (is_fit_shard(options.files[0], options.common.memory)) {
-    for (const char* name : {"--plot", "--channels", "--noise", "--exposure", "--denoise"})
-      refuse(command, {name}, "is not for shards of fits, which these are");
+    refuse(command, {"--plot"}, "is not for shards of fits, which these are");
+    refuse(command, of_pictures(), "is not for shards of fits, which these are");
     if (!options.output.empty() && lower_case_ending(options.output) != ".csv")
       throw InvalidInput("--output: must end in .csv, the table of fits, but is " + options.output);
     require_different({{"--output", options.output}, {"--json", options.common.json}});
     return merge_fits(options);
   }
-  refuse(command, of_pictures, "is for shards of a picture, but these are of photons");
+  refuse(command, {"--output"}, "is for shards of a picture, but these are of photons");
+  refuse(command, of_pictures(), "is for shards of a picture, but these are of photons");
   merge_photons(options);
 }
 
@@ -172,11 +180,7 @@ void add_merge_command(CLI::App& app) {
       .add_flag("--denoise", options->denoises,
                 "averages over what looks alike within the noise, as `lamina render` does")
       .group("Pictures");
-  options->exposure_given =
-      command.add_option("--exposure", options->exposure, "stops, for the PNG only")
-          .type_name("EV")
-          .range(-50.0, 50.0)
-          .group("Pictures");
+  add_look_options(command, options->look);
   command
       .add_output_file("--plot", options->plot, "plot of R(r), R(angle) and R(t), as SVG", ".svg")
       .group("Photons");

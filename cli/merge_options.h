@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "console.h"
+#include "picture_look.h"
 
 namespace lamina::cli {
 
@@ -17,9 +18,9 @@ struct MergeOptions {
   std::string plot;        ///< of photons
   std::string output;      ///< image, shard or table
   std::vector<std::string> channels;
-  float noise = 0.0f, exposure = 0.0f;
+  float noise = 0.0f;
   bool denoises = false;
-  Option exposure_given;
+  LookOptions look;
 };
 
 /// Says which shards are missing, and the commands that make them.

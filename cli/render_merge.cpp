@@ -11,8 +11,6 @@
 #include "lamina/core/parallel.h"
 #include "lamina/image/compare.h"
 #include "lamina/image/denoise.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
 #include "lamina/render/film/film_shard.h"
 #include "merge_options.h"
 #include "picture_files.h"
@@ -108,25 +106,6 @@ void write_sums(const std::vector<FilmShard>& shards, const FilmShardInfo& info,
   });
 }
 
-std::string write_picture(const Image& image, const FilmShardInfo& info, const PictureFiles& files,
-                          const MergeOptions& options) {
-  std::string written;
-  if (!files.exr.empty()) {
-    std::vector<ImageNote> notes = info.notes;
-    notes.push_back({"lamina/version", info.version});
-    save_exr(options.channels.empty() ? image : select_channels(image, options.channels), files.exr,
-             ExrPrecision::half, notes);
-    written += files.exr;
-  }
-  if (!files.png.empty()) {
-    const double exposure =
-        options.exposure_given.is_given() ? static_cast<double>(options.exposure) : info.exposure;
-    save_png(view_image(unpremultiplied(image), info.view, exposure), files.png);
-    written += (written.empty() ? "" : ", ") + files.png;
-  }
-  return written;
-}
-
 }  // namespace
 
 bool is_render_shard(const std::string& file) { return is_film_shard(file); }
@@ -134,6 +113,7 @@ bool is_render_shard(const std::string& file) { return is_film_shard(file); }
 void merge_render(const MergeOptions& options) {
   const bool to_sums = lower_case_ending(options.output) == ".shard";
   PictureFiles files;
+  const PictureLook look(options.look);
   if (to_sums)
     require_writable(options.output);
   else
@@ -175,7 +155,10 @@ void merge_render(const MergeOptions& options) {
   const std::optional<double> noise =
       relative_noise(picture.image, measured_pixels(picture.covers));
   if (options.denoises) picture.image = denoise(picture.image);
-  const std::string written = write_picture(picture.image, info, files, options);
+  std::vector<ImageNote> notes = info.notes;
+  notes.push_back({"lamina/version", info.version});
+  const std::string written =
+      look.write(picture.image, files, notes, {info.view, info.exposure}, options.channels);
   if (noise) json["relative_noise"] = *noise;
   std::string noisy;
   if (options.noise > 0.0f) {

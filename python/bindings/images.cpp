@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,22 +18,34 @@
 #include "lamina/image/compare.h"
 #include "lamina/image/envi_file.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/ocio_view.h"
 #include "lamina/image/tone.h"
+#include "lamina/spectrum/srgb.h"
 
 namespace lamina::python {
 namespace {
 
 /// For screens, 8 bit sRGB, (height, width, channel).
-py::array_t<std::uint8_t> view(const Floats& rgb, const std::string& name, double exposure) {
-  const Image seen = view_image(image_of(rgb, {"R", "G", "B"}), choice<View>(name), exposure);
+py::array_t<std::uint8_t> bytes_of(const Image& seen, const Floats& rgb) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(seen.pixels.size());
   for (const float value : seen.pixels) {
     const double v = std::clamp(static_cast<double>(value), 0.0, 1.0);
-    const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
-    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * encoded)));
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * srgb_encode(v))));
   }
   return to_array(std::move(bytes), shape_of(rgb));
+}
+
+py::array_t<std::uint8_t> view(const Floats& rgb, const std::string& name, double exposure) {
+  return bytes_of(view_image(image_of(rgb, {"R", "G", "B"}), choice<View>(name), exposure), rgb);
+}
+
+/// Through a view of an OpenColorIO config; empty names are the config's defaults.
+py::array_t<std::uint8_t> ocio_view(const Floats& rgb, const std::string& config,
+                                    const std::string& display, const std::string& name,
+                                    double exposure) {
+  const OcioView view({.config = config, .display = display, .view = name});
+  return bytes_of(view.see(image_of(rgb, {"R", "G", "B"}), exposure), rgb);
 }
 
 /// Bands of an ENVI file, or a part of its pixels.
@@ -84,6 +97,7 @@ py::dict compare(const Floats& a, const Floats& a_variance, const Floats& b,
 
 void bind_images(py::module_& module) {
   module.def("view", &view);
+  module.def("ocio_view", &ocio_view);
   module.def("load_image", [](const std::string& file, const std::string& encoding) {
     Image image = [&] {
       const py::gil_scoped_release unlocked;
@@ -92,15 +106,23 @@ void bind_images(py::module_& module) {
     std::vector<std::string> channels = image.channels;
     return py::make_tuple(image_array(std::move(image)), channels);
   });
-  module.def("save_image", [](const Floats& pixels, const std::vector<std::string>& channels,
-                              const std::string& file, bool is_exr) {
+  module.def("save_png", [](const Floats& pixels, const std::vector<std::string>& channels,
+                            const std::string& file) {
     const Image image = image_of(pixels, channels);
     const py::gil_scoped_release unlocked;
-    if (is_exr)
-      save_exr(image, file, ExrPrecision::single_float);
-    else
-      save_png(image, file);
+    save_png(image, file);
   });
+  module.def(
+      "save_exr",
+      [](const Floats& pixels, const std::vector<std::string>& channels, const std::string& file,
+         const std::map<std::string, std::string>& notes, const std::string& space) {
+        const Image image = image_of(pixels, channels);
+        std::vector<ImageNote> said;
+        for (const auto& [name, text] : notes) said.push_back({name, text});
+        const auto of = choice<RgbSpace>(space);
+        const py::gil_scoped_release unlocked;
+        save_exr(image, file, ExrPrecision::single_float, said, of);
+      });
   module.def("load_envi", &load_part);
   module.def("compare_images", &compare);
 }

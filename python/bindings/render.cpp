@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,7 @@
 #include "json_files.h"
 #include "lamina/image/denoise.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/scene.h"
@@ -59,6 +61,7 @@ void apply(const py::dict& changes, Scene& scene) {
     scene.render.profile = choice<RenderSettings::Profile>(changes["profile"].cast<std::string>());
   }
   if (given("seed")) scene.render.seed = changes["seed"].cast<std::uint64_t>();
+  if (given("alpha") && changes["alpha"].cast<bool>()) make_background_transparent(scene);
   if (given("exposure")) scene.film.exposure = changes["exposure"].cast<float>();
   // One side alone keeps the proportions.
   const double aspect = static_cast<double>(scene.film.width) / scene.film.height;
@@ -116,7 +119,8 @@ py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
 
 py::dict render_scene(const std::string& path, const std::optional<std::string>& text,
                       const std::vector<std::string>& settings, const py::dict& changes,
-                      const std::string& cache, bool denoises, const py::object& callback) {
+                      const std::string& cache, bool denoises, bool has_mattes,
+                      bool has_light_layers, const py::object& callback) {
   Scene scene = load_unlocked(json_file(path, text),
                               [&](const JsonFile& file) { return load_scene(file, {}, settings); });
   apply(changes, scene);
@@ -124,13 +128,18 @@ py::dict render_scene(const std::string& path, const std::optional<std::string>&
   RenderResult rendered = work.run_partly([&](const Progress& progress) {
     RenderOptions options;
     options.cache = cache;
-    RenderResult result = render(scene, options, progress);
+    options.has_mattes = has_mattes;
+    RenderResult result = has_light_layers ? render_light_layers(scene, options, progress)
+                                           : render(scene, options, progress);
     if (denoises) result.image = denoise(result.image);
     return result;
   });
   py::dict result = statistics_dict(rendered.statistics, scene);
   result["exposure"] = scene.film.exposure;
   result["view"] = std::string(name_of(scene.film.view));
+  std::map<std::string, std::string> notes;
+  for (const ImageNote& note : rendered.notes) notes[note.name] = note.text;
+  result["notes"] = notes;
   result["channels"] = rendered.image.channels;
   result["pixels"] = image_array(std::move(rendered.image));
   result["was_interrupted"] = work.was_interrupted();

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, opened, settings_of
-from ._input import PathLike, doubles, flag, name_list, number, one_of, path_text, refuse, shown, whole
-from ._lamina import InvalidInput
+from ._input import PathLike, doubles, flag, name_list, name_text, number, one_of, path_text, refuse, shown, whole
+from ._lamina import InvalidInput, __version__
 from ._progress import Progress, progress_of
 from ._result import Result, quantity, setting
 from ._slab import interrupted_with
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 FloatImage = NDArray[np.float32]
 
 VIEWS = ("standard", "filmic", "agx")
+COLOR_SPACES = ("rec709", "acescg")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,6 +48,7 @@ class Picture(Result):
     warnings: list[str] = setting("a line each")
     exposure: float = setting("of the scene's film [stops]")
     view: str = setting("of the scene's film")
+    notes: dict[str, str] = setting("what an EXR of it says of itself, as attributes")
     noise: float | None = quantity("of pixels of translucent surfaces, relative", optional=True)
 
     def layer(self, name: str) -> FloatImage:
@@ -61,29 +63,62 @@ class Picture(Result):
             raise InvalidInput(f"name: must be one of {', '.join(names)}, but is {shown(name)}")
         return self.pixels[..., at[0]] if len(at) == 1 else self.pixels[..., at[0] : at[-1] + 1]
 
-    def srgb(self, *, view: str | None = None, exposure: float | None = None) -> NDArray[np.uint8]:
-        """For screens: 8 bit sRGB, axes (y, x, channel).
+    def srgb(
+        self,
+        *,
+        view: str | None = None,
+        exposure: float | None = None,
+        ocio: PathLike | None = None,
+        display: str | None = None,
+    ) -> NDArray[np.uint8]:
+        """For screens: 8 bit sRGB, or the code values of another display; axes (y, x, channel).
 
-        :param view: "standard", "filmic" or "agx"; that of the scene.
+        :param view: "standard", "filmic" or "agx", or a view of the config; that of the scene.
         :param exposure: [stops]; that of the scene.
+        :param ocio: config of OpenColorIO; where lamina does not have the view, or with a display,
+            that of the environment variable OCIO.
+        :param display: of the config; the one that it names first.
+        :raises InvalidInput: naming the views or displays that there are.
+        :raises FileError: if the config cannot be read.
         """
-        seen = self.view if view is None else one_of("view", view, VIEWS)
         stops = self.exposure if exposure is None else number("exposure", exposure, -50.0, 50.0)
-        return _lamina.view(self.image, seen, stops)
+        config = None if ocio is None else path_text("ocio", ocio)
+        if config is None and (display is not None or (view is not None and view not in VIEWS)):
+            config = os.environ.get("OCIO") or None
+        if config is None:
+            if display is not None:
+                raise InvalidInput("display: goes with a config, by ocio or the environment variable OCIO")
+            return _lamina.view(self.image, self.view if view is None else one_of("view", view, VIEWS), stops)
+        shown_on = "" if display is None else name_text("display", display)
+        seen = "" if view is None else name_text("view", view)
+        return _lamina.ocio_view(self.image, config, shown_on, seen, stops)
 
-    def save(self, path: PathLike) -> None:
+    def save(
+        self,
+        path: PathLike,
+        *,
+        color_space: str = "rec709",
+        view: str | None = None,
+        exposure: float | None = None,
+        ocio: PathLike | None = None,
+        display: str | None = None,
+    ) -> None:
         """Writes .exr, all channels and linear, or .png, as it looks. Whole or not at all.
 
-        :raises InvalidInput: for another ending.
+        :param color_space: of the EXR: "rec709", or "acescg", the primaries AP1 of ACES.
+        :param view: of the PNG, as of `srgb`; so are exposure, ocio and display.
+        :raises InvalidInput: for another ending, or as `srgb`.
         :raises WriteError: if it cannot be written.
         """
         name = path_text("path", path)
+        space = one_of("color_space", color_space, COLOR_SPACES)
         if name.endswith(".exr"):
-            _lamina.save_image(self.pixels, list(self.channels), name, True)
+            _lamina.save_exr(self.pixels, list(self.channels), name, self.notes, space)
         elif name.endswith(".png"):
-            seen = self.srgb().astype(np.float32) / np.float32(255.0)
+            codes = self.srgb(view=view, exposure=exposure, ocio=ocio, display=display)
+            seen = codes.astype(np.float32) / np.float32(255.0)
             linear = np.where(seen <= 0.04045, seen / 12.92, ((seen + 0.055) / 1.055) ** 2.4)
-            _lamina.save_image(linear.astype(np.float32), ["R", "G", "B"], name, False)
+            _lamina.save_png(linear.astype(np.float32), ["R", "G", "B"], name)
         else:
             raise InvalidInput(f"path: must end in .exr or .png, but is {shown(name)}")
 
@@ -120,6 +155,9 @@ def render(
     exposure: float | None = None,
     seed: int | None = None,
     denoise: bool = False,
+    alpha: bool | None = None,
+    cryptomatte: bool = False,
+    light_layers: bool = False,
     cache: PathLike | None = None,
     progress: Progress = None,
 ) -> Picture:
@@ -144,6 +182,10 @@ def render(
     :param exposure: [stops], in [-50, 50].
     :param seed: of everything random, in [0, 2^64).
     :param denoise: averages over what looks alike within the noise; for viewing.
+    :param alpha: channel "A": how much of a pixel surfaces cover; the sky lights but is not seen.
+    :param cryptomatte: mattes of objects and materials, as channels and notes of Cryptomatte.
+    :param light_layers: layers "light.NAME" of each light, whose sum is the picture. Not with noise,
+        denoise or cache.
     :param cache: a file that keeps light below surfaces for other cameras.
     :param progress: None, True for a bar, or a function of the finished fraction.
     :raises InvalidInput: naming the key of the scene that is wrong, with the command's message.
@@ -179,13 +221,18 @@ def render(
     ask("bounces", None if bounces is None else whole("bounces", bounces, 0, 1000))
     ask("exposure", None if exposure is None else number("exposure", exposure, -50.0, 50.0))
     ask("seed", None if seed is None else whole("seed", seed, 0, 2**64 - 1))
+    ask("alpha", None if alpha is None else flag("alpha", alpha))
     file = "" if cache is None else path_text("cache", cache)
     is_denoised = flag("denoise", denoise)
+    has_mattes, has_light_layers = flag("cryptomatte", cryptomatte), flag("light_layers", light_layers)
+    if is_denoised and has_light_layers:
+        raise InvalidInput("denoise: does not go with light_layers")
     with opened("scene", "scene", scene, folder) as (path, text), progress_of(progress, "rendering") as callback:
-        found = _lamina.render(path, text, settings_of(changes), asked, file, is_denoised, callback)
+        found = _lamina.render(path, text, settings_of(changes), asked, file, is_denoised, has_mattes, has_light_layers, callback)
     interrupted = found.pop("was_interrupted")
     pixels = found["pixels"]
     channels = found["channels"] = tuple(found["channels"])
+    found["notes"]["lamina/version"] = __version__
     first = channels.index("R")
     result = Picture(
         axes=(),
@@ -209,7 +256,8 @@ def load_image(
 ) -> tuple[FloatImage, tuple[str, ...]]:
     """Reads EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw: linear light, and its channels.
 
-    :param encoding: of integers: "srgb", colors, which become linear; "linear", quantities.
+    :param encoding: of integers: "srgb", colors, which become linear; "linear", quantities. Colors of
+        an EXR that says other primaries than Rec.709's, as ACEScg, are turned into those.
     :param bands: of ENVI files: wavelengths [nm] to read in place of all bands.
     :param widths: of these, full [nm], one or one for each.
     :param shape: how bands of the file make one: "nearest"; with widths "box" or "gaussian".
@@ -238,9 +286,16 @@ def load_image(
     return pixels, tuple(channels)
 
 
-def save_image(path: PathLike, image: ArrayLike, *, channels: Sequence[str] = ("R", "G", "B")) -> None:
+def save_image(
+    path: PathLike,
+    image: ArrayLike,
+    *,
+    channels: Sequence[str] = ("R", "G", "B"),
+    color_space: str = "rec709",
+) -> None:
     """Writes linear light, axes (y, x, channel), as .exr, all of it, or as .png, 8 bit sRGB.
 
+    :param color_space: that colors, linear Rec.709, are turned into in an EXR: "rec709", or "acescg".
     :raises InvalidInput: for another ending, or another number of channels than names.
     :raises WriteError: if it cannot be written.
     """
@@ -251,7 +306,12 @@ def save_image(path: PathLike, image: ArrayLike, *, channels: Sequence[str] = ("
     if pixels.dtype.kind not in "fiu":
         raise InvalidInput(f"image: must be numbers, but is an array of {pixels.dtype}")
     names = name_list("channels", channels)
-    _lamina.save_image(pixels.astype(np.float32, copy=False), names, name, name.endswith(".exr"))
+    numbers = pixels.astype(np.float32, copy=False)
+    space = one_of("color_space", color_space, COLOR_SPACES)
+    if name.endswith(".exr"):
+        _lamina.save_exr(numbers, names, name, {}, space)
+    else:
+        _lamina.save_png(numbers, names, name)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -194,6 +194,44 @@ expect 2 '--view' "$scene" --view sepia
 expect 2 'mattes are of all samples' "$scene" "${small[@]}" -o said_so.exr --cryptomatte --resume
 expect 2 '--cryptomatte: does not go with --shard' "$scene" "${small[@]}" --shard 0/2 -o x.shard --cryptomatte
 
+# Color spaces of the EXR, and views of an OpenColorIO config.
+expect 0 '' "$scene" "${small[@]}" -o linear.exr
+expect 0 '' "$scene" "${small[@]}" -o aces --color-space acescg
+cmp -s linear.exr aces.exr && fail "--color-space changes nothing"
+expect 0 '' "$scene" "${small[@]}" -o filmic.png
+cmp filmic.png aces.png || fail "--color-space changes the PNG"
+expect 2 '--color-space: must be one of rec709, acescg, but is aces' "$scene" "${small[@]}" -o x.exr --color-space aces
+cat >studio.ocio <<'END'
+ocio_profile_version: 2
+search_path: ""
+roles: {default: lin_rec709, scene_linear: lin_rec709}
+displays:
+  Monitor:
+    - !<View> {name: Linear, colorspace: lin_rec709}
+    - !<View> {name: Root, colorspace: root}
+colorspaces:
+  - !<ColorSpace> {name: lin_rec709}
+  - !<ColorSpace>
+    name: root
+    from_scene_reference: !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}
+END
+env -u OCIO "$lamina" render "$scene" "${small[@]}" -o root.png --ocio studio.ocio --view Root >output 2>&1 || {
+  grep -q 'built with' output || fail "--ocio: $(cat output)"; }
+if [ -s root.png ]; then
+  expect 0 '' "$scene" "${small[@]}" -o first.png --ocio studio.ocio
+  cmp -s first.png root.png && fail "--ocio: two views look alike"
+  OCIO=studio.ocio expect 0 '' "$scene" "${small[@]}" -o by_name.png --view Root
+  cmp root.png by_name.png || fail "the view of the config in OCIO"
+  OCIO=studio.ocio expect 0 '' "$scene" "${small[@]}" -o own.png --view filmic
+  cmp filmic.png own.png || fail "lamina's own view beside a config in OCIO"
+  expect 2 'studio.ocio: the view of Monitor must be one of Linear, Root, but is Rot; did you mean "Root"?' "$scene" "${small[@]}" -o x.png --ocio studio.ocio --view Rot
+  expect 2 'none.ocio: cannot be read by OpenColorIO' "$scene" "${small[@]}" -o x.png --ocio none.ocio
+fi
+[ ! -e x.png ] || fail "a picture in spite of a wrong view"
+expect 2 '--display: goes with a config of OpenColorIO' "$scene" "${small[@]}" -o x.png --display Monitor
+expect 2 '--ocio: does not go with --shard' "$scene" "${small[@]}" --shard 0/2 -o x.shard --ocio studio.ocio
+expect 2 '--color-space: does not go with --compare' "$scene" "${small[@]}" --compare probe,hierarchy -o both --color-space acescg
+
 # A layer for each light, named in the scene or after its kind.
 expect 0 'light environment, 2 of 2: method probe' "$scenes/arm.json" --profile diffusion "${small[@]}" --method probe -o layers.exr --light-layers --json layers.json
 grep -qa 'light.environment.R' layers.exr || fail "no layer of the sky"

@@ -23,7 +23,7 @@ printf '{ "lamina": "scene", "base": "%s", "render": { "profile": "diffusion", "
   "$scenes/sphere_skin.json" >"a scene.json"
 
 # By hand: nothing without the preparation, then in any order, twice, and only what is missing.
-expect 0 'by hand: sh' submit "lamina render 'a scene.json' -o \"my picture\" --denoise" --shards 3 --dry-run
+expect 0 'by hand: sh' submit "lamina render 'a scene.json' -o \"my picture\" --denoise --view agx --color-space acescg" --shards 3 --dry-run
 job="my picture.job"
 for script in prepare shard merge submit; do sh -n "$job/$script.sh"; done
 expect 0 '0 of 3 shards done, 0 running, 0 waiting, 0 failed, 3 not started' status "$job"
@@ -45,7 +45,7 @@ expect 0 'the merge is left: sh' status "$job"
 sh "$job/merge.sh" >/dev/null 2>&1
 expect 0 'merge: done' status "$job"
 expect 0 'nothing is left to submit' submit "$job"
-expect 0 whole render "a scene.json" -o whole --denoise
+expect 0 whole render "a scene.json" -o whole --denoise --view agx --color-space acescg
 cmp whole.exr "my picture.exr" && cmp whole.png "my picture.png" || fail "shards make another picture"
 sh "$job/shard.sh" 3 2>output && fail "a shard that there is not"
 grep -q 'usage: sh shard.sh I, with I from 0 to 2' output || fail "$(cat output)"

@@ -74,6 +74,70 @@ def test_png_is_the_view(tmp_path: Path) -> None:
     assert png is not None and png.startswith(b"\x89PNG")
 
 
+def test_alpha_mattes_and_light_layers(tmp_path: Path) -> None:
+    picture = lamina.render(BALL, samples=2, alpha=True, cryptomatte=True)
+    assert 0.0 < picture.layer("A").mean() < 1.0
+    assert {"CryptoObject00.R", "CryptoMaterial02.A"} <= set(picture.channels)
+    picture.save(tmp_path / "p.exr")
+    said = (tmp_path / "p.exr").read_bytes()
+    assert b"cryptomatte/" in said and b"lamina/version" in said and b'"jade"' in said
+    assert picture.notes["lamina/version"] == lamina.__version__
+    two = {**BALL, "lights": [*BALL["lights"], {"type": "directional", "towards": [0, -1, 0], "irradiance": 1, "name": "sun"}]}
+    layers = lamina.render(two, samples=2, light_layers=True)
+    parts = layers.layer("light")
+    assert parts.shape[-1] == 6
+    assert parts[..., :3] + parts[..., 3:] == pytest.approx(layers.image, abs=1e-5)
+    with pytest.raises(lamina.InvalidInput, match="^denoise: does not go with light_layers$"):
+        lamina.render(two, samples=2, light_layers=True, denoise=True)
+
+
+def test_color_spaces(tmp_path: Path) -> None:
+    red = np.zeros((1, 1, 3), np.float32)
+    red[..., 0] = 1.0
+    lamina.save_image(tmp_path / "aces.exr", red, color_space="acescg")
+    raw, names = lamina.load_image(tmp_path / "aces.exr", encoding="linear")
+    assert [raw[0, 0, names.index(c)] for c in "RGB"] == pytest.approx([0.613097, 0.070194, 0.020616], abs=2e-5)
+    back, names = lamina.load_image(tmp_path / "aces.exr")
+    assert [back[0, 0, names.index(c)] for c in "RGB"] == pytest.approx([1, 0, 0], abs=1e-6)
+    with pytest.raises(lamina.InvalidInput, match="^color_space: must be one of rec709, acescg"):
+        lamina.save_image(tmp_path / "x.exr", red, color_space="aces")
+
+
+def test_views_of_a_config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    config = tmp_path / "studio.ocio"
+    config.write_text("""ocio_profile_version: 2
+search_path: ""
+roles: {default: lin_rec709}
+displays:
+  Monitor:
+    - !<View> {name: Linear, colorspace: lin_rec709}
+    - !<View> {name: Root, colorspace: root}
+colorspaces:
+  - !<ColorSpace> {name: lin_rec709}
+  - !<ColorSpace>
+    name: root
+    from_scene_reference: !<ExponentTransform> {value: [2, 2, 2, 1], direction: inverse}
+""")
+    picture = lamina.render(BALL, samples=2)
+    monkeypatch.delenv("OCIO", raising=False)
+    with pytest.raises(lamina.InvalidInput, match="^display: goes with a config"):
+        picture.srgb(display="Monitor")
+    try:
+        seen = picture.srgb(ocio=config, view="Root")
+    except lamina.InvalidInput as error:
+        pytest.skip(str(error))
+    expected = 255.0 * np.sqrt(np.clip(picture.image, 0.0, 1.0))
+    assert np.abs(seen - expected).max() <= 0.51
+    assert (picture.srgb(ocio=config) == np.rint(255.0 * np.clip(picture.image, 0, 1))).mean() > 0.99
+    monkeypatch.setenv("OCIO", str(config))
+    assert (picture.srgb(view="Root") == seen).all()
+    picture.save(tmp_path / "root.png", view="Root")
+    read, _ = lamina.load_image(tmp_path / "root.png", encoding="linear")
+    assert (np.rint(255 * read[..., :3]) == seen).all()
+    with pytest.raises(lamina.InvalidInput, match='must be one of Linear, Root, but is Rot; did you mean "Root"'):
+        picture.srgb(ocio=config, view="Rot")
+
+
 def test_ctrl_c_hands_over_the_picture_so_far() -> None:
     calls = 0
 

@@ -16,9 +16,11 @@
 #include <new>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
+#include "lamina/image/color_space.h"
 #include "lamina/image/cryptomatte.h"
 #include "lamina/image/internal/codec.h"
 
@@ -240,23 +242,35 @@ void require_complete(std::span<const std::byte> bytes) {
   if (!Imf::InputFile(stream, 0).isComplete()) throw std::bad_alloc();
 }
 
-}  // namespace
+RgbPrimaries::Xy xy_of(const Imath::V2f& xy) {
+  return {static_cast<double>(xy.x), static_cast<double>(xy.y)};
+}
 
-Image decode_exr(const EncodedImage& file) {
+Imath::V2f to_file(const RgbPrimaries::Xy& xy) {
+  return {static_cast<float>(xy[0]), static_cast<float>(xy[1])};
+}
+
+Imf::Chromaticities to_file(const RgbPrimaries& primaries) {
+  return {to_file(primaries.red), to_file(primaries.green), to_file(primaries.blue),
+          to_file(primaries.white)};
+}
+
+/// The colors of a file in Rec.709. Those beyond its triangle lose what is negative.
+Image in_rec709(Image image, const EncodedImage& file, const Imf::Chromaticities& given) {
+  const RgbPrimaries rec709 = rec709_primaries();
+  const RgbPrimaries primaries{xy_of(given.red), xy_of(given.green), xy_of(given.blue),
+                               xy_of(given.white)};
+  if (are_alike(primaries, rec709)) return image;
   try {
-    const Imf::Header header = read_header(file);
-    if (header.hasType() && header.type().starts_with("deep"))
-      fail_to_decode(file, "EXR", "it holds a deep image");
-    return read_pixels(file, header);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
+    return converted_colors(std::move(image), rgb_conversion(primaries, rec709), Negative::none);
+  } catch (const InvalidInput& error) {
     fail_to_decode(file, "EXR", error.what());
   }
 }
 
-std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
-                                  std::span<const ImageNote> notes) {
+/// @param space  that the colors of the image are of
+std::vector<std::byte> encode(const Image& image, ExrPrecision precision,
+                              std::span<const ImageNote> notes, RgbSpace space) {
   if (image.width < 1 || image.height < 1 || image.channels.empty())
     throw InvalidInput("image: an EXR file needs at least one pixel and one channel");
   if (std::set(image.channels.begin(), image.channels.end()).size() != image.channels.size())
@@ -274,8 +288,7 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
   }
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  if (channel_index(image, "R") && channel_index(image, "G") && channel_index(image, "B"))
-    Imf::addChromaticities(header, Imf::Chromaticities());  // Rec.709
+  if (has_colors(image)) Imf::addChromaticities(header, to_file(primaries_of(space)));
   for (const ImageNote& note : notes) header.insert(note.name, Imf::StringAttribute(note.text));
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
@@ -297,6 +310,30 @@ std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
   }  // the table of line positions is written here
   require_complete(stream.bytes);
   return std::move(stream.bytes);
+}
+
+}  // namespace
+
+Image decode_exr(const EncodedImage& file) {
+  try {
+    const Imf::Header header = read_header(file);
+    if (header.hasType() && header.type().starts_with("deep"))
+      fail_to_decode(file, "EXR", "it holds a deep image");
+    Image image = read_pixels(file, header);
+    if (file.encoding == ColorEncoding::linear || !Imf::hasChromaticities(header)) return image;
+    return in_rec709(std::move(image), file, Imf::chromaticities(header));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail_to_decode(file, "EXR", error.what());
+  }
+}
+
+std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
+                                  std::span<const ImageNote> notes, RgbSpace space) {
+  if (space == RgbSpace::rec709) return encode(image, precision, notes, space);
+  const Matrix3 conversion = rgb_conversion(rec709_primaries(), primaries_of(space));
+  return encode(converted_colors(image, conversion), precision, notes, space);
 }
 
 }  // namespace lamina

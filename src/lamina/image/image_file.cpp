@@ -153,8 +153,8 @@ void require_finite(const Image& image, const std::filesystem::path& file) {
 }
 
 void save_exr(const Image& image, const std::filesystem::path& file, ExrPrecision precision,
-              std::span<const ImageNote> notes) {
-  write_file_bytes(file, encode_exr(image, precision, notes));
+              std::span<const ImageNote> notes, RgbSpace space) {
+  write_file_bytes(file, encode_exr(image, precision, notes, space));
 }
 
 void save_png(const Image& image, const std::filesystem::path& file) {

@@ -10,26 +10,35 @@
 #include "lamina/core/enum_names.h"
 #include "lamina/core/memory_budget.h"
 #include "lamina/image/image.h"
+#include "lamina/spectrum/rgb_space.h"
 
 namespace lamina {
 
 /// What the integers of an image mean. Alpha and floating point numbers are always
 /// linear.
 enum class ColorEncoding {
-  srgb,    ///< colours as displays take them; decoded to linear light on loading
-  linear,  ///< quantities: fractions of pigment, roughness, normals
+  srgb,           ///< colours as displays take them; decoded to linear light on loading
+  linear,         ///< quantities: fractions of pigment, roughness, normals
+  linear_colors,  ///< linear light: as `linear`, but an EXR of other primaries becomes Rec.709
 };
 
 template <>
 inline constexpr auto enum_names<ColorEncoding> = std::to_array<EnumName<ColorEncoding>>(
     {{"srgb", ColorEncoding::srgb}, {"linear", ColorEncoding::linear}});
 
+/// The encoding of an image of colors of which a user says "srgb" or "linear".
+[[nodiscard]] constexpr ColorEncoding of_colors(ColorEncoding said) {
+  return said == ColorEncoding::linear ? ColorEncoding::linear_colors : said;
+}
+
 /// Reads an EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw file; what it is, its first
 /// bytes say, not its name.
 ///
 /// - EXR: half, float or integer, scan lines or tiles, every compression, every channel name; of a
 ///   file with several parts the first. The image is the display window; pixels of the data window
-///   beyond it are dropped, pixels of it without data are 0. Deep images are refused.
+///   beyond it are dropped, pixels of it without data are 0. Deep images are refused. Colors of
+///   other primaries than Rec.709's, as ACEScg, are turned into those; of quantities (linear)
+///   numbers stay as they are.
 /// - PNG: every kind. Channels "Y" or "R", "G", "B", then "A" if there is transparency.
 /// - JPEG: grey or color of 8 bits, as it is stored: an orientation that a camera notes is not
 ///   followed, and an ICC profile is not read.
@@ -69,11 +78,13 @@ struct ImageNote {
   std::string text;
 };
 
-/// Writes all channels, with ZIP compression; R, G and B are said to be of Rec.709, and channels of
-/// Cryptomatte (image/cryptomatte.h) keep all their bits. The file appears whole or not at all.
+/// Writes all channels, with ZIP compression; channels of Cryptomatte (image/cryptomatte.h) keep
+/// all their bits. The file appears whole or not at all.
+/// @param space  that the colors, linear Rec.709, are turned into; the file says its primaries
 /// @throws InvalidInput if there are no pixels or two channels have one name; WriteError.
 void save_exr(const Image& image, const std::filesystem::path& file,
-              ExrPrecision precision = ExrPrecision::half, std::span<const ImageNote> notes = {});
+              ExrPrecision precision = ExrPrecision::half, std::span<const ImageNote> notes = {},
+              RgbSpace space = RgbSpace::rec709);
 
 /// Writes 8 bit sRGB from linear "R", "G", "B" (or "Y"), and "A" if there is one, which stays
 /// linear; other channels are left out. Numbers outside [0, 1] are clamped, NaN is 0. Equal images
@@ -84,7 +95,8 @@ void save_png(const Image& image, const std::filesystem::path& file);
 /// The bytes that save_exr and save_png write.
 [[nodiscard]] std::vector<std::byte> encode_exr(const Image& image,
                                                 ExrPrecision precision = ExrPrecision::half,
-                                                std::span<const ImageNote> notes = {});
+                                                std::span<const ImageNote> notes = {},
+                                                RgbSpace space = RgbSpace::rec709);
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
 }  // namespace lamina

@@ -9,6 +9,10 @@
 
 namespace lamina {
 
+/// The bands of a scene: of its first translucent material by wavelengths, else of the first one,
+/// else RGB.
+[[nodiscard]] BandSet bands_of(const Scene& scene);
+
 /// Layers of a scene that light is followed through.
 struct SceneLayers {
   const SurfaceMaterial* surface = nullptr;  ///< that they belong to
@@ -17,10 +21,6 @@ struct SceneLayers {
 
 /// Those of all translucent surfaces, then those that lie over surfaces.
 [[nodiscard]] std::vector<SceneLayers> layers_of(const Scene& scene);
-
-/// The bands of a scene: of its first translucent material by wavelengths, else of the first one,
-/// else RGB.
-[[nodiscard]] BandSet bands_of(const Scene& scene);
 
 /// Weights that turn the bands into colors. Where all that is translucent is skin, or was given in
 /// RGB and so has the spectra that show its colors, those that know the spectra of skin, as `lamina

@@ -345,7 +345,8 @@ class MaterialDecoder {
   }
 
   ImageMap image_map(const MapDescription& map, Use use) {
-    const ColorEncoding encoding = encoding_of(map, use == Use::color);
+    const ColorEncoding said = encoding_of(map, use == Use::color);
+    const ColorEncoding encoding = use == Use::color ? of_colors(said) : said;
     if (map.channel && use == Use::color)
       map.channel->fail("is for quantities: a color takes red, green and blue");
     const JsonInput& file = *map.file;

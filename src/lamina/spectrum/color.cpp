@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "lamina/core/error.h"
+
 namespace lamina {
 namespace {
 
@@ -51,7 +53,10 @@ Matrix3 inverse(const Matrix3& m) {
   return result;
 }
 
-Xyz srgb_white() { return xyz_of_chromaticity(0.3127, 0.3290); }
+Xyz srgb_white() {
+  const auto [x, y] = rec709_primaries().white;
+  return xyz_of_chromaticity(x, y);
+}
 
 Xyz white_point(Illuminant illuminant) {
   Xyz sum{};
@@ -64,17 +69,31 @@ Xyz white_point(Illuminant illuminant) {
   return {sum[0] / sum[1], 1.0, sum[2] / sum[1]};
 }
 
-Matrix3 linear_srgb_to_xyz() {
-  const Xyz red = xyz_of_chromaticity(0.64, 0.33);
-  const Xyz green = xyz_of_chromaticity(0.30, 0.60);
-  const Xyz blue = xyz_of_chromaticity(0.15, 0.06);
+RgbPrimaries rec709_primaries() {
+  return {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
+}
+
+Matrix3 rgb_to_xyz(const RgbPrimaries& primaries) {
+  if (!(primaries.white[1] > 0.0)) throw InvalidInput("white of RGB: its y must be above 0");
+  // Columns of any length, which white then sets, so that a y may be 0 or below.
   Matrix3 matrix{};
-  for (std::size_t i = 0; i < 3; ++i) matrix[i] = {red[i], green[i], blue[i]};
-  const std::array<double, 3> scale = inverse(matrix) * srgb_white();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto [x, y] = std::array{primaries.red, primaries.green, primaries.blue}[c];
+    matrix[0][c] = x;
+    matrix[1][c] = y;
+    matrix[2][c] = 1.0 - x - y;
+  }
+  const std::array<double, 3> scale =
+      inverse(matrix) * xyz_of_chromaticity(primaries.white[0], primaries.white[1]);
   for (auto& row : matrix)
-    for (std::size_t j = 0; j < 3; ++j) row[j] *= scale[j];
+    for (std::size_t c = 0; c < 3; ++c) {
+      row[c] *= scale[c];
+      if (!std::isfinite(row[c])) throw InvalidInput("primaries of RGB: must not lie on a line");
+    }
   return matrix;
 }
+
+Matrix3 linear_srgb_to_xyz() { return rgb_to_xyz(rec709_primaries()); }
 
 Matrix3 xyz_to_linear_srgb() { return inverse(linear_srgb_to_xyz()); }
 

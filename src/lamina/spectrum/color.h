@@ -19,6 +19,21 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;  ///< [row][column]
 /// The white of an illuminant for the 2 degree observer, by sums over 5 nm, with Y = 1.
 [[nodiscard]] Xyz white_point(Illuminant illuminant);
 
+/// Chromaticities (x, y) of the primaries and the white of linear RGB.
+struct RgbPrimaries {
+  using Xy = std::array<double, 2>;
+  Xy red, green, blue, white;
+
+  bool operator==(const RgbPrimaries&) const = default;
+};
+
+/// Those of Rec.709 and sRGB. Source: [IEC61966-2-1] §4.1.
+[[nodiscard]] RgbPrimaries rec709_primaries();
+
+/// Tristimulus values of colors, Y = 1 of white, under the white of the space.
+/// @throws InvalidInput if the primaries lie on a line, or y of white is not above 0
+[[nodiscard]] Matrix3 rgb_to_xyz(const RgbPrimaries& primaries);
+
 /// Not rounded to four digits as printed in [IEC61966-2-1], but from the chromaticities of its
 /// primaries and white, so that white is (1, 1, 1).
 [[nodiscard]] Matrix3 xyz_to_linear_srgb();

@@ -99,7 +99,7 @@ Flush decode_flush(const JsonInput& value) {
 
 ColorOfSkin decode_color(const JsonInput& value) {
   const JsonObject object = value.object({"image", "encoding", "exposure"});
-  const auto encoding = object.required("encoding").choice<ColorEncoding>();
+  const auto encoding = of_colors(object.required("encoding").choice<ColorEncoding>());
   const JsonInput file = object.required("image");
   try {
     const Image image = load_image(file.file_path(), encoding, file.memory());

@@ -1,0 +1,63 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "lamina/scene/scene.h"
+#include "picture_files.h"
+#include "picture_look.h"
+#include "shard_option.h"
+
+namespace lamina::cli {
+
+/// What `lamina render` was asked for.
+struct RenderCommandOptions {
+  CommonOptions common;
+  std::string scene, output, method, profile, cache, single_scattering, shard;
+  int samples = 0, width = 0, height = 0, max_bounces = -1;
+  float noise = -1.0f;
+  bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
+       has_alpha = false, has_mattes = false, has_light_layers = false, is_stamped = false,
+       denoises = false, watches = false, corrects = false, only_prepares = false,
+       only_checks = false;
+  std::vector<std::string> compared, settings;
+  LookOptions look;
+  Option seed;
+};
+
+/// The scene as it is to be rendered. @throws Error as load_scene, and for what the options ask
+[[nodiscard]] Scene load_scene_to_render(const RenderCommandOptions& options);
+
+/// Says warnings.
+void warn(const std::vector<std::string>& lines);
+
+/// Renders and writes the picture.
+/// @param has_changed  whether what it is made from has: the work then ends without a picture.
+///                     Empty where that is not asked for
+void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
+                    const PictureLook& look, Scene scene, const std::function<bool()>& has_changed);
+
+/// Renders again whenever one of the files changes that loading the scene has read or looked for.
+void watch_picture(const RenderCommandOptions& options, const PictureFiles& files,
+                   const PictureLook& look);
+
+/// The options that pictures made light by light cannot have.
+void refuse_with_light_layers(const RenderCommandOptions& options, const PictureFiles& files,
+                              const Scene& scene);
+
+/// Where the part of --shard goes: beside where the picture would be without the option.
+[[nodiscard]] std::filesystem::path shard_file(const RenderCommandOptions& options,
+                                               const Shard& shard);
+
+/// The options that a part of the samples cannot have.
+void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene);
+
+/// Renders the part of --shard.
+void render_shard(const RenderCommandOptions& options, const Scene& scene,
+                  const std::filesystem::path& file);
+
+}  // namespace lamina::cli

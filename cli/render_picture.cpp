@@ -1,0 +1,212 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lamina/core/error.h"
+#include "lamina/image/denoise.h"
+#include "lamina/render/light_layers.h"
+#include "lamina/render/render.h"
+#include "lamina/scene/skin_totals.h"
+#include "render_options.h"
+#include "shard_option.h"
+
+namespace lamina::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Keeps an unfinished picture beside where the picture will be.
+fs::path checkpoint_file(const PictureFiles& files) {
+  fs::path file(files.exr.empty() ? files.png : files.exr);
+  return file.replace_extension(".unfinished");
+}
+
+/// What a file says of how it was made beyond what the same command always makes.
+std::vector<ImageNote> stamp(const RenderCommandOptions& options, const RenderStatistics& s) {
+  const std::time_t now = std::time(nullptr);
+  std::tm time{};
+  gmtime_r(&now, &time);
+  return {{"lamina/scene", options.scene},
+          {"lamina/command", fmt::format("lamina {}", fmt::join(words_of_call(), " "))},
+          {"lamina/date",
+           fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", 1900 + time.tm_year, 1 + time.tm_mon,
+                       time.tm_mday, time.tm_hour, time.tm_min, time.tm_sec)},
+          {"lamina/wall_seconds", fmt::format("{:.3f}", s.wall_seconds)},
+          {"lamina/cpu_seconds", fmt::format("{:.3f}", s.cpu_seconds)},
+          {"lamina/samples_per_pixel", fmt::format("{:g}", s.samples_per_pixel)}};
+}
+
+PictureLook::OfScene of_film(const Film& film) {
+  return {film.view, static_cast<double>(film.exposure)};
+}
+
+/// Writes pictures as they grow. One that cannot be written is said once: the last may fit again.
+std::function<void(const Image&)> make_writer(const Film& film, const PictureFiles& files,
+                                              const PictureLook& look) {
+  return [&film, &files, &look, has_failed = false](const Image& image) mutable {
+    try {
+      (void)look.write(image, files, {}, of_film(film));
+    } catch (const WriteError& error) {
+      if (!has_failed) say(std::string("warning: ") + error.what());
+      has_failed = true;
+    }
+  };
+}
+
+/// Work that ends where what it is made from has changed.
+/// @param has_changed  may be empty
+Progress until_changed(Progress progress, const std::function<bool()>& has_changed) {
+  if (!has_changed) return progress;
+  return [progress = std::move(progress), has_changed](double finished) {
+    return progress(finished) && !has_changed();
+  };
+}
+
+}  // namespace
+
+void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
+                    const PictureLook& look, Scene scene,
+                    const std::function<bool()>& has_changed) {
+  const fs::path checkpoint = checkpoint_file(files);
+  const auto say_how_to_go_on = [&] {
+    if (fs::exists(checkpoint))
+      say("stopped early; the same command with --resume goes on from " + checkpoint.string());
+  };
+  RenderResult result;
+  try {
+    const RenderOptions how{
+        .cache = options.cache,
+        .memory = options.common.memory,
+        .needs_cache = options.needs_cache,
+        .checkpoint = has_changed ? fs::path() : checkpoint,
+        .resumes = options.resumes,
+        .keeps_samples = options.keeps,
+        .has_mattes = options.has_mattes,
+        .on_notice = say,
+        .on_image = options.is_progressive ? make_writer(scene.film, files, look) : nullptr};
+    const Progress progress =
+        until_changed(make_progress("rendering", options.has_light_layers ? Keeps::nothing
+                                                                          : Keeps::what_there_is),
+                      has_changed);
+    result = options.has_light_layers ? render_light_layers(scene, how, progress)
+                                      : render(scene, how, progress);
+  } catch (const Interrupted&) {
+    if (has_changed && !was_interrupted()) return;
+    say_how_to_go_on();
+    throw;
+  }
+  if (has_changed && !result.statistics.is_complete && !was_interrupted()) return;
+  if (options.keeps && result.statistics.is_complete && !fs::exists(checkpoint))
+    say("warning: " + checkpoint.string() + " cannot be written: the samples are not kept");
+  if (options.denoises) {
+    const Progress denoising = make_progress("denoising");
+    result.image = denoise(result.image);
+  }
+  std::vector<ImageNote> notes = std::move(result.notes);
+  notes.push_back({"lamina/version", LAMINA_VERSION});
+  if (options.is_stamped)
+    std::ranges::move(stamp(options, result.statistics), std::back_inserter(notes));
+  const std::string written = look.write(result.image, files, notes, of_film(scene.film));
+
+  const RenderStatistics& s = result.statistics;
+  for (const std::string& warning : s.warnings) say("warning: " + warning);
+  if (!s.is_complete) say_how_to_go_on();
+  std::string sampled;
+  for (const LightSamples& light : s.light_samples)
+    sampled +=
+        fmt::format("{}: {} samples of the light, {:.3g} mm apart{}\n",
+                    scene.materials[light.material].name, light.count, light.spacing,
+                    light.change ? fmt::format("; twice as far apart the light differs by {:.2g} %",
+                                               100.0 * *light.change)
+                                 : "");
+  for (const LightCorrection& correction : s.corrections)
+    sampled += fmt::format(
+        "{}: light corrected by {:.2g} million random walks, {:.2g} % of it; about {:.2g} % of "
+        "error left\n",
+        scene.materials[correction.material].name, 1e-6 * static_cast<double>(correction.walks),
+        100.0 * correction.change, 100.0 * correction.error_left);
+  scene.render.method = s.method;  // where it was left open
+  std::string skins;
+  for (const SkinTotals& totals : skin_totals(scene))
+    skins += describe_skin_totals(totals, scene) + "\n";
+  const std::string noise =
+      s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
+  JsonOutput json = make_result("render");
+  json["method"] = std::string(s.method.name());
+  if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
+  json["expected_cpu_seconds"] = s.expected_cpu_seconds;
+  json["expected_memory_mib"] = s.expected_memory_mib;
+  json["wall_seconds"] = s.wall_seconds;
+  json["cpu_seconds"] = s.cpu_seconds;
+  json["samples_per_pixel"] = s.samples_per_pixel;
+  if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
+  json["peak_memory_mib"] = s.peak_memory_mib;
+  for (const LightSamples& light : s.light_samples) {
+    auto& entry = json["light_samples"].emplace_back();
+    entry["material"] = scene.materials[light.material].name;
+    entry["spacing_mm"] = light.spacing;
+    entry["count"] = light.count;
+    if (light.change) entry["change"] = *light.change;
+  }
+  for (const LightCorrection& correction : s.corrections)
+    json["corrections"].push_back({{"material", scene.materials[correction.material].name},
+                                   {"walks", correction.walks},
+                                   {"change", correction.change},
+                                   {"error_left", correction.error_left}});
+  for (const ProfileUse& use : s.profiles)
+    json["profiles"].push_back(
+        {{"material", scene.materials[use.material].name}, {"profile", name_of(use.source)}});
+  if (options.has_light_layers)
+    for (const LightGroup& group : light_groups(scene)) json["light_layers"].push_back(group.name);
+  json["width"] = scene.film.width;
+  json["height"] = scene.film.height;
+  json["is_complete"] = s.is_complete;
+  for (const SkinTotals& totals : skin_totals(scene))
+    json["skin"].push_back({{"material", scene.materials[totals.material].name},
+                            {"constants", name_of(totals.constants)},
+                            {"totals", totals.by_transfer ? "radiative_transfer" : "diffusion"}});
+  for (const BandChange& change : scene.band_changes) {
+    auto& entry = json["band_changes"].emplace_back();
+    entry["material"] = scene.materials[change.material].name;
+    if (!change.covering.empty()) entry["over"] = change.covering;
+    entry["from"] =
+        change.from.is_rgb() ? JsonOutput("rgb") : JsonOutput(change.from.wavelengths());
+    entry["color_error"] = change.color_error;
+  }
+  json["warnings"] = scene.warnings;
+  for (const std::string& warning : s.warnings) json["warnings"].push_back(warning);
+  write_json(json, options.common);
+  print(
+      options.common,
+      fmt::format("{}{}\n{}{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
+                  s.is_complete ? "" : "stopped early: ", written, skins, sampled, s.wall_seconds,
+                  s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
+}
+
+void refuse_with_light_layers(const RenderCommandOptions& options, const PictureFiles& files,
+                              const Scene& scene) {
+  for (const auto& [name, is_given] :
+       {std::pair{"--resume", options.resumes}, std::pair{"--keep", options.keeps},
+        std::pair{"--progressive", options.is_progressive},
+        std::pair{"--cache", !options.cache.empty()}, std::pair{"--denoise", options.denoises},
+        std::pair{"--prepare", options.only_prepares}})
+    if (is_given) throw InvalidInput(std::string(name) + ": does not go with --light-layers");
+  if (files.exr.empty())
+    throw InvalidInput("--light-layers: the output must be an EXR, but is " + files.png);
+  if (scene.render.noise > 0.0f)
+    throw InvalidInput(fmt::format(
+        "--noise: must be 0 with --light-layers, but is {:g}; where the scene file has it, "
+        "--noise 0",
+        scene.render.noise));
+}
+
+}  // namespace lamina::cli
