@@ -10,8 +10,8 @@
 
 #include "choices.h"
 #include "lamina/exchange/export_format.h"
-#include "lamina/exchange/homogeneous_fit.h"
 #include "lamina/exchange/material_import.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/materials/material.h"
 #include "work.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lamina/core/progress.h"
-#include "lamina/exchange/channel_light.h"
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/layer_stack.h"
 

@@ -8,8 +8,8 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/exchange/channel_light.h"
 #include "lamina/exchange/internal/renderer_albedos.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/progress.h"
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {

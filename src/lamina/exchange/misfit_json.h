@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/io/json_output.h"
 
 namespace lamina {

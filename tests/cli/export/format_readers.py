@@ -161,6 +161,39 @@ def check_sheet(data):
     jsonschema.validate(data, json.loads((ROOT / "schema/parameters.schema.json").read_text()))
 
 
+def number_or_word(word):
+    if word in ("on", "off"):
+        return word == "on"
+    return json.loads(word)
+
+
+def arnold_node(text):
+    """Type, name and parameters of the only node in an .ass file: lists of colors, numbers, words, on and off."""
+    kind, brace, *lines, end = [line.strip() for line in text.splitlines() if line.strip() and line[0] != "#"]
+    assert (brace, end) == ("{", "}")
+    values = {}
+    for line in lines:
+        key, rest = line.split(" ", 1)
+        assert key not in values, key
+        words = [rest] if key == "name" or rest[0] == '"' else rest.split()
+        assert len(words) in (1, 3), line
+        values[key] = rest if key == "name" else number_or_word(words[0]) if len(words) == 1 else [float(x) for x in words]
+    return kind, values.pop("name"), values
+
+
+def rib_bxdf(text):
+    """Type, name and parameters, each with its type, of the only request in a RIB."""
+    lines = [line for line in text.splitlines() if line and line[0] != "#"]
+    kind, name = re.fullmatch(r'Bxdf "(\w+)" "([\w-]+)"', lines[0]).groups()
+    values = {}
+    for line in lines[1:]:
+        declared, key, numbers = re.fullmatch(r'  "(int|float|color) (\w+)" \[([^\[\]]+)\]', line).groups()
+        found = [int(x) if declared == "int" else float(x) for x in numbers.split()]
+        assert key not in values and len(found) == (3 if declared == "color" else 1), line
+        values[key] = (declared, found)
+    return kind, name, values
+
+
 # MCX's input, as its schema has it.
 MCX = {"Session": {"ID", "Photons", "RNGSeed", "DoMismatch", "DoAutoThread", "DoSaveVolume", "DoSaveRef", "DoNormalize",
                    "DoSpecular", "BCFlags"},
@@ -208,6 +241,10 @@ def read_exported(name, content):
             check_sheet(data)
         if ending == ".mcx.json":
             assert set(data) == set(MCX), name
+    elif ending == ".ass":
+        arnold_node(content.decode())
+    elif ending == ".rib":
+        rib_bxdf(content.decode())
     elif ending == ".xml":
         mitsuba_plugins(content)
     elif ending == ".mtlx":

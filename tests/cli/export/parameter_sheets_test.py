@@ -8,7 +8,7 @@ import math
 import unittest
 
 from exporting import Folder, export
-from format_readers import SHEETS, check_sheet
+from format_readers import SHEETS, arnold_node, check_sheet, rib_bxdf
 
 
 class Sheets(Folder):
@@ -48,6 +48,29 @@ class Sheets(Folder):
             sigma_a, sigma_t_prime = (1 - albedo) / length, (1 - albedo * medium["g"]) / length
             dmfp = 1 / math.sqrt(3 * sigma_a * sigma_t_prime)
             self.assertAlmostEqual(renderman["subsurfaceDmfp"] * renderman["subsurfaceDmfpColor"][c] / dmfp, 1, delta=1e-9)
+
+    def test_scenes_of_arnold_say_what_the_sheet_says(self):
+        for material in ("jade", "leaf"):
+            sheet = self.sheet(material, "arnold", "--mm-per-unit", 10)["parameters"]
+            kind, name, values = arnold_node((self.folder / f"{material}.ass").read_text())
+            self.assertEqual((kind, name), (sheet.pop("node"), material))
+            self.assertEqual(values, sheet)
+
+    def test_ribs_say_what_the_sheet_says(self):
+        for material in ("jade", "leaf"):
+            sheet = self.sheet(material, "renderman", "--mm-per-unit", 10)["parameters"]
+            kind, name, values = rib_bxdf((self.folder / f"{material}.rib").read_text())
+            self.assertEqual((kind, name), (sheet.pop("node"), material))
+            choices = {"specularFresnelMode": {"Physical": 1}, "subsurfaceType": {"Path Traced, exponential": 4}}
+            expected = {}
+            for key, value in sheet.items():
+                if isinstance(value, list):
+                    expected[key] = ("color", value)
+                elif isinstance(value, (bool, str)):
+                    expected[key] = ("int", [choices[key][value] if key in choices else int(value)])
+                else:
+                    expected[key] = ("color", 3 * [value]) if key == "specularIor" else ("float", [value])
+            self.assertEqual(values, expected)
 
     def test_burleys_profile_has_the_total_and_falls_as_it_should(self):
         result, _ = export(self.folder, "jade", "unity-hdrp")

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/exchange/channel_light.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
 
 namespace lamina::detail {
 

@@ -6,12 +6,14 @@
 #include "lamina/exchange/internal/burley_profile.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
+#include "lamina/exchange/internal/shading_node.h"
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/internal/walk_medium.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/optics/fresnel.h"
 
-// Values of the parameters of programs whose files are not text: to be typed in or set by a script.
+// Values of the parameters of programs, to be typed in or set by a script; and of those whose files
+// are text, such a file.
 // Names are those of Arnold 7 (standard_surface), RenderMan 26 (PxrSurface), Unreal Engine 5
 // (SubsurfaceProfileStruct) and Unity's HDRP 14 (Diffusion Profile, Lit).
 
@@ -22,6 +24,8 @@ struct Sheet {
   JsonOutput parameters = JsonOutput::object();
   std::vector<ChannelMisfit> misfits;
   std::vector<std::string> notes;
+  /// The same as the program's own text: ending and text of a file; empty where there is none.
+  std::pair<std::string, std::string> asset;
 };
 
 ExportedMaterial finished(const ExportInput& input, std::string_view format,
@@ -33,7 +37,16 @@ ExportedMaterial finished(const ExportInput& input, std::string_view format,
   json["parameters"] = std::move(sheet.parameters);
   json["misfit"] = misfit_json(sheet.misfits);
   json["notes"] = sheet.notes;
-  return {.files = {{input.stem + "_" + std::string(format) + ".json", json.text(1) + "\n"}},
+  std::vector<ExportedFile> files = {
+      {input.stem + "_" + std::string(format) + ".json", json.text(1) + "\n"}};
+  if (const auto& [ending, text] = sheet.asset; !text.empty()) {
+    std::vector<std::string> lines = head_lines(input, target);
+    lines.push_back(lengths);
+    for (std::string& line : misfit_lines(sheet.misfits)) lines.push_back(std::move(line));
+    for (const std::string& note : sheet.notes) lines.push_back(note);
+    files.push_back({input.stem + ending, comment(lines, "# ") + text});
+  }
+  return {.files = std::move(files),
           .notes = std::move(sheet.notes),
           .misfits = std::move(sheet.misfits),
           .refusal = {}};
@@ -93,32 +106,35 @@ Sheet burley_sheet(const ExportInput& input, const BurleyProfiles& burley) {
 ExportedMaterial write_arnold(const ExportInput& input) {
   const WalkMedium medium = make_walk_medium(input, "arnold");
   const double mm_per_unit = input.options.mm_per_unit;
-  Sheet sheet{.parameters = {{"node", "standard_surface"},
-                             {"specular", 1.0},
-                             {"specular_IOR", input.surface_ior},
-                             {"specular_roughness", perceptual_roughness(input)},
-                             {"thin_walled", medium.is_sheet()}},
-              .misfits = medium.misfits,
-              .notes = {}};
+  ShadingNode node{.type = "standard_surface",
+                   .name = input.stem,
+                   .parameters = {{"specular", 1.0},
+                                  {"specular_IOR", input.surface_ior},
+                                  {"specular_roughness", perceptual_roughness(input)},
+                                  {"thin_walled", medium.is_sheet()}}};
+  const auto set = [&](const char* name, auto value) { node.parameters.push_back({name, value}); };
+  Sheet sheet{.misfits = medium.misfits};
   if (medium.is_sheet()) {
     const Sides sides = sides_of(input, medium);
-    sheet.parameters["base"] = 1.0;
-    sheet.parameters["base_color"] = sides.reflected;
-    sheet.parameters["subsurface"] = sides.through;
-    sheet.parameters["subsurface_color"] = sides.transmitted;
+    set("base", 1.0);
+    set("base_color", sides.reflected);
+    set("subsurface", sides.through);
+    set("subsurface_color", sides.transmitted);
     sheet.notes.emplace_back("thin-walled: the base reflects, subsurface transmits diffusely");
   } else {
     const ScaledLengths lengths = scaled(medium.mean_free_path);
-    sheet.parameters["subsurface"] = 1.0;
-    sheet.parameters["subsurface_type"] = "randomwalk";
-    sheet.parameters["subsurface_color"] = below_surface(medium.reflectance, enters(input));
-    sheet.parameters["subsurface_radius"] = lengths.ratios;
-    sheet.parameters["subsurface_scale"] = lengths.longest / mm_per_unit;
-    sheet.parameters["subsurface_anisotropy"] = medium.g;
+    set("subsurface", 1.0);
+    set("subsurface_type", NodeChoice{.name = "randomwalk", .place = 1});
+    set("subsurface_color", below_surface(medium.reflectance, enters(input)));
+    set("subsurface_radius", lengths.ratios);
+    set("subsurface_scale", lengths.longest / mm_per_unit);
+    set("subsurface_anisotropy", medium.g);
     sheet.notes.emplace_back(
         "Arnold's inversion of the color is not published: the color is the one that is to come "
         "out, less what the surface reflects");
   }
+  sheet.parameters = node_json(node);
+  sheet.asset = {".ass", arnold_text(node)};
   return finished(
       input, "arnold", "Arnold",
       "subsurface_radius times subsurface_scale is the mean free path in scene units of " +
@@ -128,33 +144,40 @@ ExportedMaterial write_arnold(const ExportInput& input) {
 
 ExportedMaterial write_renderman(const ExportInput& input) {
   const WalkMedium medium = make_walk_medium(input, "renderman");
-  Sheet sheet{.parameters = {{"node", "PxrSurface"},
-                             {"specularFresnelMode", "Physical"},
-                             {"specularIor", input.surface_ior},
-                             {"specularRoughness", perceptual_roughness(input)}},
-              .misfits = medium.misfits,
-              .notes = {}};
+  ShadingNode node{.type = "PxrSurface",
+                   .name = input.stem,
+                   .parameters = {{"specularFresnelMode", NodeChoice{"Physical", 1}},
+                                  {"specularIor", NodeGray{input.surface_ior}},
+                                  {"specularRoughness", perceptual_roughness(input)}}};
+  const auto set = [&](const char* name, auto value) { node.parameters.push_back({name, value}); };
+  Sheet sheet{.misfits = medium.misfits};
   if (medium.is_sheet()) {
     const double part = enters(input);
-    sheet.parameters["diffuseGain"] = 1.0;
-    sheet.parameters["diffuseColor"] = below_surface(medium.reflectance, part);
-    sheet.parameters["diffuseDoubleSided"] = true;
-    sheet.parameters["diffuseTransmitGain"] = 1.0;
-    sheet.parameters["diffuseTransmitColor"] = below_surface(medium.transmittance, part);
+    set("diffuseGain", 1.0);
+    set("diffuseColor", below_surface(medium.reflectance, part));
+    set("diffuseDoubleSided", true);
+    set("diffuseTransmitGain", 1.0);
+    set("diffuseTransmitColor", below_surface(medium.transmittance, part));
   } else {
     std::vector<double> diffuse_lengths;
     for (const Medium& of_channel : input.fit->media)
       diffuse_lengths.push_back(1.0 / std::max(sigma_tr(of_channel), 1e-9));
     const ScaledLengths lengths = scaled(diffuse_lengths);
-    sheet.parameters["diffuseGain"] = 0.0;
-    sheet.parameters["subsurfaceGain"] = 1.0;
-    sheet.parameters["subsurfaceType"] = "Path Traced, exponential";
-    sheet.parameters["subsurfaceColor"] = below_surface(medium.reflectance, enters(input));
-    sheet.parameters["subsurfaceDmfp"] = lengths.longest;
-    sheet.parameters["subsurfaceDmfpColor"] = lengths.ratios;
-    sheet.parameters["subsurfaceDirectionality"] = medium.g;
-    sheet.parameters["unitLength"] = 1.0 / input.options.mm_per_unit;
+    set("diffuseGain", 0.0);
+    set("subsurfaceGain", 1.0);
+    // The fifth of its models, after two dipoles, Burley's and several mean free paths.
+    set("subsurfaceType", NodeChoice{.name = "Path Traced, exponential", .place = 4});
+    set("subsurfaceColor", below_surface(medium.reflectance, enters(input)));
+    set("subsurfaceDmfp", lengths.longest);
+    set("subsurfaceDmfpColor", lengths.ratios);
+    set("subsurfaceDirectionality", medium.g);
+    set("unitLength", 1.0 / input.options.mm_per_unit);
+    sheet.notes.emplace_back(
+        "subsurfaceType 4 of the RIB is the path-traced exponential walk by the order in which the "
+        "models are documented");
   }
+  sheet.parameters = node_json(node);
+  sheet.asset = {".rib", rib_text(node)};
   return finished(input, "renderman", "RenderMan",
                   "subsurfaceDmfp times its color is the diffuse mean free path 1/sigma_tr in mm, "
                   "as RenderMan's own table has it; unitLength is scene units per mm",

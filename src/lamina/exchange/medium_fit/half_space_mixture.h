@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/exchange/channel_light.h"
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 
 namespace lamina {
 

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/exchange/internal/half_space_albedo.h"
+#include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
 #include "lamina/fit/slab/slab_inversion.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/homogeneous_fit.h"
+#include "lamina/exchange/medium_fit/homogeneous_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
-#include "lamina/exchange/channel_light.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/spectrum/band_color.h"
 

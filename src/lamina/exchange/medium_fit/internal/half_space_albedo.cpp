@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/internal/half_space_albedo.h"
+#include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
 
 #include <cmath>
 #include <utility>

@@ -9,7 +9,7 @@
 
 #include "lamina/core/enum_names.h"
 #include "lamina/core/progress.h"
-#include "lamina/exchange/channel_light.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {

@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/half_space_mixture.h"
+#include "lamina/exchange/medium_fit/half_space_mixture.h"
 
 #include <algorithm>
 #include <array>

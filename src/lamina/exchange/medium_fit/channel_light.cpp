@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/channel_light.h"
+#include "lamina/exchange/medium_fit/channel_light.h"
 
 #include <algorithm>
 #include <cassert>
