@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <set>
 #include <sstream>
 #include <string>
@@ -141,7 +142,13 @@ TEST(BuiltinMaterials, AreListedWithNamesAndSources) {
                            "sand",
                            "white_sand",
                            "dust",
-                           "varnish"})
+                           "varnish",
+                           "warm_parchment",
+                           "alabaster",
+                           "wax",
+                           "soap",
+                           "amber",
+                           "honey"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -164,8 +171,8 @@ TEST(BuiltinMaterials, ArePhysical) {
         if (layer.medium.sigma_s == 0.0) continue;  // varnish
         const bool is_paint = material.name.ends_with("_paint") || material.name == "varnish";
         EXPECT_GT(mfp_prime(layer.medium), is_paint ? 5e-4 : 5e-3);  // mm
-        EXPECT_LT(mfp_prime(layer.medium), 10.0);
-        EXPECT_GT(albedo_prime(layer.medium), 0.015);  // ketchup in blue
+        EXPECT_LT(mfp_prime(layer.medium), 25.0);                    // honey in red
+        EXPECT_GT(albedo_prime(layer.medium), 0.015);                // ketchup in blue
         if (is_beyond_diffusion(material)) continue;
         EXPECT_GT(layer.thickness, mfp_prime(layer.medium));  // the multipole's source is within
       }
@@ -190,6 +197,28 @@ TEST(BuiltinMaterials, ParchmentTransmitsWhatThePaperSays) {
   const Layer layer = layer_stack(find_material("parchment"), 0).layers()[0];
   EXPECT_NEAR(layer.thickness / mfp_prime(layer.medium), 4.0, 1e-9);
   EXPECT_NEAR(albedo_prime(layer.medium), 0.9725, 1e-9);
+}
+
+// 2.4 times as much skin in a millimeter has the absorption of the paper's parchment in green.
+TEST(BuiltinMaterials, WarmParchmentIsThePapersInGreen) {
+  const Material warm = find_material("warm_parchment");
+  EXPECT_NEAR(std::lerp(warm.layers[0].sigma_a[4], warm.layers[0].sigma_a[5], 10.0 / 35.0),
+              find_material("parchment").layers[0].sigma_a[1], 0.002);
+  EXPECT_LT(totals("warm_parchment", 0).reflectance,
+            0.75 * totals("warm_parchment", 7).reflectance);
+}
+
+// Optical densities of light amber honey at 560 nm in 31.5 mm begin at 0.595 and end at 1.389;
+// those of caramel fall by 0.35 to 0.75 decades in 100 nm.
+TEST(BuiltinMaterials, HoneyIsLightAmber) {
+  const MaterialLayer& honey = find_material("honey").layers[0];  // 540 nm, 575 nm
+  const double decades = std::log10(honey.sigma_a[4] / honey.sigma_a[5]);
+  const double at_560 = honey.sigma_a[4] * std::pow(10.0, -decades * 20.0 / 35.0);
+  const double density = at_560 * 31.5 / std::numbers::ln10;
+  EXPECT_GT(density, 0.595);
+  EXPECT_LT(density, 1.389);
+  EXPECT_GT(decades * 100.0 / 35.0, 0.35);
+  EXPECT_LT(decades * 100.0 / 35.0, 0.75);
 }
 
 // The diffuse reflectances printed in [Jensen2001] Figure 5 are those of its dipole. Light enters

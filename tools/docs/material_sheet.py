@@ -44,6 +44,8 @@ def main():
         print(name, flush=True)
     figure.subplots_adjust(0.0, 0.0, 1.0, 0.97, 0.0, 0.16)
     figure.savefig(sys.argv[1], facecolor=figure.get_facecolor())
+    pixels, _ = lamina.load_image(sys.argv[1])
+    lamina.save_image(sys.argv[1], pixels[..., :3])  # without alpha, and smaller
 
 
 if __name__ == "__main__":

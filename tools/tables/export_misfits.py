@@ -28,7 +28,7 @@ def lights(misfits):
 def largest(misfits, number):
     """The largest of all channels and sides that have light."""
     numbers = [number(light) for light in lights(misfits) if light["wanted_total"] > 1e-3]
-    return max(numbers, default=None)
+    return max((one for one in numbers if one is not None), default=None)
 
 
 def total(light):
