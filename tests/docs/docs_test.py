@@ -331,6 +331,14 @@ class Links(unittest.TestCase):
             with self.subTest(str(file)):
                 self.assertTrue(file.resolve() in linked, "no page links to it")
 
+    def test_every_export_format_has_a_page_with_a_picture(self):
+        listed = subprocess.run([LAMINA, "export", "--to", "list", "--json", "-"], capture_output=True, text=True, check=True)
+        for one in json.loads(listed.stdout)["formats"]:
+            with self.subTest(one["name"]):
+                page = ROOT / f"docs/export/{one['name']}.md"
+                self.assertIn(f"](../images/export_{one['name']}.png)", text_of(page))
+                self.assertIn(f"](export/{page.name})", text_of(ROOT / "docs/export.md"))
+
     def test_comments_name_files_and_sources_that_exist(self):
         for folder in ("src", "cli", "tests", "tools"):
             for file in (ROOT / folder).rglob("*"):

@@ -2,7 +2,9 @@
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 """The pictures of docs/export/: a material in lamina, as a target shows it, and the difference.
 
-usage: PYTHONPATH=BUILD/python python3 tools/docs/export_pictures.py [TARGET ...]      writes docs/images/export_TARGET.png
+usage: PYTHONPATH=BUILD/python python3 tools/docs/export_pictures.py [TARGET ...]
+
+Writes docs/images/export_TARGET.png and prints the table of the page.
 
 A plate lies under a uniform sky, of which a hole lets light through to a disc; sheets are lit from behind. Light that leaves at a
 distance from the disc's middle is the integral of the profile R(r), or T(r), over the disc, for lamina by radiative transfer through
@@ -246,9 +248,9 @@ TITLES = {"arnold": "Arnold, by its parameters", "blender": "Blender 3.4, Cycles
 
 
 def materials_of(target):
-    """Those that the target has: mixtures are of thick ones, and beams and tables are compared in R, G and B."""
-    names = [name for name in MATERIALS if target != "mixture" or name != "leaf"]
-    return [name for name in names if target not in ("mcml", "mcx", "table") or name != "skin_type_3"]
+    """Those that the target has. Spectral ones are known in R, G and B under diffuse light alone."""
+    names = ["marble", *MATERIALS[1:]] if target in ("blender", "mcml", "mcx", "table") else MATERIALS
+    return [name for name in names if target != "mixture" or name != "leaf"]
 
 
 def width_of(truth):
@@ -274,17 +276,16 @@ def picture(spread, width):
 
 def cycles(name, width, folder):
     """The same plate and sky in Blender, of the light that leaves alone."""
-    exported = lamina.export(name, "blender")
-    exported.save(folder)
+    lamina.export(name, "blender").save(folder)
     job = {"script": str(folder / f"{name}_blender.py"), "material": name, "width": width, "disc": DISC * width, "size": [WIDTH, HEIGHT],
-           "is_sheet": name == "leaf", "samples": 128, "out": str(folder / f"{name}.json"), "exr": str(folder / f"{name}.exr")}
+           "is_sheet": name == "leaf", "samples": 512, "out": str(folder / f"{name}.json"), "exr": str(folder / f"{name}.exr")}
     (folder / "job.json").write_text(json.dumps(job))
     subprocess.run([os.environ.get("BLENDER", "blender"), "--background", "--factory-startup", "--python-exit-code", "1", "--python",
                     str(ROOT / "tools/blender/render_disc.py"), "--", str(folder / "job.json")], check=True, stdout=subprocess.DEVNULL)
     pixels = np.array(json.loads(pathlib.Path(job["out"]).read_text())).reshape(-1, 3)
-    # Means of rings a pixel wide: the light is the same around the disc but for noise.
+    # Means of rings a pixel wide, and of the middle: the light is the same around the disc but for noise.
     at = distances(width).ravel() * WIDTH / width
-    ring = np.rint(at).astype(int)
+    ring = np.maximum(np.rint(at).astype(int) - 7, 0)
     count = np.maximum(np.bincount(ring), 1)
     means = [np.bincount(ring, one) / count for one in pixels.T]
     middles = np.bincount(ring, at) / count
@@ -292,22 +293,33 @@ def cycles(name, width, folder):
 
 
 def rows_of(target):
-    """(name, width, picture by lamina, by the target) of each material."""
+    """(name, exported, width, picture by lamina, by the target) of each material."""
     for name in materials_of(target):
         side = "transmittance" if name == "leaf" else "reflectance"
-        if target in ("mcml", "mcx"):
+        if target in ("blender", "mcml", "mcx"):  # Blender's camera sees the light along the normal: by reciprocity that of a normal beam
             truth = spread_of_layers(lamina.material(name).layers, side, "normal")
         elif target == "table":
             truth = spread_of_layers(lamina.material(name).layers, side)
         else:
             truth = table(lamina.export(name, "table"), side)
-        width = width_of(truth)
+        width, exported = width_of(truth), lamina.export(name, target)
         if target == "blender":
             with tempfile.TemporaryDirectory() as folder:
-                yield name, width, picture(truth, width), cycles(name, width, pathlib.Path(folder))
+                shown = cycles(name, width, pathlib.Path(folder))
         else:
-            shown = SPREADS[target](lamina.export(name, target), side)
-            yield name, width, picture(truth, width), picture(shown, width)
+            shown = picture(SPREADS[target](exported, side), width)
+        yield name, exported, width, picture(truth, width), shown
+
+
+def misfits_of(exported):
+    """Cells of the table: totals, and profiles, of every side that has them."""
+    lights = [(channel, light) for channel, sides in exported.misfits.items() for light in sides.values() if isinstance(light, dict)]
+    off = max((abs(light["obtained_total"] - light["wanted_total"]) for _, light in lights), default=0.0)
+    rms = {}
+    for channel, light in lights:
+        if "profile_rms" in light:
+            rms[channel] = max(rms.get(channel, 0.0), light["profile_rms"])
+    return f"{off:.4f} | {' '.join(f'{x:.2f}' for x in rms.values()) or '–'}"
 
 
 def encoded(linear):
@@ -333,7 +345,7 @@ def draw(target):
 
     for column, words in enumerate(("lamina", TITLES[target], "difference, gray: none")):
         text(column * (WIDTH + GAP) + WIDTH / 2, HEAD / 2, words, ha="center")
-    for row, (name, width, truth, shown) in enumerate(rows):
+    for row, (name, exported, width, truth, shown) in enumerate(rows):
         scale = 0.8 / truth.max()
         light = (shown - truth) / truth.max()
         worst = [d.flat[np.argmax(np.abs(d))] for d in np.moveaxis(light, -1, 0)]
@@ -353,7 +365,8 @@ def draw(target):
                 text(left + 6, top + HEIGHT - 18, f"{bar:g} mm", color="white")
         text(left + 6, top + 11, f"× {factor:g}")
         text(left + 6, top + HEIGHT - 10, "light: " + ", ".join(f"{c} {100 * w:+.0f} %" for c, w in zip("RGB", worst)))
-        print(target, name, f"{width:.3g} mm", [f"{100 * w:+.1f} %" for w in worst], flush=True)
+        percents = " ".join(f"{100 * w:+.1f}" for w in worst)
+        print(f"| `{name}` | {misfits_of(exported)} | {percents} |", flush=True)
     figure.canvas = FigureCanvasAgg(figure)
     figure.canvas.draw()
     Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3]).save(ROOT / f"docs/images/export_{target}.png", optimize=True)
@@ -367,6 +380,7 @@ def main():
         if target == "blender" and not shutil.which(os.environ.get("BLENDER", "blender")):
             print("blender: left out, it is not installed", file=sys.stderr)
             continue
+        print(f"{target}\n| material | total: largest error | profile rms R, G, B | picture R, G, B [%] |\n|---|---|---|---|")
         draw(target)
 
 
