@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MATERIALS = ("skin_type_3", "donner_jensen_skin", "jade", "leaf")
+MATERIALS = ("skin_type_3", "donner_jensen_skin", "jade", "leaf")  # of smooth surfaces: those of files are not read below
 WIDTH, HEIGHT, GAP, HEAD = 216, 120, 4, 22  # of a picture, between them, above them [pixels]
 DISC = 1.0 / 6.0  # radius of the lit disc over the width of the picture
 FACTORS = (4.0, 2.0, 1.0, 0.5)  # of differences: the first by which none is clipped
@@ -261,35 +261,40 @@ def width_of(truth):
     return 5.0 * max(far)
 
 
-def distances(width):
-    """Of pixels from the middle [mm], axes (y, x)."""
-    x, y = np.arange(WIDTH) - 0.5 * WIDTH + 0.5, np.arange(HEIGHT) - 0.5 * HEIGHT + 0.5
+def distances(width, parts=1):
+    """Of pixels, or of parts x parts points in each, from the middle [mm], axes (y, x)."""
+    x, y = ((np.arange(n * parts) + 0.5) / parts - 0.5 * n for n in (WIDTH, HEIGHT))
     return np.hypot(*np.meshgrid(x, y)) * width / WIDTH
 
 
 def picture(spread, width):
-    at = distances(width)
-    line = np.linspace(0.0, at.max(), 1200)
+    """Means over pixels, axes (y, x, channel)."""
+    at = distances(width, 4)
+    line = np.linspace(0.0, at.max(), 2000)
     light = disc_light(spread, DISC * width, line)
-    return np.stack([np.interp(at, line, one) for one in light], -1)
+    points = np.stack([np.interp(at, line, one) for one in light], -1)
+    return points.reshape(HEIGHT, 4, WIDTH, 4, 3).mean((1, 3))
+
+
+def ring_means(pixels):
+    """Means of rings a pixel wide, and of the middle: the light is the same around the disc but for noise."""
+    at = distances(WIDTH).ravel()
+    ring = np.maximum(np.rint(at).astype(int) - 7, 0)
+    count = np.bincount(ring)
+    means = [np.bincount(ring, one) / count for one in pixels.reshape(-1, 3).T]
+    middles = np.bincount(ring, at) / count
+    return np.stack([np.interp(at, middles, one) for one in means], -1).reshape(HEIGHT, WIDTH, 3)
 
 
 def cycles(name, width, folder):
     """The same plate and sky in Blender, of the light that leaves alone."""
     lamina.export(name, "blender").save(folder)
     job = {"script": str(folder / f"{name}_blender.py"), "material": name, "width": width, "disc": DISC * width, "size": [WIDTH, HEIGHT],
-           "is_sheet": name == "leaf", "samples": 512, "out": str(folder / f"{name}.json"), "exr": str(folder / f"{name}.exr")}
+           "is_sheet": name == "leaf", "samples": 256, "out": str(folder / f"{name}.json"), "exr": str(folder / f"{name}.exr")}
     (folder / "job.json").write_text(json.dumps(job))
     subprocess.run([os.environ.get("BLENDER", "blender"), "--background", "--factory-startup", "--python-exit-code", "1", "--python",
                     str(ROOT / "tools/blender/render_disc.py"), "--", str(folder / "job.json")], check=True, stdout=subprocess.DEVNULL)
-    pixels = np.array(json.loads(pathlib.Path(job["out"]).read_text())).reshape(-1, 3)
-    # Means of rings a pixel wide, and of the middle: the light is the same around the disc but for noise.
-    at = distances(width).ravel() * WIDTH / width
-    ring = np.maximum(np.rint(at).astype(int) - 7, 0)
-    count = np.maximum(np.bincount(ring), 1)
-    means = [np.bincount(ring, one) / count for one in pixels.T]
-    middles = np.bincount(ring, at) / count
-    return np.stack([np.interp(at, middles, one) for one in means], -1).reshape(HEIGHT, WIDTH, 3)
+    return np.array(json.loads(pathlib.Path(job["out"]).read_text())).reshape(HEIGHT, WIDTH, 3)
 
 
 def rows_of(target):
@@ -303,12 +308,12 @@ def rows_of(target):
         else:
             truth = table(lamina.export(name, "table"), side)
         width, exported = width_of(truth), lamina.export(name, target)
+        wanted = picture(truth, width)
         if target == "blender":
             with tempfile.TemporaryDirectory() as folder:
-                shown = cycles(name, width, pathlib.Path(folder))
+                yield name, exported, width, ring_means(wanted), ring_means(cycles(name, width, pathlib.Path(folder)))
         else:
-            shown = picture(SPREADS[target](exported, side), width)
-        yield name, exported, width, picture(truth, width), shown
+            yield name, exported, width, wanted, picture(SPREADS[target](exported, side), width)
 
 
 def misfits_of(exported):
@@ -348,7 +353,7 @@ def draw(target):
     for row, (name, exported, width, truth, shown) in enumerate(rows):
         scale = 0.8 / truth.max()
         light = (shown - truth) / truth.max()
-        worst = [d.flat[np.argmax(np.abs(d))] for d in np.moveaxis(light, -1, 0)]
+        percents = [f"{round(100.0 * d.flat[np.argmax(np.abs(d))], 1) + 0.0:+.1f}" for d in np.moveaxis(light, -1, 0)]
         seen = encoded(scale * truth), encoded(scale * shown)
         difference = seen[1] - seen[0]
         factor = next((f for f in FACTORS if f * np.abs(difference).max() <= 0.5), FACTORS[-1])
@@ -364,9 +369,8 @@ def draw(target):
                 text(left + 6, top + 11, name + (", lit from behind" if name == "leaf" else ""), color="white")
                 text(left + 6, top + HEIGHT - 18, f"{bar:g} mm", color="white")
         text(left + 6, top + 11, f"× {factor:g}")
-        text(left + 6, top + HEIGHT - 10, "light: " + ", ".join(f"{c} {100 * w:+.0f} %" for c, w in zip("RGB", worst)))
-        percents = " ".join(f"{100 * w:+.1f}" for w in worst)
-        print(f"| `{name}` | {misfits_of(exported)} | {percents} |", flush=True)
+        text(left + 6, top + HEIGHT - 10, "light: " + ", ".join(f"{c} {p}" for c, p in zip("RGB", percents)) + " %")
+        print(f"| `{name}` | {misfits_of(exported)} | {' '.join(percents)} |", flush=True)
     figure.canvas = FigureCanvasAgg(figure)
     figure.canvas.draw()
     Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3]).save(ROOT / f"docs/images/export_{target}.png", optimize=True)
