@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _lamina
-from ._input import PathLike, doubles, json_text, name_text, path_text
+from ._input import PathLike, doubles, json_text, name_text, path_text, real_array
 from ._lamina import InvalidInput, WriteError
 
 #: What functions take for a file: its path, or a dict with its keys.
@@ -137,7 +137,7 @@ class opened:
                         f"{where}.{name}: must be as many as vertices, {count}, but are {len(rows)}")
                 columns.append(rows)
                 names += properties
-        faces = np.asarray(mesh["faces"])
+        faces = real_array(f"{where}.faces", mesh["faces"])
         if faces.dtype.kind not in "iu" or faces.ndim != 2 or not 3 <= faces.shape[1] <= 255 or not len(faces):
             raise InvalidInput(
                 f"{where}.faces: must be whole numbers (face, corner) with 3 corners or more, "

@@ -145,6 +145,17 @@ def place(index: Sequence[Any]) -> str:
     return "[" + ", ".join(str(int(i)) for i in index) + "]"
 
 
+def real_array(name: str, value: ArrayLike) -> NDArray[Any]:
+    """An array of real numbers, of the kind that they have."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of other lengths
+        raise refuse(name, "be numbers", value) from None
+    if array.dtype.kind not in "fiu":
+        raise InvalidInput(f"{name}: must be numbers, but is {_kind(value, array)}")
+    return array
+
+
 def doubles(
     name: str,
     value: ArrayLike,
@@ -157,12 +168,7 @@ def doubles(
 ) -> Doubles:
     """An array of numbers in a range. One of doubles is not copied; names the first that is not in
     the range. `infinite` allows +inf besides."""
-    try:
-        array = np.asarray(value)
-    except ValueError:  # rows of other lengths
-        raise refuse(name, "be numbers", value) from None
-    if array.dtype.kind not in "fiu":
-        raise InvalidInput(f"{name}: must be numbers, but is {_kind(value, array)}")
+    array = real_array(name, value)
     result = np.asarray(array, dtype=np.float64)
     if result.size == 0:
         raise InvalidInput(f"{name}: must hold numbers, but has the shape {result.shape}")

@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _lamina
 from ._files import FileLike, opened, settings_of
-from ._input import PathLike, doubles, flag, name_list, name_text, number, one_of, path_text, refuse, shown, whole
+from ._input import (
+    PathLike, doubles, flag, name_list, name_text, number, one_of, path_text, real_array, refuse, shown, whole,
+)
 from ._lamina import InvalidInput, __version__
 from ._progress import Progress, progress_of
 from ._result import Result, quantity, setting
@@ -302,9 +304,7 @@ def save_image(
     name = path_text("path", path)
     if not name.endswith((".exr", ".png")):
         raise InvalidInput(f"path: must end in .exr or .png, but is {shown(name)}")
-    pixels = np.asarray(image)
-    if pixels.dtype.kind not in "fiu":
-        raise InvalidInput(f"image: must be numbers, but is an array of {pixels.dtype}")
+    pixels = real_array("image", image)
     names = name_list("channels", channels)
     numbers = pixels.astype(np.float32, copy=False)
     space = one_of("color_space", color_space, COLOR_SPACES)

@@ -183,7 +183,8 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
         lamina.load_image(tmp_path / "none.png")
     with pytest.raises(lamina.WriteError):
         lamina.save_image(tmp_path / "no/folder.exr", np.zeros((2, 2, 3)))
-    for image, message in ((np.zeros((2, 2)), "axes"), (np.array([["a"]]), "numbers")):
+    ragged = [[1.0], [1.0, 2.0]]
+    for image, message in ((np.zeros((2, 2)), "axes"), (np.array([["a"]]), "numbers"), (ragged, "numbers")):
         with pytest.raises(lamina.InvalidInput, match=message):
             lamina.save_image(tmp_path / "x.exr", image)
     with pytest.raises(lamina.InvalidInput, match="must be a path or a dict, but is int"):

@@ -199,9 +199,10 @@ TEST(SceneFile, OpacityIsTheAlphaOfAnImageThatHasIt) {
                R"({"diffuse": {"map": "hair.png", "encoding": "linear"},
                    "opacity": {"map": "hair.png"}})");
   const Scene scene = load_text(text, "alpha");
-  ASSERT_EQ(scene.images.size(), 2U);  // black as a color, but there where its alpha is
+  // Black as a color and as quantities, but there where its alpha is.
+  ASSERT_EQ(scene.images.size(), 3U);
   EXPECT_EQ(scene.images[0].channel_count(), 4U);
-  EXPECT_EQ(scene.images[1].pixels, (std::vector<float>{0.0F, 1.0F}));
+  EXPECT_EQ(scene.images[2].pixels, (std::vector<float>{0.0F, 1.0F}));
 }
 
 TEST(SceneFile, ANumberTakesTheChannelOfAnImageThatIsNamed) {
