@@ -71,16 +71,35 @@ std::vector<const ExportFormat*> chosen_formats(const std::vector<std::string>& 
   return chosen;
 }
 
-/// Where the files go: one file to what -o names, unless that is a folder; several into it.
+/// Where files of one format go if -o names one of them, as does skin.py: that one there, the
+/// others beside it, called after it. Empty if it names none, but a folder.
+std::vector<fs::path> places_beside(const std::vector<ExportedFile>& files, const fs::path& output,
+                                    const std::string& stem) {
+  const auto is_of_its_kind = [&](const ExportedFile& file) {
+    return fs::path(file.name).extension() == output.extension();
+  };
+  const auto of_its_kind = std::ranges::count_if(files, is_of_its_kind);
+  std::vector<fs::path> places;
+  if (of_its_kind == 0 || output.stem().empty()) return places;
+  for (const ExportedFile& file : files)
+    places.push_back(of_its_kind == 1 && is_of_its_kind(file)
+                         ? output
+                         : output.parent_path() /
+                               (output.stem().string() + file.name.substr(stem.size())));
+  return places;
+}
+
+/// Where the files go: to what -o names, unless that is a folder; several into it.
 std::vector<fs::path> places_of(const std::vector<ExportedMaterial>& exported,
-                                const std::string& output) {
-  std::size_t count = 0;
-  for (const ExportedMaterial& one : exported) count += one.files.size();
+                                const std::string& output, const std::string& stem) {
   std::error_code ignored;
-  const bool is_folder =
-      count > 1 || output.empty() || output.ends_with('/') || fs::is_directory(output, ignored);
-  if (!is_folder) return {output};
   const fs::path folder = output.empty() ? "." : output;
+  if (exported.size() == 1 && !output.empty() && !output.ends_with('/') &&
+      !fs::is_directory(folder, ignored)) {
+    if (exported[0].files.size() == 1) return {folder};
+    std::vector<fs::path> places = places_beside(exported[0].files, folder, stem);
+    if (!places.empty()) return places;
+  }
   std::vector<fs::path> places;
   std::set<std::string> names;
   for (const ExportedMaterial& one : exported)
@@ -128,7 +147,8 @@ void run_export(const ExportCommandOptions& options) {
   what.skips_refused = std::ranges::find(options.formats, "all") != options.formats.end();
   what.progress = make_progress("export " + material.name, Keeps::nothing);
   const std::vector<ExportedMaterial> exported = export_material(material, formats, what);
-  const std::vector<fs::path> places = places_of(exported, options.output);
+  const std::vector<fs::path> places =
+      places_of(exported, options.output, file_stem(material.name));
   std::vector<NamedFile> named = {{"the material", options.material},
                                   {"--mesh", options.mesh},
                                   {"--json", options.common.json}};
@@ -182,9 +202,10 @@ void add_export_command(CLI::App& app) {
       .delimiter(',')
       .required();
   command
-      .add_option("-o,--output", options->output,
-                  "the file, or a folder for several; otherwise this folder, and files are called "
-                  "as the material")
+      .add_option(
+          "-o,--output", options->output,
+          "the file, with others of the format beside it, or a folder; otherwise this folder, "
+          "and files are called as the material")
       .type_name("PATH");
   add_bands_option(command, options->bands);
   command

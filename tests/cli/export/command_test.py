@@ -20,6 +20,15 @@ class Command(Folder):
         self.assertEqual(run("export", "jade", "--to", "mcml", "-o", file).returncode, 0)
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["own.mci"])
 
+    def test_a_file_of_several_goes_to_the_path_given_and_the_others_beside_it(self):
+        for args, expected in ((("blender", "a.py"), ["a.py", "a_blender.json"]),
+                               (("arnold", "b.ass"), ["b.ass", "b_arnold.json"]),
+                               (("mcx", "c.json"), ["c_B.mcx.json", "c_G.mcx.json", "c_R.mcx.json", "c_pyxopto.py"]),
+                               (("blender", "d"), ["d"])):
+            before = set(self.folder.iterdir())
+            self.assertEqual(run("export", "jade", "--to", args[0], "-o", self.folder / args[1]).returncode, 0)
+            self.assertEqual(sorted(p.name for p in set(self.folder.iterdir()) - before), expected)
+
     def test_wrong_use_is_one_line(self):
         clear = self.folder / "clear.json"
         clear.write_text(json.dumps(CLEAR))
