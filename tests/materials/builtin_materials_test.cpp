@@ -211,7 +211,7 @@ TEST(BuiltinMaterials, WarmParchmentIsThePapersInGreen) {
 // Optical densities of light amber honey at 560 nm in 31.5 mm begin at 0.595 and end at 1.389;
 // those of caramel fall by 0.35 to 0.75 decades in 100 nm.
 TEST(BuiltinMaterials, HoneyIsLightAmber) {
-  const MaterialLayer& honey = find_material("honey").layers[0];  // 540 nm, 575 nm
+  const MaterialLayer honey = find_material("honey").layers[0];  // 540 nm, 575 nm
   const double decades = std::log10(honey.sigma_a[4] / honey.sigma_a[5]);
   const double at_560 = honey.sigma_a[4] * std::pow(10.0, -decades * 20.0 / 35.0);
   const double density = at_560 * 31.5 / std::numbers::ln10;
