@@ -306,7 +306,7 @@ def save_image(
         raise InvalidInput(f"path: must end in .exr or .png, but is {shown(name)}")
     pixels = real_array("image", image)
     names = name_list("channels", channels)
-    numbers = pixels.astype(np.float32, copy=False)
+    numbers = np.require(pixels, np.float32, "C")
     space = one_of("color_space", color_space, COLOR_SPACES)
     if name.endswith(".exr"):
         _lamina.save_exr(numbers, names, name, {}, space)
