@@ -187,5 +187,7 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
     for image, message in ((np.zeros((2, 2)), "axes"), (np.array([["a"]]), "numbers"), (ragged, "numbers")):
         with pytest.raises(lamina.InvalidInput, match=message):
             lamina.save_image(tmp_path / "x.exr", image)
+    with pytest.raises(MemoryError):  # and not TypeError
+        lamina.save_image(tmp_path / "x.exr", np.broadcast_to(np.float32(0.1), (10**9, 10**9)))
     with pytest.raises(lamina.InvalidInput, match="must be a path or a dict, but is int"):
         lamina.render(3)  # type: ignore[arg-type]
