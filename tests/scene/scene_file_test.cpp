@@ -199,10 +199,28 @@ TEST(SceneFile, OpacityIsTheAlphaOfAnImageThatHasIt) {
                R"({"diffuse": {"map": "hair.png", "encoding": "linear"},
                    "opacity": {"map": "hair.png"}})");
   const Scene scene = load_text(text, "alpha");
-  // Black as a color and as quantities, but there where its alpha is.
-  ASSERT_EQ(scene.images.size(), 3U);
+  ASSERT_EQ(scene.images.size(), 2U);  // black as a color, but there where its alpha is
   EXPECT_EQ(scene.images[0].channel_count(), 4U);
-  EXPECT_EQ(scene.images[2].pixels, (std::vector<float>{0.0F, 1.0F}));
+  EXPECT_EQ(scene.images[1].pixels, (std::vector<float>{0.0F, 1.0F}));
+}
+
+TEST(SceneFile, AnExrOfOtherPrimariesIsAnotherImageAsAColorThanAsQuantities) {
+  const fs::path folder = fs::path(testing::TempDir()) / "scene_primaries";
+  fs::create_directories(folder);
+  Image dye = make_image(1, 1, {"R", "G", "B"});
+  dye.pixels = {0.5F, 0.25F, 0.125F};
+  for (const auto& [space, count] :
+       {std::pair{RgbSpace::rec709, 1U}, std::pair{RgbSpace::acescg, 2U}}) {
+    save_exr(dye, folder / "dye.exr", ExrPrecision::single_float, {}, space);
+    std::string text = scene_text("1", R"({"shape": "rectangle", "material": "wall"})", "");
+    const std::string matte = R"({"diffuse": 0.5})";
+    text.replace(text.find(matte), matte.size(),
+                 R"({"diffuse": {"map": "dye.exr", "encoding": "linear"},
+                     "opacity": {"map": "dye.exr", "encoding": "linear"}})");
+    const Scene scene = load_text(text, "primaries");
+    ASSERT_EQ(scene.images.size(), count);
+    EXPECT_NEAR(scene.images[0].pixels[2], 0.5F, 1e-6F);  // R, the last in order of the alphabet
+  }
 }
 
 TEST(SceneFile, ANumberTakesTheChannelOfAnImageThatIsNamed) {

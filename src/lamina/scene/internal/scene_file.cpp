@@ -87,6 +87,7 @@ std::size_t Images::load(const JsonInput& file, const std::filesystem::path& pat
                          ColorEncoding encoding) {
   const auto found = index_of_.find({path, encoding});
   if (found != index_of_.end()) return found->second;
+  const MemoryBudget before = file.memory();
   Image image = load_for(file, [&] {
     Image loaded = load_any_image(path, encoding, file.memory());
     lamina::take_memory(file.memory(), bytes_of_smaller_copies(loaded),
@@ -94,6 +95,16 @@ std::size_t Images::load(const JsonInput& file, const std::filesystem::path& pat
     require_finite(loaded, path);
     return loaded;
   });
+  // Colors and quantities differ only in an EXR of other primaries than Rec.709.
+  if (encoding != ColorEncoding::srgb) {
+    const auto other =
+        index_of_.find({path, encoding == ColorEncoding::linear ? ColorEncoding::linear_colors
+                                                                : ColorEncoding::linear});
+    if (other != index_of_.end() && images_[other->second].pixels == image.pixels) {
+      file.memory() = before;
+      return index_of_[{path, encoding}] = other->second;
+    }
+  }
   return index_of_[{path, encoding}] = add(std::move(image));
 }
 

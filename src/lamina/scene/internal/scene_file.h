@@ -34,7 +34,7 @@ auto load_for(const JsonInput& value, const Load& load) {
   }
 }
 
-/// The images of a scene, each file once.
+/// The images of a scene, each file once for each meaning of its numbers.
 class Images {
  public:
   /// The index of an image, which is loaded if it is new. All its numbers are finite.
