@@ -72,20 +72,28 @@ std::vector<const ExportFormat*> chosen_formats(const std::vector<std::string>& 
 }
 
 /// Where files of one format go if -o names one of them, as does skin.py: that one there, the
-/// others beside it, called after it. Empty if it names none, but a folder.
+/// others beside it, called after it. If it ends as lamina would have it, in "_blender.py", they
+/// are called after what is before that. Empty if it names none, but a folder.
 std::vector<fs::path> places_beside(const std::vector<ExportedFile>& files, const fs::path& output,
                                     const std::string& stem) {
+  const std::string name = output.filename().string();
+  const auto ending_of = [&](const ExportedFile& file) { return file.name.substr(stem.size()); };
   const auto is_of_its_kind = [&](const ExportedFile& file) {
     return fs::path(file.name).extension() == output.extension();
   };
+  const auto named = std::ranges::find_if(files, [&](const ExportedFile& file) {
+    return name.ends_with(ending_of(file)) && name != ending_of(file);
+  });
   const auto of_its_kind = std::ranges::count_if(files, is_of_its_kind);
   std::vector<fs::path> places;
-  if (of_its_kind == 0 || output.stem().empty()) return places;
-  for (const ExportedFile& file : files)
-    places.push_back(of_its_kind == 1 && is_of_its_kind(file)
-                         ? output
-                         : output.parent_path() /
-                               (output.stem().string() + file.name.substr(stem.size())));
+  if (of_its_kind == 0) return places;
+  const std::string beside = named != files.end()
+                                 ? name.substr(0, name.size() - ending_of(*named).size())
+                                 : output.stem().string();
+  for (const ExportedFile& file : files) {
+    const bool is_output = named == files.end() && of_its_kind == 1 && is_of_its_kind(file);
+    places.push_back(is_output ? output : output.parent_path() / (beside + ending_of(file)));
+  }
   return places;
 }
 

@@ -41,7 +41,7 @@ struct ExportInput {
 };
 
 struct ExportedFile {
-  std::string name;  ///< without a folder
+  std::string name;  ///< without a folder; begins with the stem of the input
   std::string bytes;
 };
 

@@ -22,6 +22,7 @@ class Command(Folder):
 
     def test_a_file_of_several_goes_to_the_path_given_and_the_others_beside_it(self):
         for args, expected in ((("blender", "a.py"), ["a.py", "a_blender.json"]),
+                               (("blender", "e_blender.py"), ["e_blender.json", "e_blender.py"]),
                                (("arnold", "b.ass"), ["b.ass", "b_arnold.json"]),
                                (("mcx", "c.json"), ["c_B.mcx.json", "c_G.mcx.json", "c_R.mcx.json", "c_pyxopto.py"]),
                                (("blender", "d"), ["d"])):
