@@ -151,6 +151,7 @@ def test_an_array_may_stand_for_a_texture() -> None:
     ({"faces": np.array([[0, 1, 9]])}, "faces: must be in [0, 3], but one is 9"),
     ({"faces": np.array([[0.0, 1, 2]])}, "faces: must be whole numbers"),
     ({"faces": np.array([0, 1, 2])}, "with the shape (3,)"),
+    ({"faces": [[0, 1, 2], [0, 1]]}, "faces: must be numbers"),
     ({"vertices": np.zeros((4, 2))}, "vertices: must have the shape (n, 3)"),
     ({"vertices": np.full((4, 3), np.nan)}, "vertices[0, 0]: must be in"),
     ({"uvs": np.zeros((3, 2))}, "uvs: must be as many as vertices, 4, but are 3"),
