@@ -30,7 +30,8 @@ std::array<float, 3> first_of_inverse(const std::array<float, 6>& m) {
 }  // namespace
 
 PointGrid::PointGrid(std::span<const Place> places, float reach)
-    : places_(places.size()), reach_(reach), point_(places.size()) {
+    : reach_(reach), point_(places.size()) {
+  for (auto& row : places_) row.resize(places.size() + surface_detail::padding_of_rows);
   first_.assign(std::bit_ceil(places.size() / 4 + 8) + 1, 0);
   std::vector<std::size_t> slots;
   slots.reserve(places.size());
@@ -44,7 +45,9 @@ PointGrid::PointGrid(std::span<const Place> places, float reach)
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const std::uint32_t k = next[slots[i]]++;
-    places_[k] = places[i];
+    const auto& [at, normal] = places[i];
+    const std::array<float, 6> numbers = {at.x, at.y, at.z, normal.x, normal.y, normal.z};
+    for (std::size_t row = 0; row < numbers.size(); ++row) places_[row][k] = numbers[row];
     point_[k] = static_cast<std::uint32_t>(i);
   }
 }
@@ -54,28 +57,34 @@ std::size_t PointGrid::slot(std::int32_t x, std::int32_t y, std::int32_t z) cons
 }
 
 PointGrid::Near PointGrid::near(const Vec3f& position, const Vec3f& normal) const {
-  Near found;
-  const float width = width_of_reach * reach_, reach2 = reach_ * reach_;
   // The ball around the position meets the cells of its box's corners, and no others.
+  const float width = width_of_reach * reach_;
+  std::array<std::array<std::int32_t, 3>, 2> cells;
+  for (const std::size_t side : {0U, 1U}) {
+    const float there = side == 0 ? -reach_ : reach_;
+    cells[side] = {cell_of(position.x + there, width), cell_of(position.y + there, width),
+                   cell_of(position.z + there, width)};
+  }
   std::array<std::size_t, 8> seen;
+  std::array<surface_detail::PlaceRange, 8> ranges;
+  std::size_t range_count = 0;
   auto seen_end = seen.begin();
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto cell = [&](float x, int bit) {
-      return cell_of(x + ((corner >> bit) & 1 ? reach_ : -reach_), width);
-    };
-    const std::size_t s = slot(cell(position.x, 0), cell(position.y, 1), cell(position.z, 2));
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::size_t s =
+        slot(cells[corner & 1][0], cells[corner >> 1 & 1][1], cells[corner >> 2][2]);
     if (std::find(seen.begin(), seen_end, s) != seen_end) continue;
     *seen_end++ = s;
-    for (std::uint32_t k = first_[s]; k < first_[s + 1] && found.count < capacity; ++k) {
-      const Place& p = places_[k];
-      const Vec3f offset = p.position - position;
-      if (!(dot(offset, offset) < reach2)) continue;
-      const float facing = dot(p.normal, normal);
-      if (!(facing > least_agreement)) continue;
-      found.point[found.count] = point_[k];
-      found.offset[found.count] = offset;
-      found.facing[found.count++] = facing;
-    }
+    ranges[range_count++] = {first_[s], first_[s + 1]};
+  }
+  Near found;
+  found.count =
+      surface_detail::find_near_places(places_, std::span(ranges).first(range_count), position,
+                                       normal, reach_, least_agreement, found.point);
+  for (std::size_t i = 0; i < found.count; ++i) {
+    const std::uint32_t k = found.point[i];
+    found.point[i] = point_[k];
+    found.offset[i] = Vec3f{places_[0][k], places_[1][k], places_[2][k]} - position;
+    found.facing[i] = dot(Vec3f{places_[3][k], places_[4][k], places_[5][k]}, normal);
   }
   return found;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
+#include "lamina/surface/internal/near_places.h"
 
 namespace lamina {
 
@@ -46,7 +47,7 @@ class PointGrid {
  private:
   [[nodiscard]] std::size_t slot(std::int32_t x, std::int32_t y, std::int32_t z) const;
 
-  std::vector<Place> places_;  ///< those of a slot side by side
+  surface_detail::PlaceRows places_;  ///< those of a slot side by side
   float reach_ = 1.0f;
   std::vector<std::uint32_t> first_;  ///< [slot], into places_, and the end
   std::vector<std::uint32_t> point_;  ///< [place], as the caller numbered them
