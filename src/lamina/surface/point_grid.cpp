@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lamina/core/hash.h"
+#include "lamina/surface/internal/near_places.h"
 
 namespace lamina {
 namespace {

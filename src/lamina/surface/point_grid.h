@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lamina/core/vec.h"
-#include "lamina/surface/internal/near_places.h"
 
 namespace lamina {
 
@@ -47,7 +46,7 @@ class PointGrid {
  private:
   [[nodiscard]] std::size_t slot(std::int32_t x, std::int32_t y, std::int32_t z) const;
 
-  surface_detail::PlaceRows places_;  ///< those of a slot side by side
+  std::array<std::vector<float>, 6> places_;  ///< rows of positions and normals, by slots
   float reach_ = 1.0f;
   std::vector<std::uint32_t> first_;  ///< [slot], into places_, and the end
   std::vector<std::uint32_t> point_;  ///< [place], as the caller numbered them
