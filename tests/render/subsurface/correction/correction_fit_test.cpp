@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <numeric>
 #include <vector>
 
@@ -140,6 +143,104 @@ TEST(FitCorrection, SmoothsNoiseAndSaysWhatIsLeft) {
   EXPECT_GT(error, 0.005);
   EXPECT_NEAR(fit.error_left / error, 1.0, 0.4);
   EXPECT_NEAR(fit.change, 0.3, 0.1);
+}
+
+/// RMS error of the fitted ratio along the normal at places, over its mean.
+double error_of(const CorrectionFit<4>& fit, const std::vector<PlaceGraph::Place>& places,
+                std::size_t count, const std::function<float(const Vec3f&)>& truth) {
+  double squares = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const DirectionTerms terms = direction_terms_of({0, 0, 1}, {0, 0, 1}, 1.4f);
+    const float expected = truth(places[i].at.position);
+    const float found = (evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms))[0];
+    squares += std::pow(static_cast<double>(found - expected), 2);
+    sum += static_cast<double>(expected);
+  }
+  const auto n = static_cast<double>(count);
+  return std::sqrt(squares / n) / (sum / n);
+}
+
+/// Samples of a ratio to even light, with a noise of the walks, as many as are asked for at a
+/// place.
+std::vector<std::vector<WalkedSample<4>>> samples_of(
+    const std::vector<PlaceGraph::Place>& places, const std::function<float(const Vec3f&)>& truth,
+    float noise, const std::function<int(std::size_t)>& count, std::uint64_t seed = 11) {
+  std::vector<std::vector<WalkedSample<4>>> samples(places.size());
+  Random random(seed);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const int n = count(i);
+    for (int s = 0; s < n; ++s) {
+      const DirectionTerms terms = direction_terms_of(random_direction(random), {0, 0, 1}, 1.4f);
+      const auto planar = BandValues<4>::filled(1.0f / static_cast<float>(n));
+      const float chance = 1.0f + noise * (2.0f * random.uniform_float() - 1.0f);
+      samples[i].push_back({terms, truth(places[i].at.position) * chance * planar, planar});
+    }
+  }
+  return samples;
+}
+
+/// A ridge about as wide as noisy fits are.
+float ridge(const Vec3f& at) {
+  const float x = (at.x - 20.0f) / 6.0f;
+  return 1.0f + std::exp(-x * x);
+}
+
+// A single fit as wide as this noise asks for leaves 97.1 % of the top, in the mean of five.
+TEST(FitCorrection, FlattensLittleWhereTheRatioBends) {
+  const auto places = lattice_of_places(40);
+  const std::vector<float> areas(places.size(), 1.0f);
+  const DirectionTerms terms = direction_terms_of({0, 0, 1}, {0, 0, 1}, 1.4f);
+  double top = 0.0, count = 0.0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto samples = samples_of(
+        places, ridge, 1.0f, [](std::size_t) { return 8; }, seed);
+    const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Vec3f& at = places[i].at.position;
+      if (!(std::abs(at.x - 20.0f) < 1.5f)) continue;
+      top += static_cast<double>((evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms))[0] /
+                                 ridge(at));
+      ++count;
+    }
+  }
+  EXPECT_GT(top / count, 0.978);
+  EXPECT_LT(top / count, 1.01);
+}
+
+// Elsewhere lie bright places that nobody sees, of nothing but noise: the widest fit suits them.
+TEST(FitCorrection, IsAsWideAsSeenPlacesAskFor) {
+  auto places = lattice_of_places(40);
+  const std::size_t seen = places.size();
+  std::vector<float> areas(seen, 1.0f);
+  for (PlaceGraph::Place place : lattice_of_places(40)) {
+    place.at.position.x += 500.0f;
+    places.push_back(place);
+    areas.push_back(0.0f);
+  }
+  auto samples = samples_of(places, ridge, 0.2f, [](std::size_t) { return 8; });
+  Random random(3);
+  for (std::size_t i = seen; i < places.size(); ++i)
+    for (auto& sample : samples[i]) {
+      sample.planar *= 100.0f;
+      sample.walked = (random.uniform_float() < 0.25f ? 4.0f : 0.0f) * sample.planar;
+    }
+  const PlaceGraph graph(places);
+  const double error = error_of(fit_correction<4>(graph, areas, samples, 4), places, seen, ridge);
+  EXPECT_LT(error, 0.05);
+  areas.assign(places.size(), 1.0f);
+  EXPECT_GT(error_of(fit_correction<4>(graph, areas, samples, 4), places, seen, ridge),
+            1.5 * error);
+}
+
+// Places of many samples and of few, all of the same light.
+TEST(FitCorrection, TakesAnyNumberOfSamplesAtAPlace) {
+  const auto places = lattice_of_places(20);
+  const std::vector<float> areas(places.size(), 1.0f);
+  const auto slope = [](const Vec3f& at) { return 1.0f + 0.02f * at.x; };
+  const auto samples =
+      samples_of(places, slope, 0.0f, [](std::size_t i) { return i % 3 == 0 ? 2 : 24; });
+  const auto fit = fit_correction<4>(PlaceGraph(places), areas, samples, 4);
+  EXPECT_LT(error_of(fit, places, places.size(), slope), 0.02);
 }
 
 }  // namespace

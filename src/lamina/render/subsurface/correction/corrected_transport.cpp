@@ -5,13 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
-#include <span>
 #include <utility>
 
-#include "lamina/core/parallel_chunks.h"
-#include "lamina/core/vec_precision.h"
-#include "lamina/render/geometry/hemisphere.h"
-#include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
+#include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/surface_cells.h"
@@ -20,12 +16,15 @@
 namespace lamina {
 namespace {
 
-/// Estimates of the light that leaves at a place, each at a point of its own; walks of an estimate.
-constexpr int samples_of_place = 16, walks_of_sample = 4;
+/// Estimates of the light that leaves at a place, in the mean: of a first look at their noise, then
+/// where that is as usual or less, and by that much more where it is more, but up to so many times.
+constexpr double first_samples = 8.0, samples_of_place = 16.0, most_effort = 4.0;
+constexpr double usual_noise = 0.5;
+constexpr int walks_of_sample = 4;
 /// Of places where the surface is seen.
-constexpr double most_places = 12000.0, least_places = 1000.0;
+constexpr double most_places = 12000.0, least_places = 2000.0;
 /// Estimates to a pixel are of use.
-constexpr double samples_of_pixel = 4.0;
+constexpr double samples_of_pixel = 8.0;
 /// Of the mean light of the planar method, at least as much as its light counts.
 constexpr float least_of_mean = 0.01f;
 // Measured on one core of a Zen 4 [CPU s].
@@ -52,18 +51,6 @@ BandValues<N> effect_of_roughness(const Material& material) {
         static_cast<float>(reflectance_of_entered(layer_stack(material, b)) /
                            reflectance_of_entered(layer_stack(smooth, b)));
   return effect;
-}
-
-/// The point that a number in [0, 1) stands for, by area.
-SurfacePoint point_on(const std::vector<Mesh>& meshes, std::span<const SurfaceElement> elements,
-                      float area, float u, float footprint) {
-  std::size_t at = 0;
-  for (float left = u * area; at + 1 < elements.size() && !(left < elements[at].area); ++at)
-    left -= elements[at].area;
-  const SurfaceElement& e = elements[at];
-  return make_surface_point(
-      meshes, {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle},
-      footprint);
 }
 
 }  // namespace
@@ -161,89 +148,30 @@ void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport&
 
 template <int N>
 std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
-  const Scene& scene = *scene_.scene;
-  const SpacingField field = field_of_places(with);
-  const auto levels = make_surface_cells(scene.meshes, material_, field, scene.render.seed);
-  struct Cell {
-    const SurfaceCells* surface;
-    const SurfaceCell* cell;
-    float spacing;
-  };
-  std::vector<Cell> cells;
-  std::vector<PlaceGraph::Place> places;
-  std::vector<float> areas;
-  const ZonesByCreases zones(scene.meshes, material_, field.spacing(0));
-  for (std::size_t level = 0; level < levels.size(); ++level)
-    for (const SurfaceCell& cell : levels[level].cells) {
-      const float spacing_there = field.spacing(static_cast<int>(level));
-      cells.push_back({&levels[level], &cell, spacing_there});
-      places.push_back({{cell.position, cell.normal}, spacing_there, zones.at(cell.position)});
-      areas.push_back(level == 0 ? cell.area : 0.0f);
-    }
-
-  std::vector<std::vector<WalkedSample<N>>> samples(cells.size());
-  std::vector<std::vector<float>> leaving(cells.size());
-  const Vec3f eye = to_float(scene.camera.position);
+  const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, of_roughness_, ior_, bands_};
   const bool has_eye = !with.cache.is_wanted();
-  constexpr std::size_t chunk = 16;
-  const auto walk_at = [&](std::size_t i) {
-    const auto& [surface, cell, spacing_there] = cells[i];
-    const float share = cell->area / static_cast<float>(samples_of_place);
-    for (int s = 0; s < samples_of_place; ++s) {
-      PixelSamples random(scene.render.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(i),
-                          static_cast<std::uint32_t>(s));
-      const SurfacePoint point =
-          point_on(scene.meshes, surface->elements_of(*cell), cell->area, random.next_1d(),
-                   spacing_there / static_cast<float>(samples_of_place));
-      Vec3f direction =
-          make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
-      // Halves of the samples, by turns, are fitted to each other: both must look the same way.
-      const Vec3f to_eye = normalize(eye - point.position);
-      const bool is_to_eye = has_eye && s % 4 < 2 && dot(to_eye, point.smooth_normal) > 0.0f;
-      if (is_to_eye) direction = to_eye;
-      const float cosine = dot(direction, point.smooth_normal);
-      WalkedSample<N> sample{.terms = direction_terms_of(direction, point.smooth_normal, ior_)};
-      if (has_eye) sample.weight = is_to_eye ? cosine : 0.0f;  // the picture's mean
-      float of_exitance = 0.0f;
-      if (cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f) {
-        const SurfaceBoundary boundary = boundary_at(scene_, point);
-        const ExitPoint exit{point, boundary, cosine, direction};
-        of_exitance = share * exit_distribution(boundary, cosine);
-        sample.planar = share * planar_->leaving_radiance(exit, with.light, random);
-        sample.walked = share * (of_roughness_ * walk_->leaving_radiance(exit, with.light, random));
-      }
-      samples[i].push_back(sample);
-      leaving[i].push_back(of_exitance);
-    }
-  };
-  if (!parallel_chunks(cells.size(), chunk, walk_at, with.progress)) return std::nullopt;
+  SampledPlaces<N> places(scene_, material_, field_of_places(with), methods, with, has_eye);
+  if (!places.sample(first_samples)) return std::nullopt;
+  const double effort = std::clamp(places.noise() / usual_noise, 1.0, most_effort);
+  if (!places.sample(samples_of_place * effort)) return std::nullopt;
   walk_.reset();  // memory: nobody walks any more
 
-  double planar = 0.0, exitance = 0.0;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    for (std::size_t s = 0; s < samples[i].size(); ++s) {
-      for (int b = 0; b < bands_; ++b) planar += static_cast<double>(samples[i][s].planar[b]);
-      exitance += static_cast<double>(leaving[i][s]) * bands_;
-    }
   LightRatioCloud found{.material = material_,
                         .bands = static_cast<std::size_t>(bands_),
-                        .walks = cells.size() * samples_of_place * walks_of_sample};
-  if (!(planar > 0.0)) return found;  // no light, and nothing to correct
-  found.least_exitance = least_of_mean * static_cast<float>(planar / exitance);
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    for (std::size_t s = 0; s < samples[i].size(); ++s)
-      samples[i][s].planar += Bands::filled(found.least_exitance * leaving[i][s]);
-  const CorrectionFit<N> fit = fit_correction<N>(PlaceGraph(places), areas, samples, bands_);
+                        .walks = walks_of_sample * places.sample_count()};
+  found.least_exitance = places.raise_planar(least_of_mean);
+  if (!(found.least_exitance > 0.0f)) return found;  // no light, and nothing to correct
+  const CorrectionFit<N> fit =
+      fit_correction<N>(PlaceGraph(places.places()), places.areas(), places.take_samples(), bands_);
   found.change = fit.change;
   found.error_left = fit.error_left;
   const auto add_bands = [&](const auto& terms, std::vector<float>& to) {
     for (const Bands& term : terms) to.insert(to.end(), term.v, term.v + bands_);
   };
   add_bands(fit.shape, found.shape);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    found.places.push_back({places[i].at.position, places[i].at.normal, places[i].spacing});
-    add_bands(fit.ratios[i], found.ratios);
-  }
+  for (const auto& [at, spacing, zone] : places.places())
+    found.places.push_back({at.position, at.normal, spacing});
+  for (const DirectionalRatio<N>& ratio : fit.ratios) add_bands(ratio, found.ratios);
   return found;
 }
 

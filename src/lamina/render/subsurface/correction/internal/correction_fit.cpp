@@ -7,12 +7,17 @@
 #include <cstddef>
 #include <utility>
 
+#include "lamina/core/parallel_chunks.h"
+
 namespace lamina {
 namespace {
 
 /// Widths that are tried: 1, 2, 4 … steps of the graph.
 constexpr int widths = 9;
 constexpr int steps_of_width(int width) { return 1 << width; }
+
+/// Of these, the narrowest that are fitted twice as well.
+constexpr int widths_twice = 6;
 
 /// Steps by which what a half predicts is averaged.
 constexpr int steps_of_score = 24;
@@ -27,41 +32,55 @@ constexpr float most_over_ratio = 10.0f;
 /// Samples that the wider fit counts as in what a narrow one says of directions.
 constexpr double samples_of_prior = 1000.0;
 
+constexpr std::size_t places_of_chunk = 64;
+
 template <int N>
 using Ratios = std::vector<DirectionalRatio<N>>;
 
-/// The sums of samples around each place, as wide as a fit is.
+/// Parts of the samples: two halves, and all.
+constexpr std::size_t parts = 3, all_samples = 2;
+
+/// The sums of samples around each place, as wide as a fit is. Of a half as if it was all.
 template <int N>
 struct SpreadSums {
-  std::vector<PlanarSums<N>> planar;                 ///< of all samples
-  std::array<std::vector<WalkedSums<N>>, 2> walked;  ///< of each half
+  std::vector<PlanarSums<N>> planar;                     ///< of all samples
+  std::array<std::vector<WalkedSums<N>>, parts> walked;  ///< of each part
 
   void spread(const PlaceGraph& graph) {
     planar = graph.spread(planar);
-    for (auto& half : walked) half = graph.spread(half);
+    for (auto& of_part : walked) of_part = graph.spread(of_part);
   }
 };
 
-/// The fits to all samples and to each half.
+/// The fits to each part of the samples.
 template <int N>
-struct Fits {
-  Ratios<N> whole;
-  std::array<Ratios<N>, 2> half;
-};
+using Fits = std::array<Ratios<N>, parts>;
+
+/// Halves have half of the samples, so that a prior weighs twice as much.
+constexpr double pull_of_part(std::size_t part) { return part == all_samples ? 1.0 : 2.0; }
 
 template <int N>
-DirectionalRatio<N> difference(DirectionalRatio<N> a, const DirectionalRatio<N>& b) {
-  for (std::size_t k = 0; k < direction_terms; ++k) a[k] = a[k] - b[k];
+DirectionalRatio<N> sum(DirectionalRatio<N> a, const DirectionalRatio<N>& b, float factor = 1.0f) {
+  for (std::size_t k = 0; k < direction_terms; ++k) a[k] += factor * b[k];
   return a;
 }
 
 template <int N>
 using Samples = std::vector<std::vector<WalkedSample<N>>>;
 
-/// Samples without what single walks bring beyond many times the light around them, which is noise
-/// that no fit could tell from light. It is missed in their mean, to which the fit is scaled.
+/// The weighted light that walks find at each place.
 template <int N>
-Samples<N> without_outliers(const PlaceGraph& graph, Samples<N> samples) {
+std::vector<BandValues<N>> weighted_walked(const Samples<N>& samples) {
+  std::vector<BandValues<N>> light(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (const WalkedSample<N>& sample : samples[i]) light[i] += sample.weight * sample.walked;
+  return light;
+}
+
+/// Takes away what single walks bring beyond many times the light around them, which is noise that
+/// no fit could tell from light. It is missed in their mean, to which the fit is scaled.
+template <int N>
+void take_outliers_away(const PlaceGraph& graph, Samples<N>& samples) {
   std::vector<BandValues<N>> walked(samples.size()), planar(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)
     for (const WalkedSample<N>& sample : samples[i]) {
@@ -80,7 +99,6 @@ Samples<N> without_outliers(const PlaceGraph& graph, Samples<N> samples) {
       sample.walked = min(max(sample.walked, -1.0f * most), most);
     }
   }
-  return samples;
 }
 
 /// The shape that fits all samples best, by the same squares as fit_ratio.
@@ -108,16 +126,18 @@ AngularShape<N> fit_shape(const Samples<N>& samples, int bands) {
 }
 
 /// Scales a fit to the weighted mean of the samples, as far as that is known: by Stein's shrinkage.
+/// @param walked  weighted, of each place, outliers included
 template <int N>
-void keep_mean(const Samples<N>& samples, int bands, CorrectionFit<N>& fit) {
+void keep_mean(const Samples<N>& samples, std::span<const BandValues<N>> walked, int bands,
+               CorrectionFit<N>& fit) {
   BandValues<N> fitted, missing, squares;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    BandValues<N> missing_there;
-    for (const auto& [terms, walked, planar, weight] : samples[i]) {
-      const auto found = planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms);
-      fitted += weight * found;
-      missing_there += weight * (walked - found);
-    }
+    BandValues<N> fitted_there;
+    for (const auto& [terms, of_walk, planar, weight] : samples[i])
+      fitted_there +=
+          weight * (planar * evaluate(fit.shape, terms) * evaluate(fit.ratios[i], terms));
+    const BandValues<N> missing_there = walked[i] - fitted_there;
+    fitted += fitted_there;
     missing += missing_there;
     squares += missing_there * missing_there;
   }
@@ -143,33 +163,163 @@ void add_score_of_all(const std::vector<PlanarSums<N>>& planar, std::vector<Band
     score[i] += weight * (planar[i].of[0] / light) * all;
 }
 
+/// What a fit leaves of the samples is fitted at the same width and added: where the ratio bends, a
+/// fit alone flattens it, and both together do so much less. Source: [Tukey1977] ch. 16, "twicing".
+template <int N>
+Fits<N> fitted_twice(const PlaceGraph& graph, const SpreadSums<N>& at_places,
+                     const std::vector<PlanarSums<N>>& wide_planar, int steps, int bands,
+                     double pull, Fits<N> fits) {
+  for (std::size_t part = 0; part < parts; ++part) {
+    Ratios<N>& fit = fits[part];
+    std::vector<WalkedSums<N>> left = at_places.walked[part];
+    parallel_chunks(left.size(), places_of_chunk,
+                    [&](std::size_t i) { left[i] += -1.0f * at_places.planar[i].product(fit[i]); });
+    for (int step = 0; step < steps; ++step) left = graph.spread(left);
+    parallel_chunks(left.size(), places_of_chunk, [&](std::size_t i) {
+      fit[i] = sum(fit[i], fit_ratio(wide_planar[i], left[i], bands, pull_of_part(part) * pull,
+                                     DirectionalRatio<N>{}));
+    });
+  }
+  return fits;
+}
+
+/// Of several fits the best at each place: that of which either half predicts best what the other
+/// found, where places are seen.
+template <int N>
+class BestFits {
+ public:
+  /// @param planar  of each half at each place
+  BestFits(const PlaceGraph& graph, std::span<const float> areas,
+           const std::array<std::vector<PlanarSums<N>>, 2>& planar, const SpreadSums<N>& at_places,
+           int bands)
+      : graph_(graph), areas_(areas), planar_(planar), at_places_(at_places), bands_(bands) {
+    for (const PlanarSums<N>& sums : at_places.planar) all_light_ += sums.of[0];
+  }
+
+  void consider(const Fits<N>& fits) {
+    std::vector<BandValues<N>> scores(areas_.size());
+    parallel_chunks(scores.size(), places_of_chunk, [&](std::size_t i) {
+      if (!(areas_[i] > 0.0f)) return;
+      // The squares that each half leaves of the other, less those that no fit changes.
+      for (std::size_t h = 0; h < 2; ++h) {
+        const DirectionalRatio<N>& ratio = fits[h][i];
+        scores[i] +=
+            planar_[1 - h][i].product(ratio, ratio) - at_places_.walked[1 - h][i].product(ratio);
+      }
+    });
+    add_score_of_all(at_places_.planar, scores);
+    for (int step = 0; step < steps_of_score; ++step) scores = graph_.spread(scores);
+    const bool is_first = best_score_.empty();
+    if (is_first) {
+      best_ = fits;
+      best_score_.resize(scores.size());
+    }
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      // One width for all bands, so that noise has no color; each counts by its light.
+      const BandValues<N> over_light = scores[i] / all_light_;
+      float score = 0.0f;
+      for (int b = 0; b < bands_; ++b) score += over_light[b];
+      if (!is_first && !(score < best_score_[i])) continue;
+      best_score_[i] = score;
+      for (std::size_t part = 0; part < parts; ++part) best_[part][i] = fits[part][i];
+    }
+  }
+  [[nodiscard]] Fits<N> take() { return std::move(best_); }
+
+ private:
+  const PlaceGraph& graph_;
+  std::span<const float> areas_;
+  const std::array<std::vector<PlanarSums<N>>, 2>& planar_;
+  const SpreadSums<N>& at_places_;
+  int bands_;
+  BandValues<N> all_light_ = BandValues<N>::filled(1e-30f);
+  Fits<N> best_;
+  std::vector<float> best_score_;
+};
+
+/// The fits to all of the surface as one.
+template <int N>
+Fits<N> fits_of_all(const SpreadSums<N>& at_places, int bands) {
+  const std::size_t places = at_places.planar.size();
+  PlanarSums<N> planar;
+  for (const PlanarSums<N>& sums : at_places.planar) planar += sums;
+  Fits<N> fits;
+  for (std::size_t part = 0; part < parts; ++part) {
+    WalkedSums<N> walked;
+    for (const WalkedSums<N>& sums : at_places.walked[part]) walked += sums;
+    fits[part].assign(places, fit_ratio(planar, walked, bands, 0.0, DirectionalRatio<N>{}));
+  }
+  return fits;
+}
+
+/// Changes by a fit, and what it leaves wrong.
+template <int N>
+void measure(std::span<const float> areas, const std::array<std::vector<PlanarSums<N>>, 2>& planar,
+             const SpreadSums<N>& at_places, std::span<const BandValues<N>> flat,
+             const Fits<N>& chosen, const Fits<N>& narrowest, int bands, CorrectionFit<N>& fit) {
+  // What each half leaves of the other is its error, noise included, less the squares of the truth.
+  // These follow from the narrowest fits: little is smoothed away, and what is wrong in one half is
+  // not in the other.
+  DirectionalRatio<N> one{};
+  one[0] = BandValues<N>::filled(1.0f);
+  double area = 0.0, light = 0.0, changed = 0.0, left = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (!(areas[i] > 0.0f)) continue;
+    const PlanarSums<N>& both = at_places.planar[i];
+    const WalkedSums<N>&first = at_places.walked[0][i], &second = at_places.walked[1][i];
+    const DirectionalRatio<N>&a = chosen[0][i], &b = chosen[1][i];
+    const DirectionalRatio<N>&u = narrowest[0][i], &v = narrowest[1][i];
+    const auto truth = second.product(u) + first.product(v) - both.product(u, v);
+    const auto of_halves = planar[1][i].product(a, a) - second.product(a) +
+                           planar[0][i].product(b, b) - first.product(b) + truth;
+    const auto apart = sum(a, b, -1.0f);
+    const auto of_noise = both.product(apart, apart);
+    const auto corrected = both.product(one, chosen[all_samples][i]);
+    for (int band = 0; band < bands; ++band) {
+      changed += std::pow(static_cast<double>(corrected[band] - flat[i][band]), 2) /
+                 static_cast<double>(areas[i]);
+      // Squares over the planar light, times it.
+      const double scale = static_cast<double>(both.of[0][band] / areas[i]);
+      noise += scale * 0.25 * static_cast<double>(of_noise[band]);  // of the mean of both halves
+      left += scale * static_cast<double>(of_halves[band]);
+      light += static_cast<double>(at_places.walked[all_samples][i].of[0][band]);
+      area += static_cast<double>(areas[i]);
+    }
+  }
+  if (!(light > 0.0)) return;
+  fit.change = std::sqrt(changed * area) / light;
+  fit.error_left = std::sqrt(std::max(left - noise, noise) * area) / light;
+}
+
 }  // namespace
 
 template <int N>
 CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> areas,
-                                const std::vector<std::vector<WalkedSample<N>>>& all_samples,
-                                int bands) {
+                                std::vector<std::vector<WalkedSample<N>>> samples, int bands) {
   using Bands = BandValues<N>;
-  const std::size_t places = all_samples.size();
+  const std::size_t places = samples.size();
   if (places == 0) return {};
-  const Samples<N> samples = without_outliers<N>(graph, all_samples);
+  const std::vector<Bands> of_picture = weighted_walked(samples);
+  take_outliers_away(graph, samples);
   CorrectionFit<N> fit{.shape = fit_shape(samples, bands)};
   std::array<std::vector<PlanarSums<N>>, 2> planar;  // of the halves at each place
-  SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places)};
-  for (std::size_t h = 0; h < 2; ++h) {
-    planar[h].resize(places);
-    at_places.walked[h].resize(places);
-  }
+  for (auto& of_half : planar) of_half.resize(places);
+  SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places), .walked = {}};
+  for (auto& of_part : at_places.walked) of_part.resize(places);
   std::vector<Bands> flat(places);
+  double samples_each = 0.0;
   for (std::size_t i = 0; i < places; ++i) {
     for (std::size_t s = 0; s < samples[i].size(); ++s) {
       const auto& [terms, of_walk, planar_alone, weight] = samples[i][s];
-      const Bands of_planar = evaluate(fit.shape, terms) * planar_alone;
       flat[i] += planar_alone;
-      planar[s % 2][i].add(terms, of_planar);
-      at_places.walked[s % 2][i].add(terms, of_walk);
+      planar[s % 2][i].add(terms, evaluate(fit.shape, terms) * planar_alone);
+      at_places.walked[s % 2][i].add(terms, 2.0f * of_walk);
     }
-    for (std::size_t h = 0; h < 2; ++h) at_places.planar[i] += planar[h][i];
+    for (std::size_t h = 0; h < 2; ++h) {
+      at_places.planar[i] += planar[h][i];
+      at_places.walked[all_samples][i] += 0.5f * at_places.walked[h][i];
+    }
+    samples_each += static_cast<double>(samples[i].size()) / static_cast<double>(places);
   }
   std::vector<SpreadSums<N>> sums = {at_places};
   for (int width = 0, steps = 0; width < widths; ++width) {
@@ -179,105 +329,32 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
 
   // From the widest, which is all of the surface, to the narrowest. The halves' planar light is
   // taken as half of all.
-  PlanarSums<N> all_planar;
-  std::array<WalkedSums<N>, 2> all_walked{};
-  Bands all_light = Bands::filled(1e-30f);
-  for (std::size_t i = 0; i < places; ++i) {
-    all_planar += at_places.planar[i];
-    all_light += at_places.planar[i].of[0];
-    for (std::size_t h = 0; h < 2; ++h) all_walked[h] += at_places.walked[h][i];
-  }
-  const auto fit_both = [&](const PlanarSums<N>& under, const WalkedSums<N>& first,
-                            const WalkedSums<N>& second, double pull,
-                            const DirectionalRatio<N>& prior) {
-    WalkedSums<N> both = first;
-    both += second;
-    return fit_ratio(under, both, bands, pull, prior);
-  };
-  const DirectionalRatio<N> none{};
-  Fits<N> fits{
-      .whole = Ratios<N>(places, fit_both(all_planar, all_walked[0], all_walked[1], 0.0, none))};
-  for (std::size_t h = 0; h < 2; ++h)
-    fits.half[h].assign(places, fit_ratio(all_planar, 2.0f * all_walked[h], bands, 0.0, none));
-  Fits<N> chosen = fits;
-  std::vector<float> best_score(places);
-  for (int width = widths; width >= 0; --width) {
-    const bool is_of_all = width == widths;
-    std::vector<Bands> scores(places);
-    constexpr std::size_t chunk = 64;
-    parallel_chunks(places, chunk, [&](std::size_t i) {
-      if (!is_of_all) {
-        const SpreadSums<N>& wide = sums[static_cast<std::size_t>(width)];
-        const double pull = samples_of_prior / (static_cast<double>(samples.front().size()) *
-                                                PlaceGraph::places_reached(steps_of_width(width)));
-        fits.whole[i] =
-            fit_both(wide.planar[i], wide.walked[0][i], wide.walked[1][i], pull, fits.whole[i]);
-        for (std::size_t h = 0; h < 2; ++h)
-          fits.half[h][i] = fit_ratio(wide.planar[i], 2.0f * wide.walked[h][i], bands, 2.0 * pull,
-                                      fits.half[h][i]);
-      }
-      // The squares that each half leaves of the other, less those that no fit changes.
-      for (std::size_t h = 0; h < 2; ++h) {
-        const DirectionalRatio<N>& ratio = fits.half[h][i];
-        scores[i] += planar[1 - h][i].product(ratio, ratio) -
-                     2.0f * at_places.walked[1 - h][i].product(ratio);
-      }
+  BestFits<N> best(graph, areas, planar, at_places, bands);
+  Fits<N> fits = fits_of_all(at_places, bands);
+  best.consider(fits);
+  for (int width = widths - 1; width >= 0; --width) {
+    const SpreadSums<N>& wide = sums[static_cast<std::size_t>(width)];
+    const int steps = steps_of_width(width);
+    const double pull = samples_of_prior / (samples_each * PlaceGraph::places_reached(steps));
+    parallel_chunks(places, places_of_chunk, [&](std::size_t i) {
+      for (std::size_t part = 0; part < parts; ++part)
+        fits[part][i] = fit_ratio(wide.planar[i], wide.walked[part][i], bands,
+                                  pull_of_part(part) * pull, fits[part][i]);
     });
-    add_score_of_all(at_places.planar, scores);
-    for (int step = 0; step < steps_of_score; ++step) scores = graph.spread(scores);
-    for (std::size_t i = 0; i < places; ++i) {
-      // One width for all bands, so that noise has no color; each counts by its light.
-      const Bands over_light = scores[i] / all_light;
-      float score = 0.0f;
-      for (int b = 0; b < bands; ++b) score += over_light[b];
-      if (!is_of_all && !(score < best_score[i])) continue;
-      best_score[i] = score;
-      chosen.whole[i] = fits.whole[i];
-      for (std::size_t h = 0; h < 2; ++h) chosen.half[h][i] = fits.half[h][i];
-    }
+    best.consider(fits);
+    if (width < widths_twice)
+      best.consider(fitted_twice(graph, at_places, wide.planar, steps, bands, pull, fits));
   }
-
-  // What each half leaves of the other is its error, noise included, less the squares of the truth.
-  // These follow from the narrowest fits: little is smoothed away, and what is wrong in one half is
-  // not in the other.
-  DirectionalRatio<N> one{};
-  one[0] = Bands::filled(1.0f);
-  double area = 0.0, light = 0.0, changed = 0.0, left = 0.0, noise = 0.0;
-  for (std::size_t i = 0; i < places; ++i) {
-    if (!(areas[i] > 0.0f)) continue;
-    const PlanarSums<N>& both = at_places.planar[i];
-    const auto& [first, second] = at_places.walked;
-    const DirectionalRatio<N>&a = chosen.half[0][i], &b = chosen.half[1][i];
-    const DirectionalRatio<N>&u = fits.half[0][i], &v = fits.half[1][i];
-    const Bands truth = 2.0f * (second[i].product(u) + first[i].product(v)) - both.product(u, v);
-    const Bands of_halves = planar[1][i].product(a, a) - 2.0f * second[i].product(a) +
-                            planar[0][i].product(b, b) - 2.0f * first[i].product(b) + truth;
-    const auto apart = difference<N>(a, b);
-    const Bands of_noise = both.product(apart, apart);
-    const Bands corrected = both.product(one, chosen.whole[i]);
-    for (int band = 0; band < bands; ++band) {
-      changed += std::pow(static_cast<double>(corrected[band] - flat[i][band]), 2) /
-                 static_cast<double>(areas[i]);
-      // Squares over the planar light, times it.
-      const double scale = static_cast<double>(both.of[0][band] / areas[i]);
-      noise += scale * 0.25 * static_cast<double>(of_noise[band]);  // of the mean of both halves
-      left += scale * static_cast<double>(of_halves[band]);
-      light += static_cast<double>(first[i].of[0][band] + second[i].of[0][band]);
-      area += static_cast<double>(areas[i]);
-    }
-  }
-  if (light > 0.0) {
-    fit.change = std::sqrt(changed * area) / light;
-    fit.error_left = std::sqrt(std::max(left - noise, noise) * area) / light;
-  }
-  fit.ratios = std::move(chosen.whole);
-  keep_mean(all_samples, bands, fit);
+  Fits<N> chosen = best.take();
+  measure<N>(areas, planar, at_places, flat, chosen, fits, bands, fit);
+  fit.ratios = std::move(chosen[all_samples]);
+  keep_mean<N>(samples, of_picture, bands, fit);
   return fit;
 }
 
 #define LAMINA_INSTANTIATE(N)                                                         \
   template CorrectionFit<N> fit_correction(const PlaceGraph&, std::span<const float>, \
-                                           const std::vector<std::vector<WalkedSample<N>>>&, int)
+                                           std::vector<std::vector<WalkedSample<N>>>, int)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

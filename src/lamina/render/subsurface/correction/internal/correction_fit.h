@@ -28,19 +28,19 @@ struct CorrectionFit {
 
 /// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place as
 /// the samples there ask for: of widths that double the number of places, the one that
-/// predicts best, fitted to either half of the samples, what the other half found around there. A
+/// predicts best, fitted to either half of the samples, what the other half found around there.
+/// What narrow widths leave is fitted a second time, which flattens less where the ratio bends. A
 /// narrow fit is drawn to the wider one in how it depends on direction. The whole is scaled so that
 /// the weighted mean of the samples is met, as far as it is known; what single walks bring beyond
 /// ten times the light around them counts in that mean alone.
 ///
-/// @param areas    [place], that its samples stand for [mm²]; 0: not counted in `change` and
-///                 `error_left`
-/// @param samples  [place][sample], the same number at each place, even, >= 2; halves are every
-///                 other one
+/// @param areas    [place], that its samples stand for [mm²]; 0: not seen, so that it has no say in
+///                 which width is best, and is not counted in `change` and `error_left`
+/// @param samples  [place][sample], an even number at each place, >= 2; halves are every other one
 /// @param bands    of all lanes that count, >= 1
 template <int N>
-[[nodiscard]] CorrectionFit<N> fit_correction(
-    const PlaceGraph& graph, std::span<const float> areas,
-    const std::vector<std::vector<WalkedSample<N>>>& samples, int bands);
+[[nodiscard]] CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> areas,
+                                              std::vector<std::vector<WalkedSample<N>>> samples,
+                                              int bands);
 
 }  // namespace lamina

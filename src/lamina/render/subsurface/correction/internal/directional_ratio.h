@@ -52,6 +52,9 @@ template <int N>
   return max(shape[0] + terms[1] * (shape[1] + terms[1] * shape[2]), BandValues<N>{});
 }
 
+template <int N>
+struct WalkedSums;
+
 /// Sums over samples of light by a planar method, times two of those terms.
 template <int N>
 struct PlanarSums {
@@ -74,6 +77,8 @@ struct PlanarSums {
     }
     return total;
   }
+  /// P a: what walks would find if the ratio was a.
+  [[nodiscard]] WalkedSums<N> product(const DirectionalRatio<N>& a) const;
   PlanarSums& operator+=(const PlanarSums& other) {
     for (std::size_t k = 0; k < products; ++k) of[k] += other.of[k];
     return *this;
@@ -107,6 +112,20 @@ struct WalkedSums {
     return sums;
   }
 };
+
+template <int N>
+WalkedSums<N> PlanarSums<N>::product(const DirectionalRatio<N>& a) const {
+  WalkedSums<N> result;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < direction_terms; ++i) {
+    for (std::size_t j = 0; j < i; ++j, ++k) {
+      result.of[i] += of[k] * a[j];
+      result.of[j] += of[k] * a[i];
+    }
+    result.of[i] += of[k++] * a[i];
+  }
+  return result;
+}
 
 /// The ratio that fits best: the one with the least squares of (walked - planar * ratio) over
 /// planar, so that a constant one is that of the sums. Drawn to a prior in how it depends on

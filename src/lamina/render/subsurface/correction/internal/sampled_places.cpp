@@ -1,0 +1,213 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/correction/internal/sampled_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "lamina/core/parallel_chunks.h"
+#include "lamina/core/vec_precision.h"
+#include "lamina/render/geometry/hemisphere.h"
+#include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
+#include "lamina/surface/point_grid.h"
+
+namespace lamina {
+namespace {
+
+/// Samples of a place over their mean.
+constexpr double least_share = 1.0 / 3.0, most_share = 8.0 / 3.0;
+/// Footprint of a sample, by which maps are filtered, below the spacing.
+constexpr float samples_of_footprint = 16.0f;
+/// Spacings from a place that is seen to what is seen there.
+constexpr float reach_of_sight = 1.5f;
+constexpr std::size_t places_at_once = 16;
+
+/// The point that a number in [0, 1) stands for, by area.
+SurfacePoint point_on(const std::vector<Mesh>& meshes, std::span<const SurfaceElement> elements,
+                      float area, float u, float footprint) {
+  std::size_t at = 0;
+  for (float left = u * area; at + 1 < elements.size() && !(left < elements[at].area); ++at)
+    left -= elements[at].area;
+  const SurfaceElement& e = elements[at];
+  return make_surface_point(
+      meshes, {.distance = 0.0f, .u = e.u, .v = e.v, .mesh = e.mesh, .triangle = e.triangle},
+      footprint);
+}
+
+}  // namespace
+
+template <int N>
+SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material,
+                                const SpacingField& field, const Methods& methods,
+                                const Preparation<N>& with, bool has_eye)
+    : scene_(scene),
+      methods_(methods),
+      with_(with),
+      has_eye_(has_eye),
+      levels_(make_surface_cells(scene.scene->meshes, material, field, scene.scene->render.seed)) {
+  add_places(material, field);
+  samples_.resize(places_.size());
+  exitances_.resize(places_.size());
+}
+
+template <int N>
+void SampledPlaces<N>::add_places(std::uint32_t material, const SpacingField& field) {
+  const ZonesByCreases zones(scene_.scene->meshes, material, field.spacing(0));
+  std::vector<PointGrid::Place> seen;
+  for (const SurfacePoint& point : with_.seen.points[material])
+    seen.push_back({point.position, point.smooth_normal});
+  const PointGrid grid(seen, reach_of_sight * field.spacing(0));
+  for (std::size_t level = 0; level < levels_.size(); ++level)
+    for (const SurfaceCell& cell : levels_[level].cells) {
+      const bool is_seen = level == 0 && (!has_eye_ || seen.empty() ||
+                                          grid.near(cell.position, cell.normal).count > 0);
+      places_.push_back({{cell.position, cell.normal},
+                         field.spacing(static_cast<int>(level)),
+                         zones.at(cell.position)});
+      areas_.push_back(is_seen ? cell.area : 0.0f);
+      cells_.push_back(&cell);
+      surfaces_.push_back(&levels_[level]);
+    }
+}
+
+template <int N>
+float SampledPlaces<N>::planar_light(std::size_t place) const {
+  const SurfaceCell& cell = *cells_[place];
+  PixelSamples random(scene_.scene->render.seed, static_cast<std::uint32_t>(place), 0);
+  const SurfacePoint point = point_on(scene_.scene->meshes, surfaces_[place]->elements_of(cell),
+                                      cell.area, 0.5f, places_[place].spacing);
+  const BandValues<N> radiance = methods_.planar.leaving_radiance(
+      {point, boundary_at(scene_, point), 1.0f, point.smooth_normal}, with_.light, random);
+  float light = 0.0f;
+  for (int b = 0; b < methods_.bands; ++b) light += radiance[b];
+  return light;
+}
+
+template <int N>
+void SampledPlaces<N>::add_sample(std::size_t place) {
+  const std::size_t s = samples_[place].size();
+  const Scene& scene = *scene_.scene;
+  const SurfaceCell& cell = *cells_[place];
+  PixelSamples random(scene.render.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(place),
+                      static_cast<std::uint32_t>(s));
+  const SurfacePoint point =
+      point_on(scene.meshes, surfaces_[place]->elements_of(cell), cell.area, random.next_1d(),
+               places_[place].spacing / samples_of_footprint);
+  Vec3f direction =
+      make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
+  // Halves of the samples, by turns, are fitted to each other: both must look the same way.
+  const Vec3f to_eye = normalize(to_float(scene.camera.position) - point.position);
+  const bool is_to_eye = has_eye_ && s % 4 < 2 && dot(to_eye, point.smooth_normal) > 0.0f;
+  if (is_to_eye) direction = to_eye;
+  const float cosine = dot(direction, point.smooth_normal);
+  WalkedSample<N> sample{.terms = direction_terms_of(direction, point.smooth_normal, methods_.ior)};
+  float exitance = 0.0f;
+  if (has_eye_) sample.weight = is_to_eye ? cosine : 0.0f;  // the picture's mean
+  if (cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f) {
+    const SurfaceBoundary boundary = boundary_at(scene_, point);
+    const ExitPoint exit{point, boundary, cosine, direction};
+    exitance = cell.area * exit_distribution(boundary, cosine);
+    sample.planar = cell.area * methods_.planar.leaving_radiance(exit, with_.light, random);
+    sample.walked = cell.area * (methods_.walk_scale *
+                                 methods_.walk.leaving_radiance(exit, with_.light, random));
+  }
+  samples_[place].push_back(sample);
+  exitances_[place].push_back(exitance);
+}
+
+template <int N>
+bool SampledPlaces<N>::find_shares() {
+  shares_.resize(places_.size());
+  const auto see = [&](std::size_t i) {
+    if (areas_[i] > 0.0f)
+      shares_[i] = std::sqrt(std::max(static_cast<double>(planar_light(i)), 0.0));
+  };
+  if (!parallel_chunks(places_.size(), places_at_once, see, with_.progress)) return false;
+  double sum = 0.0;
+  for (const double root : shares_) sum += root;
+  const auto seen =
+      static_cast<double>(std::ranges::count_if(areas_, [](float a) { return a > 0.0f; }));
+  for (double& share : shares_)
+    share = std::clamp(sum > 0.0 ? share * seen / sum : 1.0, least_share, most_share);
+  return true;
+}
+
+template <int N>
+bool SampledPlaces<N>::sample(double mean) {
+  if (shares_.empty() && !find_shares()) return false;
+  const auto sample_place = [&](std::size_t i) {
+    // Two of four look at the eye.
+    const auto count = 4 * std::max(std::lround(mean / 4.0 * shares_[i]), 1L);
+    while (std::ssize(samples_[i]) < count) add_sample(i);
+  };
+  return parallel_chunks(places_.size(), places_at_once, sample_place, with_.progress);
+}
+
+template <int N>
+double SampledPlaces<N>::noise() const {
+  double sum = 0.0;
+  for (int b = 0; b < methods_.bands; ++b) {
+    double walked = 0.0, planar = 0.0, walked2 = 0.0, product = 0.0, planar2 = 0.0;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      if (!(areas_[i] > 0.0f)) continue;
+      const double scale = 1.0 / static_cast<double>(samples_[i].size());
+      for (const WalkedSample<N>& sample : samples_[i]) {
+        const auto w = static_cast<double>(sample.walked[b]);
+        const auto p = static_cast<double>(sample.planar[b]);
+        walked += scale * w;
+        planar += scale * p;
+        walked2 += scale * w * w;
+        product += scale * w * p;
+        planar2 += scale * p * p;
+      }
+    }
+    if (!(walked > 0.0 && planar > 0.0 && planar2 > 0.0)) continue;
+    const double ratio = walked / planar, fitted2 = ratio * ratio * planar2;
+    sum += std::max(walked2 - 2.0 * ratio * product + fitted2, 0.0) / fitted2;
+  }
+  return std::sqrt(sum / methods_.bands);
+}
+
+template <int N>
+float SampledPlaces<N>::raise_planar(float fraction) {
+  double planar = 0.0, exitance = 0.0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const double share = 1.0 / static_cast<double>(samples_[i].size());
+    for (const WalkedSample<N>& sample : samples_[i])
+      for (int b = 0; b < methods_.bands; ++b)
+        planar += share * static_cast<double>(sample.planar[b]);
+    for (const float e : exitances_[i]) exitance += share * methods_.bands * static_cast<double>(e);
+  }
+  if (!(planar > 0.0)) return 0.0f;
+  const float least = fraction * static_cast<float>(planar / exitance);
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    for (std::size_t s = 0; s < samples_[i].size(); ++s)
+      samples_[i][s].planar += BandValues<N>::filled(least * exitances_[i][s]);
+  return least;
+}
+
+template <int N>
+std::size_t SampledPlaces<N>::sample_count() const {
+  std::size_t count = 0;
+  for (const auto& of_place : samples_) count += of_place.size();
+  return count;
+}
+
+template <int N>
+std::vector<std::vector<WalkedSample<N>>> SampledPlaces<N>::take_samples() {
+  for (auto& of_place : samples_) {
+    const float share = 1.0f / static_cast<float>(of_place.size());
+    for (WalkedSample<N>& sample : of_place) {
+      sample.walked *= share;
+      sample.planar *= share;
+    }
+  }
+  return std::move(samples_);
+}
+
+template class SampledPlaces<4>;
+template class SampledPlaces<8>;
+template class SampledPlaces<16>;
+
+}  // namespace lamina

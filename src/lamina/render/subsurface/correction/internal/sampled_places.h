@@ -1,0 +1,80 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "lamina/render/subsurface/correction/internal/correction_fit.h"
+#include "lamina/render/subsurface/correction/internal/place_graph.h"
+#include "lamina/render/subsurface/preparation.h"
+#include "lamina/render/subsurface/spacing_field.h"
+#include "lamina/render/subsurface/subsurface_method.h"
+#include "lamina/render/subsurface/surface_cells.h"
+
+namespace lamina {
+
+/// Places all over the surface of a material, and samples of the light that leaves around them: by
+/// a method of walks and by a planar one.
+template <int N>
+class SampledPlaces {
+ public:
+  struct Methods {
+    const SubsurfaceMethod<N>&planar, &walk;
+    BandValues<N> walk_scale;  ///< of what the walks find
+    float ior;                 ///< inside over outside, mean of the bands
+    int bands;                 ///< that count
+  };
+
+  /// @param scene, methods, with  must outlive this
+  /// @param field    of the places
+  /// @param has_eye  whether half of the samples look at the camera
+  SampledPlaces(const RenderScene& scene, std::uint32_t material, const SpacingField& field,
+                const Methods& methods, const Preparation<N>& with, bool has_eye);
+
+  /// Samples until there are about so many at a place that is seen: fewer in the dark and more
+  /// where it is bright, as the root of the light. So what is wrong is nearly even over the
+  /// picture, and hardly more of the light in the dark. A third of them where nobody looks.
+  /// @param mean  >= 4
+  /// @return      false if progress asked to stop
+  [[nodiscard]] bool sample(double mean);
+
+  /// About what is by chance in a sample of walks over its light, where places are seen; root mean
+  /// square of the bands. 0 where there is no light.
+  [[nodiscard]] double noise() const;
+
+  /// Counts as light of the planar method at least `fraction` of its mean, evenly spread.
+  /// @return  the exitance that this is; 0 if there is no light
+  [[nodiscard]] float raise_planar(float fraction);
+
+  [[nodiscard]] const std::vector<PlaceGraph::Place>& places() const { return places_; }
+  /// Of each place [mm²]; 0 of one that is not seen.
+  [[nodiscard]] const std::vector<float>& areas() const { return areas_; }
+  [[nodiscard]] std::size_t sample_count() const;
+  /// [place], for fit_correction. Nothing is left here.
+  [[nodiscard]] std::vector<std::vector<WalkedSample<N>>> take_samples();
+
+ private:
+  void add_places(std::uint32_t material, const SpacingField& field);
+  /// As many samples over their mean as the root of the light that is seen there.
+  [[nodiscard]] bool find_shares();
+  /// Along the normal at the middle of a place by the planar method: sum of the bands.
+  [[nodiscard]] float planar_light(std::size_t place) const;
+  /// Adds one, as if it stood for all of the place.
+  void add_sample(std::size_t place);
+
+  const RenderScene& scene_;
+  const Methods& methods_;
+  const Preparation<N>& with_;
+  bool has_eye_;
+  std::vector<SurfaceCells> levels_;
+  std::vector<PlaceGraph::Place> places_;
+  std::vector<float> areas_;
+  std::vector<const SurfaceCell*> cells_;              ///< [place]
+  std::vector<const SurfaceCells*> surfaces_;          ///< [place]
+  std::vector<double> shares_;                         ///< [place], of samples over their mean
+  std::vector<std::vector<WalkedSample<N>>> samples_;  ///< [place]
+  std::vector<std::vector<float>> exitances_;  ///< that leaves as 1 of exitance: of each sample
+};
+
+}  // namespace lamina

@@ -1,0 +1,170 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/correction/internal/sampled_places.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "render/small_scenes.h"
+
+namespace lamina {
+namespace {
+
+/// Light that leaves by a formula of the place and a random number in [0, 1).
+class LightByFormula final : public SubsurfaceMethod<4> {
+ public:
+  using Formula = std::function<float(const Vec3f&, float)>;
+  explicit LightByFormula(Formula formula) : formula_(std::move(formula)) {}
+  [[nodiscard]] BandValues<4> leaving_radiance(const ExitPoint& exit, const LightGatherer<4>&,
+                                               PixelSamples& samples) const override {
+    return BandValues<4>::filled(formula_(exit.point.position, samples.next_1d()));
+  }
+  [[nodiscard]] BandValues<4> local_reflectance(const SurfacePoint&) const override { return {}; }
+
+ private:
+  Formula formula_;
+};
+
+class NoLight final : public LightGatherer<4> {
+ public:
+  [[nodiscard]] BandValues<4> entering_irradiance(const SurfacePoint&,
+                                                  PixelSamples&) const override {
+    return {};
+  }
+  [[nodiscard]] BandValues<4> shadow_transmittance(const Ray&, float) const override { return {}; }
+  [[nodiscard]] BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override {
+    return {};
+  }
+};
+
+/// A square of 20 mm, seen from above but for the part below x = -5 mm, and its places 1 mm apart.
+struct SampledSquare {
+  static constexpr float unseen_end = -5.0f;
+
+  explicit SampledSquare(const SubsurfaceMethod<4>& planar, const SubsurfaceMethod<4>& walk)
+      : methods{planar, walk, BandValues<4>::filled(1.0f), 1.3f, 3},
+        scene(make_scene()),
+        render_scene(scene),
+        camera(scene.camera, 8, 8),
+        cache(scene, options),
+        with{render_scene, light, camera, seen, cache, progress, report},
+        places(render_scene, 0, SpacingField(1.0f), methods, see(), true) {}
+
+  static Scene make_scene() {
+    Scene scene;
+    scene.camera = camera_above(60.0);
+    scene.materials = {
+        {.name = "skin", .surface = SubsurfaceSurface{.material = find_material("jensen_skin1")}}};
+    scene.meshes = {make_square(20.0f)};
+    return scene;
+  }
+  const Preparation<4>& see() {
+    seen.points.resize(1);
+    for (float y = -10.0f; y <= 10.0f; y += 0.5f)
+      for (float x = unseen_end; x <= 10.0f; x += 0.5f) {
+        SurfacePoint point{};
+        point.position = {x, y, 0.0f};
+        point.smooth_normal = {0.0f, 0.0f, 1.0f};
+        seen.points[0].push_back(point);
+      }
+    return with;
+  }
+
+  SampledPlaces<4>::Methods methods;
+  Scene scene;
+  RenderScene render_scene;
+  NoLight light;
+  CameraRays camera;
+  SeenSurface seen;
+  RenderOptions options;
+  LightCache cache;
+  Progress progress;
+  PreparationReport report;
+  Preparation<4> with;
+  SampledPlaces<4> places;
+};
+
+// Four times as bright on the right: twice as many samples there, and few of what is not seen. With
+// the area of the places they count as the same light as even ones.
+TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
+  const auto brightness = [](const Vec3f& at, float) { return at.x < 2.5f ? 1.0f : 4.0f; };
+  const LightByFormula planar(brightness), walk(brightness);
+  SampledSquare square(planar, walk);
+  ASSERT_TRUE(square.places.sample(60.0));
+  const auto areas = std::vector(square.places.areas());
+  const auto at = std::vector(square.places.places());
+  const auto samples = square.places.take_samples();
+  double seen_area = 0.0, count = 0.0, seen = 0.0, light = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const float x = at[i].at.position.x;
+    if (x < SampledSquare::unseen_end - 1.5f) {
+      EXPECT_EQ(areas[i], 0.0f);
+      EXPECT_EQ(samples[i].size(), 20u);
+    } else if (x > SampledSquare::unseen_end + 0.5f) {
+      EXPECT_GT(areas[i], 0.0f);
+      if (std::abs(x - 2.5f) > 1.0f) {
+        EXPECT_NEAR(static_cast<double>(samples[i].size()), x < 2.5f ? 40.0 : 80.0, 4.0);
+      }
+    }
+    seen_area += areas[i];
+    if (areas[i] > 0.0f) {
+      ++seen;
+      count += static_cast<double>(samples[i].size());
+    }
+    for (const auto& sample : samples[i]) light += sample.walked[0];
+  }
+  EXPECT_NEAR(count / seen, 60.0, 2.0);
+  EXPECT_NEAR(seen_area, 20.0 * (10.0 - SampledSquare::unseen_end), 30.0);
+  EXPECT_NEAR(light, 20.0 * (12.5 + 7.5 * 4.0), 0.02 * 850.0);
+}
+
+// Walks of twice the light, evenly between none and double that: a standard deviation of 1/sqrt(3).
+TEST(SampledPlaces, KnowsHowNoisyWalksAre) {
+  const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
+  const LightByFormula walk([](const Vec3f&, float random) { return 4.0f * random; });
+  SampledSquare square(planar, walk);
+  ASSERT_TRUE(square.places.sample(16.0));
+  const std::size_t first = square.places.sample_count();
+  EXPECT_NEAR(square.places.noise(), std::numbers::inv_sqrt3, 0.02);
+  ASSERT_TRUE(square.places.sample(32.0));  // those there are count
+  EXPECT_NEAR(static_cast<double>(square.places.sample_count()), 2.0 * static_cast<double>(first),
+              0.2 * static_cast<double>(first));
+}
+
+// A sixth of the places is dark to the planar method, and counts as a tenth of the mean.
+TEST(SampledPlaces, RaisesPlanarLightEvenly) {
+  const LightByFormula planar([](const Vec3f& at, float) { return at.x < 5.0f ? 1.0f : 0.0f; });
+  SampledSquare square(planar, planar);
+  ASSERT_TRUE(square.places.sample(16.0));
+  const float exitance = square.places.raise_planar(0.1f);
+  EXPECT_GT(exitance, 0.0f);
+  const auto at = std::vector(square.places.places());
+  const auto samples = square.places.take_samples();
+  double raised = 0.0, walked = 0.0;
+  for (const auto& of_place : samples)
+    for (const auto& sample : of_place) {
+      raised += sample.planar[0];
+      walked += sample.walked[0];
+    }
+  EXPECT_NEAR(raised / walked, 1.1, 1e-3);
+
+  const LightByFormula dark([](const Vec3f&, float) { return 0.0f; });
+  SampledSquare night(dark, dark);
+  ASSERT_TRUE(night.places.sample(4.0));
+  EXPECT_EQ(night.places.noise(), 0.0);
+  EXPECT_EQ(night.places.raise_planar(0.1f), 0.0f);
+}
+
+TEST(SampledPlaces, StopsWhenAskedTo) {
+  const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
+  SampledSquare square(planar, planar);
+  square.progress = [](double) { return false; };
+  EXPECT_FALSE(square.places.sample(16.0));
+}
+
+}  // namespace
+}  // namespace lamina
