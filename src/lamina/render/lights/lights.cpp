@@ -2,7 +2,9 @@
 #include "lamina/render/lights/lights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <utility>
 
@@ -13,11 +15,15 @@ namespace lamina {
 namespace {
 
 /// A rectangle as seen from a point: its solid angle, and what sampling it evenly needs.
-/// Source: [Urena2013] §4.
+/// Source: [Urena2013] §4. Its angles are taken by their sines and cosines, which multiply as
+/// complex numbers where angles add: but one function of an angle is asked for, and few digits are
+/// lost.
 struct SphericalRectangle {
   float x0, x1, y0, y1, z0;  ///< extent in the rectangle's axes seen from the point, z0 < 0
   Vec3f axis_z;
-  float b0, b1, k;
+  float b0, b1;        ///< z of the normals of the planes through the edges y0 and y1
+  float level0;        ///< sqrt(1 - b0²)
+  float cos_k, sin_k;  ///< of what angles start from
   float solid_angle;
 };
 
@@ -33,21 +39,53 @@ SphericalRectangle see_rectangle(const Vec3f& corner, const Vec3f& axis_u, const
   const float z = dot(d, normal);
   s.axis_z = z > 0.0f ? -normal : normal;
   s.z0 = -std::abs(z);
-  // Corners v00, v01, v11, v10; normals of the four planes through the point and an edge.
+  // Planes through the point and an edge y0, x1, y1, x0: z of their normals, and 1 less its square.
+  constexpr int edges = 4;
   const float z2 = s.z0 * s.z0;
-  const float n0 = -s.y0 / std::sqrt(z2 + s.y0 * s.y0), n1 = s.x1 / std::sqrt(z2 + s.x1 * s.x1);
-  const float n2 = s.y1 / std::sqrt(z2 + s.y1 * s.y1), n3 = -s.x0 / std::sqrt(z2 + s.x0 * s.x0);
-  const auto angle = [](float c) { return std::acos(std::clamp(c, -1.0f, 1.0f)); };
-  const float g0 = angle(-n0 * n1), g1 = angle(-n1 * n2), g2 = angle(-n2 * n3),
-              g3 = angle(-n3 * n0);
-  s.b0 = n0;
-  s.b1 = n2;
-  s.k = 2.0f * float_pi - g2 - g3;
-  s.solid_angle = g0 + g1 - s.k;
+  const std::array<float, edges> edge = {-s.y0, s.x1, s.y1, -s.x0};
+  std::array<float, edges + 1> n, level2;
+  for (std::size_t i = 0; i < edges; ++i) {
+    const float over = 1.0f / (z2 + edge[i] * edge[i]);
+    n[i] = edge[i] * std::sqrt(over);
+    level2[i] = z2 * over;
+  }
+  n[edges] = n[0];
+  level2[edges] = level2[0];
+  std::array<float, edges> cosine, sine;  // of the angles between one and the next
+  for (std::size_t i = 0; i < edges; ++i) {
+    cosine[i] = -n[i] * n[i + 1];
+    sine[i] = std::sqrt(level2[i] + n[i] * n[i] * level2[i + 1]);
+  }
+  const float cos_01 = cosine[0] * cosine[1] - sine[0] * sine[1];
+  const float sin_01 = cosine[0] * sine[1] + sine[0] * cosine[1];
+  s.b0 = n[0];
+  s.b1 = n[2];
+  s.level0 = std::sqrt(level2[0]);
+  s.cos_k = cosine[2] * cosine[3] - sine[2] * sine[3];  // k is 2 pi less both
+  s.sin_k = -cosine[2] * sine[3] - sine[2] * cosine[3];
+  s.solid_angle = std::atan2(sin_01 * s.cos_k - cos_01 * s.sin_k,  // the first two less k
+                             cos_01 * s.cos_k + sin_01 * s.sin_k);
+  if (s.solid_angle < 0.0f) s.solid_angle += 2.0f * float_pi;
   return s;
 }
 
-/// Below this solid angle the sum of four angles has no digits left and area sampling is as good.
+/// A point of it in its axes, evenly over the solid angle. Source: [Urena2013] §4.
+Vec2f sample_evenly(const SphericalRectangle& s, Vec2f u) {
+  const float angle = u.x * s.solid_angle, sin_angle = std::sin(angle), cos_angle = std::cos(angle);
+  const float sin_au = s.sin_k * cos_angle + s.cos_k * sin_angle;
+  const float cos_au = s.cos_k * cos_angle - s.sin_k * sin_angle;
+  // With f = run / sin_au the cosine is c = sign(f) / sqrt(f² + b0²), and x = -z0 c / sqrt(1 - c²).
+  const float run = cos_au * s.b0 - s.b1, rise = s.level0 * sin_au;
+  const float left = std::max((run - rise) * (run + rise), 1e-12f * run * run + 1e-30f);
+  const float x =
+      std::clamp(-s.z0 * std::copysign(sin_au, run * sin_au) / std::sqrt(left), s.x0, s.x1);
+  const float d2 = x * x + s.z0 * s.z0;
+  const float h0 = s.y0 / std::sqrt(d2 + s.y0 * s.y0), h1 = s.y1 / std::sqrt(d2 + s.y1 * s.y1);
+  const float h = h0 + u.y * (h1 - h0), level2 = 1.0f - h * h;
+  return {x, std::clamp(level2 > 1e-6f ? h * std::sqrt(d2 / level2) : s.y1, s.y0, s.y1)};
+}
+
+/// Below this solid angle few digits of it are left, and area sampling is as good.
 constexpr float smallest_solid_angle = 3e-3f;
 
 /// Of a sky to paths that leave translucent objects, over the typical radiance. By the least work
@@ -292,20 +330,8 @@ LightSample Lights::sample_area_light(const AreaLight& area_light, const Vec3f& 
   const bool is_even = s.solid_angle > smallest_solid_angle &&  // over the solid angle
                        std::abs(dot(area_light.axis_u, area_light.axis_v)) < 1e-4f;
   if (is_even) {
-    const float au = u.x * s.solid_angle + s.k;
-    const float sin_au = std::sin(au);
-    const float fu = (std::cos(au) * s.b0 - s.b1) / (std::abs(sin_au) > 1e-9f ? sin_au : 1e-9f);
-    float cu = std::copysign(1.0f / std::sqrt(fu * fu + s.b0 * s.b0), fu);
-    cu = std::clamp(cu, -1.0f, 1.0f);
-    const float xu =
-        std::clamp(-(cu * s.z0) / std::sqrt(std::max(1.0f - cu * cu, 1e-12f)), s.x0, s.x1);
-    const float d = std::sqrt(xu * xu + s.z0 * s.z0);
-    const float h0 = s.y0 / std::sqrt(d * d + s.y0 * s.y0);
-    const float h1 = s.y1 / std::sqrt(d * d + s.y1 * s.y1);
-    const float hv = h0 + u.y * (h1 - h0), hv2 = hv * hv;
-    const float yv =
-        std::clamp(hv2 < 1.0f - 1e-6f ? hv * d / std::sqrt(1.0f - hv2) : s.y1, s.y0, s.y1);
-    target = position + xu * area_light.axis_u + yv * area_light.axis_v + s.z0 * s.axis_z;
+    const Vec2f at = sample_evenly(s, u);
+    target = position + at.x * area_light.axis_u + at.y * area_light.axis_v + s.z0 * s.axis_z;
   } else {
     target = area_light.corner + u.x * area_light.edge_u + u.y * area_light.edge_v;
   }
