@@ -97,7 +97,7 @@ TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
   ASSERT_TRUE(square.places.sample(60.0));
   const auto areas = std::vector(square.places.areas());
   const auto at = std::vector(square.places.places());
-  const auto samples = square.places.take_samples();
+  const auto samples = square.places.samples(0.0f);
   double seen_area = 0.0, count = 0.0, seen = 0.0, light = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const float x = at[i].at.position.x;
@@ -135,17 +135,16 @@ TEST(SampledPlaces, KnowsHowNoisyWalksAre) {
               0.2 * static_cast<double>(first));
 }
 
-// A sixth of the places is dark to the planar method, and counts as a tenth of the mean.
-TEST(SampledPlaces, RaisesPlanarLightEvenly) {
+// A quarter of the square is dark to the planar method; all of it counts as a tenth of the mean
+// more.
+TEST(SampledPlaces, CountsPlanarLightAsMoreEvenly) {
   const LightByFormula planar([](const Vec3f& at, float) { return at.x < 5.0f ? 1.0f : 0.0f; });
   SampledSquare square(planar, planar);
   ASSERT_TRUE(square.places.sample(16.0));
-  const float exitance = square.places.raise_planar(0.1f);
+  const float exitance = square.places.exitance_of_mean(0.1f);
   EXPECT_GT(exitance, 0.0f);
-  const auto at = std::vector(square.places.places());
-  const auto samples = square.places.take_samples();
   double raised = 0.0, walked = 0.0;
-  for (const auto& of_place : samples)
+  for (const auto& of_place : square.places.samples(exitance))
     for (const auto& sample : of_place) {
       raised += sample.planar[0];
       walked += sample.walked[0];
@@ -156,7 +155,34 @@ TEST(SampledPlaces, RaisesPlanarLightEvenly) {
   SampledSquare night(dark, dark);
   ASSERT_TRUE(night.places.sample(4.0));
   EXPECT_EQ(night.places.noise(), 0.0);
-  EXPECT_EQ(night.places.raise_planar(0.1f), 0.0f);
+  EXPECT_EQ(night.places.exitance_of_mean(0.1f), 0.0f);
+}
+
+/// How a fit does with planar light that counts as so much of its mean more.
+SampledPlaces<4>::Assessment assess(const SampledSquare& square, float more_of_mean) {
+  const float exitance = square.places.exitance_of_mean(more_of_mean);
+  const auto fit = fit_correction<4>(PlaceGraph(square.places.places()), square.places.areas(),
+                                     square.places.samples(exitance), 3);
+  return square.places.assess(fit, exitance);
+}
+
+// Stripes narrower than places: as dark as a third and as bright as three.
+TEST(SampledPlaces, TellWhetherDetailOfThePlanarLightIsRight) {
+  const auto striped = [](const Vec3f& at) {
+    return std::exp(std::log(3.0f) * std::sin(12.0f * at.y));
+  };
+  const auto noise = [](float random) { return 0.5f + random; };
+  const LightByFormula planar([&](const Vec3f& at, float) { return striped(at); });
+  const LightByFormula smooth([&](const Vec3f&, float random) { return 2.0f * noise(random); });
+  const LightByFormula doubled(
+      [&](const Vec3f& at, float random) { return 2.0f * noise(random) * striped(at); });
+  SampledSquare wrong(planar, smooth), right(planar, doubled);
+  ASSERT_TRUE(wrong.places.sample(32.0));
+  ASSERT_TRUE(right.places.sample(32.0));
+  EXPECT_LT(assess(wrong, 1.0f).left, assess(wrong, 0.01f).left - 0.05);
+  EXPECT_LT(assess(right, 0.01f).left, assess(right, 1.0f).left - 0.05);
+  // What is added is half of what there is then.
+  EXPECT_NEAR(assess(right, 0.01f).change, 0.5, 0.05);
 }
 
 TEST(SampledPlaces, StopsWhenAskedTo) {

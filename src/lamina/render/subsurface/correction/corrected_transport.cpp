@@ -2,6 +2,7 @@
 #include "lamina/render/subsurface/correction/corrected_transport.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -25,8 +26,8 @@ constexpr int walks_of_sample = 4;
 constexpr double most_places = 12000.0, least_places = 2000.0;
 /// Estimates to a pixel are of use.
 constexpr double samples_of_pixel = 8.0;
-/// Of the mean light of the planar method, at least as much as its light counts.
-constexpr float least_of_mean = 0.01f;
+/// Of the mean light of the planar method, as much more as its light may count.
+constexpr std::array<float, 2> more_of_mean = {0.01f, 1.0f};
 // Measured on one core of a Zen 4 [CPU s].
 constexpr double seconds_per_walk = 9e-6;
 
@@ -159,12 +160,22 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
   LightRatioCloud found{.material = material_,
                         .bands = static_cast<std::size_t>(bands_),
                         .walks = walks_of_sample * places.sample_count()};
-  found.least_exitance = places.raise_planar(least_of_mean);
-  if (!(found.least_exitance > 0.0f)) return found;  // no light, and nothing to correct
-  const CorrectionFit<N> fit =
-      fit_correction<N>(PlaceGraph(places.places()), places.areas(), places.take_samples(), bands_);
-  found.change = fit.change;
-  found.error_left = fit.error_left;
+  const PlaceGraph graph(places.places());
+  CorrectionFit<N> fit;
+  std::optional<double> least_left;
+  for (const float fraction : more_of_mean) {
+    const float exitance = places.exitance_of_mean(fraction);
+    if (!(exitance > 0.0f)) return found;  // no light, and nothing to correct
+    CorrectionFit<N> tried =
+        fit_correction<N>(graph, places.areas(), places.samples(exitance), bands_);
+    const auto [change, left] = places.assess(tried, exitance);
+    if (least_left && !(left < *least_left)) continue;
+    least_left = left;
+    found.least_exitance = exitance;
+    found.change = change;
+    found.error_left = tried.error_left;
+    fit = std::move(tried);
+  }
   const auto add_bands = [&](const auto& terms, std::vector<float>& to) {
     for (const Bands& term : terms) to.insert(to.end(), term.v, term.v + bands_);
   };

@@ -24,8 +24,9 @@ namespace lamina {
 /// reflect of light that has entered, under the rough boundaries over under smooth ones, makes up
 /// for it: some percent.
 ///
-/// Where the planar method has light of a hundredth of the mean and less, the ratio is that to
-/// this hundredth more, so that light which only the walks find is there, too.
+/// The planar light counts as some more, evenly: a hundredth of the mean, so that light which only
+/// the walks find is there, too; or all of the mean, where its detail is wrong, as where light
+/// comes through thin and wound parts. Halves of the walks say which is better.
 ///
 /// Noise-free where the planar method is. Good for all cameras; but half of the walks are those
 /// towards the one of the picture, for which the ratio is known best, unless it is kept for others.

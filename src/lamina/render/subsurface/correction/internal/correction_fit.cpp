@@ -252,17 +252,16 @@ Fits<N> fits_of_all(const SpreadSums<N>& at_places, int bands) {
   return fits;
 }
 
-/// Changes by a fit, and what it leaves wrong.
+/// What a fit leaves wrong: root mean square over the mean light.
 template <int N>
-void measure(std::span<const float> areas, const std::array<std::vector<PlanarSums<N>>, 2>& planar,
-             const SpreadSums<N>& at_places, std::span<const BandValues<N>> flat,
-             const Fits<N>& chosen, const Fits<N>& narrowest, int bands, CorrectionFit<N>& fit) {
+double error_left(std::span<const float> areas,
+                  const std::array<std::vector<PlanarSums<N>>, 2>& planar,
+                  const SpreadSums<N>& at_places, const Fits<N>& chosen, const Fits<N>& narrowest,
+                  int bands) {
   // What each half leaves of the other is its error, noise included, less the squares of the truth.
   // These follow from the narrowest fits: little is smoothed away, and what is wrong in one half is
   // not in the other.
-  DirectionalRatio<N> one{};
-  one[0] = BandValues<N>::filled(1.0f);
-  double area = 0.0, light = 0.0, changed = 0.0, left = 0.0, noise = 0.0;
+  double area = 0.0, light = 0.0, left = 0.0, noise = 0.0;
   for (std::size_t i = 0; i < areas.size(); ++i) {
     if (!(areas[i] > 0.0f)) continue;
     const PlanarSums<N>& both = at_places.planar[i];
@@ -274,10 +273,7 @@ void measure(std::span<const float> areas, const std::array<std::vector<PlanarSu
                            planar[0][i].product(b, b) - first.product(b) + truth;
     const auto apart = sum(a, b, -1.0f);
     const auto of_noise = both.product(apart, apart);
-    const auto corrected = both.product(one, chosen[all_samples][i]);
     for (int band = 0; band < bands; ++band) {
-      changed += std::pow(static_cast<double>(corrected[band] - flat[i][band]), 2) /
-                 static_cast<double>(areas[i]);
       // Squares over the planar light, times it.
       const double scale = static_cast<double>(both.of[0][band] / areas[i]);
       noise += scale * 0.25 * static_cast<double>(of_noise[band]);  // of the mean of both halves
@@ -286,9 +282,7 @@ void measure(std::span<const float> areas, const std::array<std::vector<PlanarSu
       area += static_cast<double>(areas[i]);
     }
   }
-  if (!(light > 0.0)) return;
-  fit.change = std::sqrt(changed * area) / light;
-  fit.error_left = std::sqrt(std::max(left - noise, noise) * area) / light;
+  return light > 0.0 ? std::sqrt(std::max(left - noise, noise) * area) / light : 0.0;
 }
 
 }  // namespace
@@ -306,12 +300,10 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
   for (auto& of_half : planar) of_half.resize(places);
   SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places), .walked = {}};
   for (auto& of_part : at_places.walked) of_part.resize(places);
-  std::vector<Bands> flat(places);
   double samples_each = 0.0;
   for (std::size_t i = 0; i < places; ++i) {
     for (std::size_t s = 0; s < samples[i].size(); ++s) {
       const auto& [terms, of_walk, planar_alone, weight] = samples[i][s];
-      flat[i] += planar_alone;
       planar[s % 2][i].add(terms, evaluate(fit.shape, terms) * planar_alone);
       at_places.walked[s % 2][i].add(terms, 2.0f * of_walk);
     }
@@ -346,8 +338,9 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
       best.consider(fitted_twice(graph, at_places, wide.planar, steps, bands, pull, fits));
   }
   Fits<N> chosen = best.take();
-  measure<N>(areas, planar, at_places, flat, chosen, fits, bands, fit);
+  fit.error_left = error_left(areas, planar, at_places, chosen, fits, bands);
   fit.ratios = std::move(chosen[all_samples]);
+  for (const std::size_t half : {0U, 1U}) fit.of_halves[half] = std::move(chosen[half]);
   keep_mean<N>(samples, of_picture, bands, fit);
   return fit;
 }

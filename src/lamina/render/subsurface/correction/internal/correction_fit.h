@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,9 @@ template <int N>
 struct CorrectionFit {
   AngularShape<N> shape;                    ///< of all of the surface; the ratios are over it
   std::vector<DirectionalRatio<N>> ratios;  ///< [place]
-  double change = 0.0;      ///< by the correction: root mean square over the mean light
-  double error_left = 0.0;  ///< the same of what is still wrong, as far as halves of samples tell
+  std::array<std::vector<DirectionalRatio<N>>, 2> of_halves;  ///< the same of every other sample
+  double error_left = 0.0;  ///< what is still wrong, as far as halves of samples tell: root mean
+                            ///< square over the mean light
 };
 
 /// Fits the ratio of walked to planar light, smooth along the surface, as widely at each place as
@@ -35,7 +37,7 @@ struct CorrectionFit {
 /// ten times the light around them counts in that mean alone.
 ///
 /// @param areas    [place], that its samples stand for [mm²]; 0: not seen, so that it has no say in
-///                 which width is best, and is not counted in `change` and `error_left`
+///                 which width is best, and is not counted in `error_left`
 /// @param samples  [place][sample], an even number at each place, >= 2; halves are every other one
 /// @param bands    of all lanes that count, >= 1
 template <int N>

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/core/vec_precision.h"
@@ -148,29 +147,33 @@ template <int N>
 double SampledPlaces<N>::noise() const {
   double sum = 0.0;
   for (int b = 0; b < methods_.bands; ++b) {
-    double walked = 0.0, planar = 0.0, walked2 = 0.0, product = 0.0, planar2 = 0.0;
+    // Sums over area of radiance by walks w and by the planar method p, and of w², w p and p².
+    double area = 0.0, walked = 0.0, planar = 0.0, walked2 = 0.0, product = 0.0, planar2 = 0.0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       if (!(areas_[i] > 0.0f)) continue;
-      const double scale = 1.0 / static_cast<double>(samples_[i].size());
+      const auto area_there = static_cast<double>(areas_[i]);
+      const double share = 1.0 / static_cast<double>(samples_[i].size());
+      area += area_there;
       for (const WalkedSample<N>& sample : samples_[i]) {
         const auto w = static_cast<double>(sample.walked[b]);
         const auto p = static_cast<double>(sample.planar[b]);
-        walked += scale * w;
-        planar += scale * p;
-        walked2 += scale * w * w;
-        product += scale * w * p;
-        planar2 += scale * p * p;
+        walked += share * w;
+        planar += share * p;
+        walked2 += share / area_there * w * w;
+        product += share / area_there * w * p;
+        planar2 += share / area_there * p * p;
       }
     }
-    if (!(walked > 0.0 && planar > 0.0 && planar2 > 0.0)) continue;
-    const double ratio = walked / planar, fitted2 = ratio * ratio * planar2;
-    sum += std::max(walked2 - 2.0 * ratio * product + fitted2, 0.0) / fitted2;
+    if (!(walked > 0.0 && planar > 0.0)) continue;
+    const double ratio = walked / planar;
+    const double left = walked2 - 2.0 * ratio * product + ratio * ratio * planar2;
+    sum += std::max(left, 0.0) * area / (walked * walked);
   }
   return std::sqrt(sum / methods_.bands);
 }
 
 template <int N>
-float SampledPlaces<N>::raise_planar(float fraction) {
+float SampledPlaces<N>::exitance_of_mean(float fraction) const {
   double planar = 0.0, exitance = 0.0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const double share = 1.0 / static_cast<double>(samples_[i].size());
@@ -179,12 +182,7 @@ float SampledPlaces<N>::raise_planar(float fraction) {
         planar += share * static_cast<double>(sample.planar[b]);
     for (const float e : exitances_[i]) exitance += share * methods_.bands * static_cast<double>(e);
   }
-  if (!(planar > 0.0)) return 0.0f;
-  const float least = fraction * static_cast<float>(planar / exitance);
-  for (std::size_t i = 0; i < samples_.size(); ++i)
-    for (std::size_t s = 0; s < samples_[i].size(); ++s)
-      samples_[i][s].planar += BandValues<N>::filled(least * exitances_[i][s]);
-  return least;
+  return planar > 0.0 ? fraction * static_cast<float>(planar / exitance) : 0.0f;
 }
 
 template <int N>
@@ -195,15 +193,52 @@ std::size_t SampledPlaces<N>::sample_count() const {
 }
 
 template <int N>
-std::vector<std::vector<WalkedSample<N>>> SampledPlaces<N>::take_samples() {
-  for (auto& of_place : samples_) {
-    const float share = 1.0f / static_cast<float>(of_place.size());
-    for (WalkedSample<N>& sample : of_place) {
+std::vector<std::vector<WalkedSample<N>>> SampledPlaces<N>::samples(float exitance) const {
+  auto result = samples_;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const float share = 1.0f / static_cast<float>(result[i].size());
+    for (std::size_t s = 0; s < result[i].size(); ++s) {
+      WalkedSample<N>& sample = result[i][s];
       sample.walked *= share;
-      sample.planar *= share;
+      sample.planar = share * (sample.planar + BandValues<N>::filled(exitance * exitances_[i][s]));
     }
   }
-  return std::move(samples_);
+  return result;
+}
+
+template <int N>
+auto SampledPlaces<N>::assess(const CorrectionFit<N>& fit, float exitance) const -> Assessment {
+  // Sums of radiance and of its square over area.
+  double area = 0.0, changed = 0.0;
+  BandValues<N> light, left;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (!(areas_[i] > 0.0f)) continue;
+    const float share = 1.0f / static_cast<float>(samples_[i].size());
+    BandValues<N> change_there, left_there;
+    for (std::size_t s = 0; s < samples_[i].size(); ++s) {
+      const auto& [terms, walked, planar, weight] = samples_[i][s];
+      const BandValues<N> shaped = evaluate(fit.shape, terms) *
+                                   (planar + BandValues<N>::filled(exitance * exitances_[i][s]));
+      const BandValues<N> predicted = shaped * evaluate(fit.of_halves[1 - s % 2][i], terms);
+      change_there += share * (shaped * evaluate(fit.ratios[i], terms) - planar);
+      left_there += share * (predicted * (predicted - 2.0f * walked));
+      light += share * walked;
+    }
+    left += (1.0f / areas_[i]) * left_there;
+    for (int b = 0; b < methods_.bands; ++b)
+      changed += std::pow(static_cast<double>(change_there[b]), 2) / static_cast<double>(areas_[i]);
+    area += static_cast<double>(areas_[i]);
+  }
+  Assessment found;
+  double all_light = 0.0;
+  for (int b = 0; b < methods_.bands; ++b) {
+    const auto of_band = static_cast<double>(light[b]);
+    all_light += of_band;
+    if (of_band > 0.0) found.left += static_cast<double>(left[b]) * area / (of_band * of_band);
+  }
+  found.left /= methods_.bands;
+  if (all_light > 0.0) found.change = std::sqrt(changed * area * methods_.bands) / all_light;
+  return found;
 }
 
 template class SampledPlaces<4>;

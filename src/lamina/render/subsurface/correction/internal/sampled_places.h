@@ -39,20 +39,28 @@ class SampledPlaces {
   /// @return      false if progress asked to stop
   [[nodiscard]] bool sample(double mean);
 
-  /// About what is by chance in a sample of walks over its light, where places are seen; root mean
-  /// square of the bands. 0 where there is no light.
+  /// About what is by chance in samples of walks over the mean light, where places are seen: root
+  /// mean square over area and bands. 0 where there is no light.
   [[nodiscard]] double noise() const;
 
-  /// Counts as light of the planar method at least `fraction` of its mean, evenly spread.
-  /// @return  the exitance that this is; 0 if there is no light
-  [[nodiscard]] float raise_planar(float fraction);
+  /// The exitance that is this fraction of the planar method's mean; 0 if there is no light.
+  [[nodiscard]] float exitance_of_mean(float fraction) const;
 
   [[nodiscard]] const std::vector<PlaceGraph::Place>& places() const { return places_; }
   /// Of each place [mm²]; 0 of one that is not seen.
   [[nodiscard]] const std::vector<float>& areas() const { return areas_; }
   [[nodiscard]] std::size_t sample_count() const;
-  /// [place], for fit_correction. Nothing is left here.
-  [[nodiscard]] std::vector<std::vector<WalkedSample<N>>> take_samples();
+  /// [place], for fit_correction. Light of the planar method counts as this exitance more.
+  [[nodiscard]] std::vector<std::vector<WalkedSample<N>>> samples(float exitance) const;
+
+  /// What a fit to samples(exitance) does to the light where it is seen.
+  struct Assessment {
+    double change = 0.0;  ///< from that of the planar method: root mean square over the mean light
+    /// Squares that each half leaves of the other's samples, less those that no fit changes, over
+    /// the square of the mean light: in the mean of bands.
+    double left = 0.0;
+  };
+  [[nodiscard]] Assessment assess(const CorrectionFit<N>& fit, float exitance) const;
 
  private:
   void add_places(std::uint32_t material, const SpacingField& field);
