@@ -43,12 +43,18 @@ constexpr std::size_t parts = 3, all_samples = 2;
 /// The sums of samples around each place, as wide as a fit is. Of a half as if it was all.
 template <int N>
 struct SpreadSums {
-  std::vector<PlanarSums<N>> planar;                     ///< of all samples
-  std::array<std::vector<WalkedSums<N>>, parts> walked;  ///< of each part
+  std::vector<PlanarSums<N>> planar;                    ///< of all samples
+  std::array<std::vector<WalkedSums<N>>, 2> of_halves;  ///< of walks
 
+  [[nodiscard]] WalkedSums<N> walked(std::size_t part, std::size_t place) const {
+    if (part != all_samples) return of_halves[part][place];
+    WalkedSums<N> both = of_halves[0][place];
+    both += of_halves[1][place];
+    return 0.5f * both;
+  }
   void spread(const PlaceGraph& graph) {
     planar = graph.spread(planar);
-    for (auto& of_part : walked) of_part = graph.spread(of_part);
+    for (auto& of_half : of_halves) of_half = graph.spread(of_half);
   }
 };
 
@@ -171,9 +177,11 @@ Fits<N> fitted_twice(const PlaceGraph& graph, const SpreadSums<N>& at_places,
                      double pull, Fits<N> fits) {
   for (std::size_t part = 0; part < parts; ++part) {
     Ratios<N>& fit = fits[part];
-    std::vector<WalkedSums<N>> left = at_places.walked[part];
-    parallel_chunks(left.size(), places_of_chunk,
-                    [&](std::size_t i) { left[i] += -1.0f * at_places.planar[i].product(fit[i]); });
+    std::vector<WalkedSums<N>> left(fit.size());
+    parallel_chunks(left.size(), places_of_chunk, [&](std::size_t i) {
+      left[i] = at_places.walked(part, i);
+      left[i] += -1.0f * at_places.planar[i].product(fit[i]);
+    });
     for (int step = 0; step < steps; ++step) left = graph.spread(left);
     parallel_chunks(left.size(), places_of_chunk, [&](std::size_t i) {
       fit[i] = sum(fit[i], fit_ratio(wide_planar[i], left[i], bands, pull_of_part(part) * pull,
@@ -204,7 +212,7 @@ class BestFits {
       for (std::size_t h = 0; h < 2; ++h) {
         const DirectionalRatio<N>& ratio = fits[h][i];
         scores[i] +=
-            planar_[1 - h][i].product(ratio, ratio) - at_places_.walked[1 - h][i].product(ratio);
+            planar_[1 - h][i].product(ratio, ratio) - at_places_.of_halves[1 - h][i].product(ratio);
       }
     });
     add_score_of_all(at_places_.planar, scores);
@@ -246,7 +254,7 @@ Fits<N> fits_of_all(const SpreadSums<N>& at_places, int bands) {
   Fits<N> fits;
   for (std::size_t part = 0; part < parts; ++part) {
     WalkedSums<N> walked;
-    for (const WalkedSums<N>& sums : at_places.walked[part]) walked += sums;
+    for (std::size_t i = 0; i < places; ++i) walked += at_places.walked(part, i);
     fits[part].assign(places, fit_ratio(planar, walked, bands, 0.0, DirectionalRatio<N>{}));
   }
   return fits;
@@ -265,7 +273,7 @@ double error_left(std::span<const float> areas,
   for (std::size_t i = 0; i < areas.size(); ++i) {
     if (!(areas[i] > 0.0f)) continue;
     const PlanarSums<N>& both = at_places.planar[i];
-    const WalkedSums<N>&first = at_places.walked[0][i], &second = at_places.walked[1][i];
+    const WalkedSums<N>&first = at_places.of_halves[0][i], &second = at_places.of_halves[1][i];
     const DirectionalRatio<N>&a = chosen[0][i], &b = chosen[1][i];
     const DirectionalRatio<N>&u = narrowest[0][i], &v = narrowest[1][i];
     const auto truth = second.product(u) + first.product(v) - both.product(u, v);
@@ -278,7 +286,7 @@ double error_left(std::span<const float> areas,
       const double scale = static_cast<double>(both.of[0][band] / areas[i]);
       noise += scale * 0.25 * static_cast<double>(of_noise[band]);  // of the mean of both halves
       left += scale * static_cast<double>(of_halves[band]);
-      light += static_cast<double>(at_places.walked[all_samples][i].of[0][band]);
+      light += 0.5 * static_cast<double>(first.of[0][band] + second.of[0][band]);
       area += static_cast<double>(areas[i]);
     }
   }
@@ -298,19 +306,16 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
   CorrectionFit<N> fit{.shape = fit_shape(samples, bands)};
   std::array<std::vector<PlanarSums<N>>, 2> planar;  // of the halves at each place
   for (auto& of_half : planar) of_half.resize(places);
-  SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places), .walked = {}};
-  for (auto& of_part : at_places.walked) of_part.resize(places);
+  SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places), .of_halves = {}};
+  for (auto& of_half : at_places.of_halves) of_half.resize(places);
   double samples_each = 0.0;
   for (std::size_t i = 0; i < places; ++i) {
     for (std::size_t s = 0; s < samples[i].size(); ++s) {
       const auto& [terms, of_walk, planar_alone, weight] = samples[i][s];
       planar[s % 2][i].add(terms, evaluate(fit.shape, terms) * planar_alone);
-      at_places.walked[s % 2][i].add(terms, 2.0f * of_walk);
+      at_places.of_halves[s % 2][i].add(terms, 2.0f * of_walk);
     }
-    for (std::size_t h = 0; h < 2; ++h) {
-      at_places.planar[i] += planar[h][i];
-      at_places.walked[all_samples][i] += 0.5f * at_places.walked[h][i];
-    }
+    for (std::size_t h = 0; h < 2; ++h) at_places.planar[i] += planar[h][i];
     samples_each += static_cast<double>(samples[i].size()) / static_cast<double>(places);
   }
   std::vector<SpreadSums<N>> sums = {at_places};
@@ -330,7 +335,7 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
     const double pull = samples_of_prior / (samples_each * PlaceGraph::places_reached(steps));
     parallel_chunks(places, places_of_chunk, [&](std::size_t i) {
       for (std::size_t part = 0; part < parts; ++part)
-        fits[part][i] = fit_ratio(wide.planar[i], wide.walked[part][i], bands,
+        fits[part][i] = fit_ratio(wide.planar[i], wide.walked(part, i), bands,
                                   pull_of_part(part) * pull, fits[part][i]);
     });
     best.consider(fits);
