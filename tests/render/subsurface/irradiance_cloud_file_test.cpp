@@ -105,7 +105,7 @@ LightRatioCloud some_ratios() {
                          .walks = 640,
                          .change = 0.25,
                          .error_left = 1.0 / 3.0,
-                         .least_exitance = 0.01f,
+                         .added_exitance = 0.01f,
                          .places = {{{1, 2, 3}, {0, 0, 1}, 0.5f}, {{4, 5, 6}, {0, 1, 0}, 1.0f}},
                          .shape = {1, 2, 3, 4, 5, 6},
                          .ratios = {}};
@@ -127,7 +127,7 @@ TEST(IrradianceCloudFile, OfRatiosToPlanarLightIsReadBackAsItWas) {
   EXPECT_EQ(read.walks, written.walks);
   EXPECT_NEAR(read.change, written.change, 1e-8);
   EXPECT_NEAR(read.error_left, written.error_left, 1e-8);
-  EXPECT_EQ(read.least_exitance, written.least_exitance);
+  EXPECT_EQ(read.added_exitance, written.added_exitance);
   EXPECT_EQ(read.shape, written.shape);
   EXPECT_EQ(read.ratios, written.ratios);
   ASSERT_EQ(read.places.size(), 2u);

@@ -55,7 +55,7 @@ struct LightRatioCloud {
   std::size_t walks = 0;        ///< that found it
   double change = 0.0;          ///< as LightCorrection
   double error_left = 0.0;      ///< the same
-  float least_exitance = 0.0f;  ///< by which the planar light counts as more
+  float added_exitance = 0.0f;  ///< by which the planar light counts as more
   std::vector<Place> places;
   std::vector<float> shape;   ///< [term][band], of all of the surface
   std::vector<float> ratios;  ///< [place][term][band]

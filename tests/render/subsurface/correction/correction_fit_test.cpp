@@ -102,6 +102,24 @@ TEST(PlaceGraph, FindsPlacesThatAreFarApartBesideCloseOnes) {
   EXPECT_NEAR(sum, 1.0f, 1e-5f);
 }
 
+// Both sum the same products of planar light, terms and ratios.
+TEST(PlanarSums, WouldBeWalkedAsTheirProductsSay) {
+  Random random(5);
+  PlanarSums<4> planar;
+  for (int s = 0; s < 20; ++s)
+    planar.add(direction_terms_of(random_direction(random), {0, 0, 1}, 1.4f),
+               BandValues<4>::filled(random.uniform_float()));
+  Ratio a{}, b{};
+  for (std::size_t k = 0; k < direction_terms; ++k) {
+    a[k] = BandValues<4>::filled(random.uniform_float() - 0.3f);
+    b[k] = BandValues<4>::filled(random.uniform_float() - 0.3f);
+  }
+  float sum = 0.0f;
+  const WalkedSums<4> walked = planar.product(a);
+  for (std::size_t k = 0; k < direction_terms; ++k) sum += walked.of[k][1] * b[k][1];
+  EXPECT_NEAR(sum, planar.product(a, b)[1], 1e-4f * std::abs(sum));
+}
+
 TEST(FitCorrection, FindsARatioThatSamplesHoldWithoutNoise) {
   // The same at all places: no width smooths anything away.
   const auto places = lattice_of_places(10);

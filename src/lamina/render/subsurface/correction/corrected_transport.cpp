@@ -132,7 +132,7 @@ void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport&
   for (const auto& [position, normal, spacing] : cloud.places)
     places.push_back({{position, normal}, spacing});
   graph_ = PlaceGraph(places);
-  least_exitance_ = cloud.least_exitance;
+  added_exitance_ = cloud.added_exitance;
   auto number = cloud.shape.begin();
   for (Bands& term : shape_)
     for (int b = 0; b < bands_; ++b) term[b] = *number++;
@@ -171,7 +171,7 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
     const auto [change, left] = places.assess(tried, exitance);
     if (least_left && !(left < *least_left)) continue;
     least_left = left;
-    found.least_exitance = exitance;
+    found.added_exitance = exitance;
     found.change = change;
     found.error_left = tried.error_left;
     fit = std::move(tried);
@@ -200,7 +200,7 @@ BandValues<N> CorrectedTransport<N>::leaving_radiance(const ExitPoint& exit,
     for (std::size_t k = 0; k < direction_terms; ++k)
       ratio[k] += near.weight[i] * ratios_[near.point[i]][k];
   return evaluate(shape_, terms) * evaluate(ratio, terms) *
-         (planar + Bands::filled(least_exitance_ * exit_distribution(exit.boundary, exit.cos_o)));
+         (planar + Bands::filled(added_exitance_ * exit_distribution(exit.boundary, exit.cos_o)));
 }
 
 template class CorrectedTransport<4>;

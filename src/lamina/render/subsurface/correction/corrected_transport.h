@@ -75,7 +75,7 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   float ior_;                                           ///< inside over outside, mean of the bands
   std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
   Bands of_roughness_;  ///< what flat rough layers reflect over what smooth ones do
-  float least_exitance_ = 0.0f;
+  float added_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};
   std::vector<DirectionalRatio<N>> ratios_;  ///< [place], over the shape

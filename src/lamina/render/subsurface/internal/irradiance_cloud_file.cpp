@@ -122,7 +122,7 @@ std::string header(const std::vector<IrradianceCloud>& clouds,
   std::size_t places = 0;
   for (const LightRatioCloud& ratio : ratios) {
     text << "comment ratio " << ratio.material << ' ' << ratio.places.size() << ' ' << ratio.walks
-         << ' ' << ratio.change << ' ' << ratio.error_left << ' ' << ratio.least_exitance;
+         << ' ' << ratio.change << ' ' << ratio.error_left << ' ' << ratio.added_exitance;
     for (const float number : ratio.shape) text << ' ' << number;
     text << '\n';
     places += ratio.places.size();
@@ -184,9 +184,9 @@ LightRatioCloud parse_ratio_comment(std::istringstream& words, std::size_t bands
   LightRatioCloud ratio{.bands = bands,
                         .shape = std::vector<float>(LightRatioCloud::shape_terms * bands)};
   require(words >> ratio.material >> places >> ratio.walks >> ratio.change >> ratio.error_left >>
-              ratio.least_exitance &&
+              ratio.added_exitance &&
           places >= 1 && std::isfinite(ratio.change) && std::isfinite(ratio.error_left) &&
-          std::isfinite(ratio.least_exitance) && ratio.least_exitance >= 0.0f);
+          std::isfinite(ratio.added_exitance) && ratio.added_exitance >= 0.0f);
   for (float& number : ratio.shape) require(words >> number && std::isfinite(number));
   return ratio;
 }
