@@ -3,7 +3,7 @@
 
 usage: thread_runs.py LAMINA SOURCE [--only NAME ...]
 
-Times of work are left out of the comparison. Exits with 1 where anything differs.
+Times of work and the memory that it took are left out of the comparison. Exits with 1 where anything differs.
 """
 import argparse
 import os
@@ -49,7 +49,7 @@ def main():
                     if result.returncode != 0:
                         sys.exit(f"{name}: exit code {result.returncode}: {result.stderr.decode()}")
                     text += result.stdout
-                text = re.sub(rb"[0-9.]{1,12} (s|ms|ns|CPU-s)\b", b"", text)
+                text = re.sub(rb"[0-9.]{1,12} (s|ms|ns|CPU-s|MiB)\b", b"", text)
                 text = re.sub(rb'"[a-z_]*(seconds|threads)[a-z_]*": [-0-9.e+]+', b"", text)
                 results[threads] = (text, {file: what for file, what in files_of(out).items() if not HOLD_TIMES.search(file)})
             for threads in (2, 64):
