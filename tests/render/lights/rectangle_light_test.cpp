@@ -69,5 +69,33 @@ TEST(RectangleLight, GivesTheIrradianceOfItsContour) {
   }
 }
 
+// A lamp a thousand times as dim as another is drawn often enough to be found where the other is
+// hidden, and both give the irradiance that they should.
+TEST(RectangleLight, IsDrawnBesideAMuchBrighterOne) {
+  Scene scene;
+  const auto lamp = [](double side, float radiance) {
+    return RectangleLight{.center = {side, 0, 50},
+                          .edge_u = {0, 4, 0},
+                          .edge_v = {4, 0, 0},
+                          .radiance = {radiance, radiance, radiance}};
+  };
+  scene.lights = {lamp(-20, 1000), lamp(20, 1)};
+  const Lights lights(scene, {-1, -1, -1}, {1, 1, 1});
+  double irradiance[2] = {}, share[2] = {};
+  constexpr int count = 4000;
+  for (int i = 0; i < count; ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) / count;
+    const LightSample sample = lights.sample_light({0, 0, 0}, u, {0.5f, 0.5f});
+    const std::size_t which = sample.direction.x < 0.0f ? 0 : 1;
+    share[which] += 1.0 / count;
+    irradiance[which] +=
+        static_cast<double>(sample.direction.z * sample.radiance.x / sample.pdf) / count;
+    EXPECT_NEAR(lights.pdf_of_area_light({0, 0, 0}, sample.direction, sample.distance), sample.pdf,
+                1e-3f * sample.pdf);
+  }
+  EXPECT_GT(share[1], 0.12);
+  EXPECT_NEAR(irradiance[0] / irradiance[1], 1000.0, 5.0);
+}
+
 }  // namespace
 }  // namespace lamina

@@ -92,6 +92,11 @@ constexpr float smallest_solid_angle = 3e-3f;
 /// for the same noise under a studio, with some room for skies that are almost even.
 constexpr float most_left = 1.5f;
 
+/// Few lights, each sampled by itself where that can be done; and where not, chosen in part as if
+/// all gave as much: the brightest may be hidden from where another shines.
+constexpr std::size_t most_strata = 4;
+constexpr float even_share = 0.25f;
+
 }  // namespace
 
 Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
@@ -167,25 +172,36 @@ Lights::Lights(const Scene& scene, const Vec3f& low, const Vec3f& high) {
     surface_lights_.push_back({std::move(triangles), emission,
                                mean_of_channels(emission) * std::min(seen, 2.0f * float_pi)});
   }
-  float total = 0.0f;
-  for (const AreaLight& area_light : area_lights_) total += area_light.probability;
-  for (const DeltaLight& delta_light : delta_lights_) total += delta_light.probability;
-  for (const BallLight& ball : ball_lights_) total += ball.probability;
-  for (const SurfaceLight& surface : surface_lights_) total += surface.probability;
-  for (const InfiniteLight& infinite_light : infinite_lights_) total += infinite_light.probability;
-  typical_irradiance_ += total;
-  if (!(total > 0.0f)) return;
-  for (AreaLight& area_light : area_lights_) area_light.probability /= total;
-  for (DeltaLight& delta_light : delta_lights_) delta_light.probability /= total;
-  for (BallLight& ball : ball_lights_) ball.probability /= total;
-  for (SurfaceLight& surface : surface_lights_) surface.probability /= total;
-  for (InfiniteLight& infinite_light : infinite_lights_) infinite_light.probability /= total;
+  normalize_probabilities();
+  if (!(typical_irradiance_ > 0.0f)) return;
   make_strata();
   make_clusters();
 }
 
+template <class F>
+void Lights::for_probabilities(const F& f) {
+  for (DeltaLight& light : delta_lights_) f(light.probability);  // in the order of sample_light
+  for (AreaLight& light : area_lights_) f(light.probability);
+  for (BallLight& light : ball_lights_) f(light.probability);
+  for (SurfaceLight& light : surface_lights_) f(light.probability);
+  for (InfiniteLight& light : infinite_lights_) f(light.probability);
+}
+
+void Lights::normalize_probabilities() {
+  float total = 0.0f, count = 0.0f;
+  for_probabilities([&](float irradiance) {
+    total += irradiance;
+    if (irradiance > 0.0f) count += 1.0f;
+  });
+  typical_irradiance_ += total;
+  if (!(total > 0.0f)) return;
+  const float even = count > most_strata ? 0.0f : even_share / count;
+  for_probabilities([&](float& p) {
+    if (p > 0.0f) p = even + (1.0f - even * count) * (p / total);
+  });
+}
+
 void Lights::make_strata() {
-  constexpr std::size_t most = 4;
   constexpr int of_environment = 8;  // directions to an area light give much the same
   float low = 0.0f;
   const auto add = [&](float probability, int candidates) {
@@ -199,7 +215,7 @@ void Lights::make_strata() {
   for (const SurfaceLight& surface : surface_lights_) add(surface.probability, 1);
   for (const InfiniteLight& infinite_light : infinite_lights_)
     add(infinite_light.probability, of_environment);
-  if (strata_.size() > most) strata_ = {{}};
+  if (strata_.size() > most_strata) strata_ = {{}};
 }
 
 LightSample Lights::sample_light(const Vec3f& position, float u_light, Vec2f u) const {

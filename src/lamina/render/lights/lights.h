@@ -70,7 +70,7 @@ class Lights {
   Lights(const Scene& scene, const Vec3f& low, const Vec3f& high);
 
   /// Draws a light, with a probability that follows the irradiance it gives at the middle of the
-  /// scene, and a direction towards it.
+  /// scene (where lights are few, also some for each), and a direction towards it.
   [[nodiscard]] LightSample sample_light(const Vec3f& position, float u_light, Vec2f u) const;
 
   /// Strata that leave out no light: each light by itself where they are few, else all in one.
@@ -190,6 +190,10 @@ class Lights {
                                                const Vec3f& position) const;
   [[nodiscard]] LightSample sample_infinite_light(const InfiniteLight& infinite_light,
                                                   Vec2f u) const;
+  /// Calls f(probability of a light), in the order of sample_light.
+  template <class F>
+  void for_probabilities(const F& f);
+  void normalize_probabilities();
   void make_strata();
   void make_clusters();
   /// Halves a rectangle of an environment's random numbers so many times, across its longer side

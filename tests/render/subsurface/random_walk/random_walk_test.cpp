@@ -330,6 +330,42 @@ TEST(RandomWalk, HasNoFirefliesAtAnEdge) {
   EXPECT_LT(most, 10.0 * sum / count);
 }
 
+// Each single walk sees a lamp straight through a sheet that absorbs, as bright as Bouguer's law and
+// the Airy sum of Fresnel's reflections have it; under a sky, too, where later on paths leave by
+// chance.
+TEST(RandomWalk, SeesALampThroughAThinSheetWithoutNoise) {
+  const std::vector<double> sigma_a = {0.5, 1.0, 2.0};
+  constexpr double thickness = 2.0, ior = 1.4, radiance = 5.0;
+  Scene scene = scene_of(make_plate(6.0f, static_cast<float>(thickness)),
+                         homogeneous(sigma_a, {0, 0, 0}, 0.0, ior),
+                         RectangleLight{.center = {0, 0, -20},
+                                        .edge_u = {20, 0, 0},
+                                        .edge_v = {0, 20, 0},
+                                        .radiance = {radiance, radiance, radiance}},
+                         1);
+  for (const bool has_sky : {false, true}) {
+    if (has_sky) scene.lights.push_back(EnvironmentLight{.scale = {0, 0, 0}});
+    const RenderScene prepared(scene);
+    const auto conversion =
+        make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+    const RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+    const Hit hit = prepared.geometry.first_hit({{0.3f, 0.2f, 3}, {0, 0, -1}}, 0.0f);
+    const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
+    const ExitPoint exit{point, boundary_at(prepared, point), 1.0f, {0, 0, 1}};
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      PixelSamples samples(11, i, 0);
+      const BandValues<4> found = walk.leaving_radiance(exit, NoLight{}, samples);
+      for (std::size_t b = 0; b < 3; ++b) {
+        const double mirrored = fresnel(1.0, ior), passing = std::exp(-sigma_a[b] * thickness);
+        const double expected = radiance * std::pow(1.0 - mirrored, 2) * passing /
+                                (1.0 - std::pow(mirrored * passing, 2));
+        EXPECT_NEAR(static_cast<double>(found[static_cast<int>(b)]), expected, 2e-3 * expected)
+            << has_sky << ' ' << i << ' ' << b;
+      }
+    }
+  }
+}
+
 TEST(RandomWalk, StopsPreparingWhenAsked) {
   const Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.1, 0.1}, {2, 2, 2}, 0.0, 1.3),
                                PointLight{.position = {0, 0, 9}}, 1);

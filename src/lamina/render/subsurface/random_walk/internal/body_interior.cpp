@@ -199,9 +199,10 @@ typename BodyInterior<N>::Segment BodyInterior<N>::sample_forced_segment(
       sure > 0.0f ? exp_minus(sure * medium.sigma_t) * path.throughput : path.throughput;
   const Bands staying = max(beyond_sure - transmitted.fraction * reaching, Bands{});
   const float leaving = transmitted.fraction * sum_of_bands(reaching) / sum_of_bands(beyond_sure);
-  if (random.uniform_float() < leaving) {
+  if (leaving > 0.0f && (path.is_unscattered || random.uniform_float() < leaving)) {
     WalkPath<N> own = path;
-    own.throughput = (sum_of_bands(path.throughput) / sum_of_bands(reaching)) * reaching;
+    const float certain = path.is_unscattered ? leaving : 1.0f;
+    own.throughput = (certain * sum_of_bands(path.throughput) / sum_of_bands(reaching)) * reaching;
     on_escape(own, {segment.point, transmitted.outside});
   }
   segment.remaining = 1.0f - leaving;
@@ -225,7 +226,8 @@ bool BodyInterior<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, Wa
   for (int reflections = 0; reflections < most_reflections; ++reflections) {
     const Vec2f u = numbers.pair();
     Random& random = numbers.stream();
-    const Segment segment = is_dark_outside_
+    const bool is_forced = is_dark_outside_ || path.is_unscattered;
+    const Segment segment = is_forced
                                 ? sample_forced_segment(path, medium, u, random, on_escape)
                                 : sample_segment(path, medium, u);
     const bool scatters = !segment.hit.is_hit();
@@ -241,12 +243,13 @@ bool BodyInterior<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, Wa
     if (scatters) {
       path.ray.origin += segment.length * path.ray.direction;
       path.clearance = std::max(distance_->at(path.ray.origin), 0.0f);
+      path.is_unscattered = false;
       path.has_scattered = true;
       path.is_reflected_once = false;
       return true;
     }
     const Vec2f u_turn = numbers.pair();
-    if (!is_dark_outside_) {
+    if (!is_forced) {
       const Transmission at_surface = transmission_at(segment.point, path.ray.direction);
       if (random.uniform_float() < at_surface.fraction) {
         on_escape(path, {segment.point, at_surface.outside});

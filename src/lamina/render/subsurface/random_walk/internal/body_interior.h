@@ -51,7 +51,8 @@ class BodyInterior {
   ///
   /// Where no environment light shines, scattering is forced: a path does not end where it leaves,
   /// but always goes on inside with less throughput. For most that leave find no light, so whether
-  /// they do is but noise.
+  /// they do is but noise. So it is before the first event, everywhere, and all that leaves is
+  /// followed: a lamp that shines straight through thin parts is seen without noise.
   ///
   /// @param on_escape  called for what leaves, as often as paths do
   /// @return           whether it reached a scattering event

@@ -38,6 +38,7 @@ template <int N>
 struct WalkPath {
   Ray ray;
   BandValues<N> throughput;
+  bool is_unscattered = true;      ///< it has had no event yet
   bool has_scattered = false;      ///< and met no surface since
   bool is_reflected_once = false;  ///< by the smooth boundary, since it scattered
   float clearance = 0.0f;          ///< lower bound of the distance to a surface [mm]

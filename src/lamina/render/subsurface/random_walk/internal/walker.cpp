@@ -114,6 +114,7 @@ typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N
 /// Adds light that is scattered into the path at an event; samples whether it goes on, and where.
 template <int N>
 bool Walker<N>::scatter() {
+  if (!(largest(path_.throughput) > 0.0f)) return false;  // all of it is absorbed
   const BodyMedium<N>& medium = *place_.medium;
   const WalkLayers<N>& layers = medium.layers;
   const RadianceField<N>* field = medium.field.get();
