@@ -70,7 +70,9 @@ DirectLightField<N>::Node DirectLightField<N>::compute_node(std::size_t node,
       found[i] += here;
     });
   }
-  if (brightness > 0.0f) sum.to_light *= 1.0f / brightness;
+  // Deep inside nothing arrives but what floats hold no inverse of.
+  constexpr float least_brightness = 1e-30f;
+  sum.to_light *= brightness > least_brightness ? 1.0f / brightness : 0.0f;
   for (std::size_t i = 0; i < count; ++i)
     sum.deviation = std::max(sum.deviation, std::abs(found[i] - fraction * brightness));
   sum.weight = 1.0f;
