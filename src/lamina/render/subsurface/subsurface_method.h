@@ -98,6 +98,13 @@ class SubsurfaceMethod {
                                                        const LightGatherer<N>& light,
                                                        PixelSamples& samples) const = 0;
 
+  /// The same without light that came straight through, which is as narrow as what shines behind.
+  [[nodiscard]] virtual BandValues<N> scattered_radiance(const ExitPoint& exit,
+                                                         const LightGatherer<N>& light,
+                                                         PixelSamples& samples) const {
+    return leaving_radiance(exit, light, samples);
+  }
+
   /// Fraction of the flux that entered that leaves again on the lit side, as if it did so at the
   /// point where it entered. What paths of indirect light use.
   [[nodiscard]] virtual BandValues<N> local_reflectance(const SurfacePoint& point) const = 0;

@@ -257,12 +257,32 @@ TEST(RandomWalk, HasTheSameMeanWhetherPathsLeaveOrStay) {
   }
 }
 
-// A white cube among lamps that shine from all around looks as bright as they, at its corner as
-// elsewhere: no way by which light enters is missed or counted twice, through one face, another, or
-// mirrored inside.
-TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
-  Scene scene = scene_of(make_cube(2.0f), homogeneous({0, 0, 0}, {1, 1, 1}, 0.0, 1.4),
-                         EnvironmentLight{.scale = {0, 0, 0}}, 1);
+struct MeanAndError {
+  double mean, error;
+};
+
+/// Of the light that leaves the top of a body along z.
+MeanAndError leaving_at(const RandomWalk<4>& walk, const RenderScene& prepared, Vec2f at,
+                        std::uint32_t count, int band = 0) {
+  const Hit hit = prepared.geometry.first_hit({{at.x, at.y, 100}, {0, 0, -1}}, 0.0f);
+  const SurfacePoint point = make_surface_point(prepared.scene->meshes, hit, 0.0f);
+  const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
+  double sum = 0.0, squares = 0.0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    PixelSamples samples(11, i, 0);
+    const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[band]);
+    sum += value;
+    squares += value * value;
+  }
+  const double mean = sum / count;
+  return {mean, std::sqrt((squares / count - mean * mean) / count)};
+}
+
+/// A white body among lamps that shine from all around.
+Scene among_lamps(Mesh body, double sigma_s) {
+  Scene scene =
+      scene_of(std::move(body), homogeneous({0, 0, 0}, {sigma_s, sigma_s, sigma_s}, 0.0, 1.4),
+               EnvironmentLight{.scale = {0, 0, 0}}, 1);
   scene.lights.clear();
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-6.0, 6.0}) {
@@ -273,6 +293,13 @@ TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
       scene.lights.push_back(
           RectangleLight{.center = center, .edge_u = u, .edge_v = v, .radiance = {1, 1, 1}});
     }
+  return scene;
+}
+
+// A white cube among lamps looks as bright as they, at its corner as elsewhere: no way by which
+// light enters is missed or counted twice, through one face, another, or mirrored inside.
+TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
+  const Scene scene = among_lamps(make_cube(2.0f), 1.0);
   const RenderScene prepared(scene);
   const auto conversion =
       make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
@@ -282,35 +309,39 @@ TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
       ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
     }
     for (const float offset : {0.9f, 0.5f}) {
-      const Hit hit = prepared.geometry.first_hit({{offset, offset, 3}, {0, 0, -1}}, 0.0f);
-      const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
-      const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
-      const double entering = 1.0 - fresnel(1.0, 1.4);
-      double sum = 0.0, squares = 0.0;
-      constexpr int count = 2048;
-      for (std::uint32_t i = 0; i < count; ++i) {
-        PixelSamples samples(11, i, 0);
-        const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[0]);
-        sum += value;
-        squares += value * value;
-      }
-      const double mean = sum / count, error = std::sqrt((squares / count - mean * mean) / count);
-      EXPECT_NEAR(mean, entering, 3.5 * error);
+      const auto [mean, error] = leaving_at(walk, prepared, {offset, offset}, 2048);
+      EXPECT_NEAR(mean, 1.0 - fresnel(1.0, 1.4), 3.5 * error);
       EXPECT_LT(error, 0.01);
     }
   }
 }
 
+// So does a clear white ball: light that its curved boundary reflects inside, and that of the folds
+// of its caustics, counts once, between paths that meet the lamps by chance and light vertices.
+TEST(RandomWalk, WhiteBallAmongLampsIsAsBrightAsTheyWithLightVertices) {
+  const Scene scene = among_lamps(make_sphere(1.5f, 96), 0.6);
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+  ASSERT_TRUE(walk.trace_light_vertices(NoLight{}, {}));
+  constexpr double offset = 0.4, radius = 1.5;
+  const double cosine = std::sqrt(1.0 - std::pow(offset / radius, 2));
+  const auto [mean, error] = leaving_at(walk, prepared, {static_cast<float>(offset), 0.0f}, 40'000);
+  EXPECT_NEAR(mean, 1.0 - fresnel(cosine, 1.4), 3.5 * error);
+  EXPECT_LT(error, 0.0015);
+}
+
 // Beside an edge light comes through two faces and by reflection. None of that is left to paths
 // that meet the lamp by chance: they are worth hundreds of others.
 TEST(RandomWalk, HasNoFirefliesAtAnEdge) {
-  const Scene scene =
-      scene_of(make_cube(20.0f), homogeneous({0.05, 0.1, 0.2}, {1, 1, 1}, 0.0, 1.4),
-               RectangleLight{.center = {30, 0, 20},
-                              .edge_u = {0, 4, 0},
-                              .edge_v = {2.22, 0, -3.33},
-                              .radiance = {50, 50, 50}},
-               1);
+  const Scene scene = scene_of(make_cube(20.0f), homogeneous({0.05, 0.1, 0.2}, {1, 1, 1}, 0.0, 1.4),
+                               RectangleLight{.center = {30, 0, 20},
+                                              .edge_u = {0, 4, 0},
+                                              .edge_v = {2.22, 0, -3.33},
+                                              .radiance = {50, 50, 50}},
+                               1);
   const RenderScene prepared(scene);
   const auto conversion =
       make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
@@ -330,9 +361,9 @@ TEST(RandomWalk, HasNoFirefliesAtAnEdge) {
   EXPECT_LT(most, 10.0 * sum / count);
 }
 
-// Each single walk sees a lamp straight through a sheet that absorbs, as bright as Bouguer's law and
-// the Airy sum of Fresnel's reflections have it; under a sky, too, where later on paths leave by
-// chance.
+// Each single walk sees a lamp straight through a sheet that absorbs, as bright as Bouguer's law
+// and the Airy sum of Fresnel's reflections have it; under a sky, too, where later on paths leave
+// by chance.
 TEST(RandomWalk, SeesALampThroughAThinSheetWithoutNoise) {
   const std::vector<double> sigma_a = {0.5, 1.0, 2.0};
   constexpr double thickness = 2.0, ior = 1.4, radiance = 5.0;
@@ -362,8 +393,25 @@ TEST(RandomWalk, SeesALampThroughAThinSheetWithoutNoise) {
         EXPECT_NEAR(static_cast<double>(found[static_cast<int>(b)]), expected, 2e-3 * expected)
             << has_sky << ' ' << i << ' ' << b;
       }
+      EXPECT_EQ(largest(walk.scattered_radiance(exit, NoLight{}, samples)), 0.0f);
     }
   }
+}
+
+// Ninety mean free paths inside a ball direct light is below what floats hold the inverse of.
+TEST(RandomWalk, IsANumberInThickBodies) {
+  const Scene scene = scene_of(
+      make_sphere(50.0f), homogeneous({0.2, 0.4, 1}, {2, 2, 2}, 0.0, 1.4),
+      RectangleLight{
+          .center = {0, 0, 300}, .edge_u = {0, 9, 0}, .edge_v = {9, 0, 0}, .radiance = {5, 5, 5}},
+      1);
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+  for (int band = 0; band < 3; ++band)
+    EXPECT_GT(leaving_at(walk, prepared, {3.0f, 0.0f}, 64, band).mean, 0.0) << band;
 }
 
 TEST(RandomWalk, StopsPreparingWhenAsked) {

@@ -51,14 +51,14 @@ void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
   if (medium.is_rough) return;  // which sends their light in all directions
   const WalkLayers<N>& layers = medium.layers;
   const bool has_points = std::ranges::any_of(scene.lights, [](const Light& light) {
-    return std::holds_alternative<PointLight>(light) ||
-           std::holds_alternative<SpotLight>(light) ||
+    return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light) ||
            std::holds_alternative<DirectionalLight>(light);
   });
   if (has_points && !layers.sees_out(layers.by_depth().count() - 1))
-    throw InvalidInput("material \"" + scene.materials[material].name +
-                       "\": random_walk does not find point, spot and distant lights through layers of "
-                       "different ior; use rectangles, one ior or a rough surface");
+    throw InvalidInput(
+        "material \"" + scene.materials[material].name +
+        "\": random_walk does not find point, spot and distant lights through layers of "
+        "different ior; use rectangles, one ior or a rough surface");
 }
 
 }  // namespace
@@ -91,6 +91,15 @@ RandomWalk<N>::RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t mat
 }
 
 template <int N>
+bool RandomWalk<N>::prepare(const Preparation<N>& with) {
+  // What is kept serves other cameras, which see other places.
+  const auto& seen = with.seen.points[material_];
+  if (!with.cache.is_wanted() && !seen.empty()) medium_->narrow_to(seen);
+  return solve_radiance_field(with.light, with.progress) &&
+         trace_light_vertices(with.light, with.progress);
+}
+
+template <int N>
 SubsurfaceCost RandomWalk<N>::expected_cost(const Preparation<N>& /*with*/) const {
   // A second to solve the radiance field; then a path takes so much of one without it. Measured on
   // one core of a Zen 4.
@@ -108,8 +117,13 @@ bool RandomWalk<N>::solve_radiance_field(const LightGatherer<N>& light, const Pr
 }
 
 template <int N>
-BandValues<N> RandomWalk<N>::leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
-                                              PixelSamples& samples) const {
+bool RandomWalk<N>::trace_light_vertices(const LightGatherer<N>& light, const Progress& progress) {
+  return !medium_->light_vertices || medium_->light_vertices->trace(light, progress);
+}
+
+template <int N>
+BandValues<N> RandomWalk<N>::radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                      PixelSamples& samples, bool with_unscattered) const {
   const float transmitted = 1.0f - reflectance(exit.boundary, exit.cos_o);
   Bands radiance;
   for (std::uint32_t i = 0; i < walks; ++i) {
@@ -118,7 +132,8 @@ BandValues<N> RandomWalk<N>::leaving_radiance(const ExitPoint& exit, const Light
     if (!entry) continue;
     const WalkPath<N> path{.ray = {leave_surface(exit.point, entry->inward), entry->inward},
                            .throughput = Bands::filled(transmitted)};
-    radiance += Walker<N>(*media_, entry->place, path, light, own, least_reference_).trace();
+    radiance += Walker<N>(*media_, entry->place, path, light, own, least_reference_)
+                    .trace(with_unscattered);
   }
   return (1.0f / static_cast<float>(walks)) * radiance;
 }

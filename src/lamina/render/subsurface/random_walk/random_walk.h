@@ -26,8 +26,9 @@ struct BodyMedium;
 /// estimation: from scattering events through a smooth boundary, on the path that Snell's law
 /// takes, also through bodies of the same index; from where a path meets a rough boundary. Paths
 /// that leave and meet a light share it by multiple importance sampling, so that light on a second
-/// way, which next-event estimation misses on a wavy surface, is not lost. The rest of the sky and
-/// other objects are found by paths that leave.
+/// way, which next-event estimation misses on a wavy surface, is not lost; in a homogeneous body
+/// light vertices find most of that. The rest of the sky and other objects are found by paths that
+/// leave.
 ///
 /// A closed body of one homogeneous medium with a smooth boundary, which no other body touches, has
 /// a precomputed radiance field: a control variate that spares most of the work. It is an optional
@@ -44,9 +45,7 @@ class RandomWalk final : public SubsurfaceMethod<N> {
   ///         indices; for maps without texture coordinates
   RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t material);
 
-  [[nodiscard]] bool prepare(const Preparation<N>& with) override {
-    return solve_radiance_field(with.light, with.progress);
-  }
+  [[nodiscard]] bool prepare(const Preparation<N>& with) override;
   [[nodiscard]] SubsurfaceCost expected_cost(const Preparation<N>& with) const override;
 
   /// Solves the radiance field, if the medium has one. Without it the mean is the same, at more
@@ -57,12 +56,27 @@ class RandomWalk final : public SubsurfaceMethod<N> {
   [[nodiscard]] bool solve_radiance_field(const LightGatherer<N>& light, const Progress& progress,
                                           float scale = 1.0f);
 
+  /// Traces light vertices where next-event estimation misses light. Without them the mean is the
+  /// same, but for points, spots and distant lights, whose light no path finds then.
+  ///
+  /// @return  false if `progress` asked to stop
+  [[nodiscard]] bool trace_light_vertices(const LightGatherer<N>& light, const Progress& progress);
+
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
-                                       PixelSamples& samples) const override;
+                                       PixelSamples& samples) const override {
+    return radiance(exit, light, samples, true);
+  }
+  [[nodiscard]] Bands scattered_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                                         PixelSamples& samples) const override {
+    return radiance(exit, light, samples, false);
+  }
   /// That of flat layers: for indirect light between objects.
   [[nodiscard]] Bands local_reflectance(const SurfacePoint& point) const override;
 
  private:
+  [[nodiscard]] Bands radiance(const ExitPoint& exit, const LightGatherer<N>& light,
+                               PixelSamples& samples, bool with_unscattered) const;
+
   std::shared_ptr<WalkMedia<N>> media_;
   std::uint32_t material_;
   BodyMedium<N>* medium_;

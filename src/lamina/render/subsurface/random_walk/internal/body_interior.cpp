@@ -41,6 +41,17 @@ Box box_of_material(const Scene& scene, std::uint32_t material) {
   return box.low.x <= box.high.x ? box : Box{};
 }
 
+Box box_around(std::span<const SurfacePoint> points, float margin) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const SurfacePoint& point : points)
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = std::min(box.low[axis], point.position[axis] - margin);
+      box.high[axis] = std::max(box.high[axis], point.position[axis] + margin);
+    }
+  return box;
+}
+
 namespace {
 
 /// `part "scalp, hair" is open: 12 edges do not join two faces, the first at (1, 2, 3) mm`.
@@ -75,6 +86,13 @@ void require_closed_meshes(const Scene& scene, std::uint32_t material) {
                          "; close it, give it another material or use another method");
 }
 
+Vec3f reflect_inside(const SurfacePoint& point, const Vec3f& direction) {
+  const auto reflected = [&](const Vec3f& n) { return direction - 2.0f * dot(direction, n) * n; };
+  const Vec3f smooth = reflected(point.smooth_normal);
+  return normalize(dot(smooth, point.geometric_normal) < 0.0f ? smooth
+                                                              : reflected(point.geometric_normal));
+}
+
 template <int N>
 BodyInterior<N>::BodyInterior(const RenderScene& scene, const BandConversion<N>& conversion,
                               std::uint32_t material, float ior, int bands, float free_path)
@@ -83,13 +101,23 @@ BodyInterior<N>::BodyInterior(const RenderScene& scene, const BandConversion<N>&
       material_(material),
       ior_(ior),
       bands_(bands),
-      box_(box_of_material(*scene.scene, material)),
+      free_path_(free_path),
+      region_(box_of_material(*scene.scene, material)),
       is_dark_outside_(std::ranges::none_of(scene.scene->lights, [](const Light& light) {
         return std::holds_alternative<EnvironmentLight>(light);
       })) {
-  distance_ = std::make_unique<DistanceField>(scene.geometry, scene.scene->meshes,
-                                              lattice(0.7f * free_path, 1e6),
-                                              lattice(1.4f * free_path, 1.3e5));
+  narrow_to(region_);
+}
+
+template <int N>
+void BodyInterior<N>::narrow_to(const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    region_.low[axis] = std::clamp(box.low[axis], region_.low[axis], region_.high[axis]);
+    region_.high[axis] = std::clamp(box.high[axis], region_.low[axis], region_.high[axis]);
+  }
+  distance_ = std::make_unique<DistanceField>(scene_.geometry, scene_.scene->meshes,
+                                              lattice(0.7f * free_path_, 1e6),
+                                              lattice(1.4f * free_path_, 1.3e5));
 }
 
 template <int N>
@@ -138,14 +166,11 @@ void BodyInterior<N>::reflect(WalkPath<N>& path, const SurfacePoint& point, cons
   if (is_blocked) {
     reflect_diffusely(path, point, hit, u);
   } else {
-    const auto reflected = [&](const Vec3f& n) { return direction - 2.0f * dot(direction, n) * n; };
-    // A reflected direction must stay inside the facet, whatever the smooth normal says.
-    const Vec3f smooth = reflected(point.smooth_normal);
-    direction = normalize(
-        dot(smooth, point.geometric_normal) < 0.0f ? smooth : reflected(point.geometric_normal));
+    direction = reflect_inside(point, direction);
   }
   path.ray.origin = leave_surface(point, direction);
   path.is_reflected_once = path.has_scattered && !is_blocked;
+  path.is_reflected_diffusely = path.is_reflected_diffusely || is_blocked;
   path.has_scattered = false;
   path.clearance = 0.0f;
 }
@@ -199,10 +224,10 @@ typename BodyInterior<N>::Segment BodyInterior<N>::sample_forced_segment(
       sure > 0.0f ? exp_minus(sure * medium.sigma_t) * path.throughput : path.throughput;
   const Bands staying = max(beyond_sure - transmitted.fraction * reaching, Bands{});
   const float leaving = transmitted.fraction * sum_of_bands(reaching) / sum_of_bands(beyond_sure);
-  if (leaving > 0.0f && (path.is_unscattered || random.uniform_float() < leaving)) {
+  if (leaving > 0.0f && (path.leaves_for_certain() || random.uniform_float() < leaving)) {
     WalkPath<N> own = path;
-    const float certain = path.is_unscattered ? leaving : 1.0f;
-    own.throughput = (certain * sum_of_bands(path.throughput) / sum_of_bands(reaching)) * reaching;
+    const float share = path.leaves_for_certain() ? leaving : 1.0f;
+    own.throughput = (share * sum_of_bands(path.throughput) / sum_of_bands(reaching)) * reaching;
     on_escape(own, {segment.point, transmitted.outside});
   }
   segment.remaining = 1.0f - leaving;
@@ -226,10 +251,9 @@ bool BodyInterior<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, Wa
   for (int reflections = 0; reflections < most_reflections; ++reflections) {
     const Vec2f u = numbers.pair();
     Random& random = numbers.stream();
-    const bool is_forced = is_dark_outside_ || path.is_unscattered;
-    const Segment segment = is_forced
-                                ? sample_forced_segment(path, medium, u, random, on_escape)
-                                : sample_segment(path, medium, u);
+    const bool is_forced = is_dark_outside_ || path.leaves_for_certain();
+    const Segment segment = is_forced ? sample_forced_segment(path, medium, u, random, on_escape)
+                                      : sample_segment(path, medium, u);
     const bool scatters = !segment.hit.is_hit();
     // exp(-sigma_t s) of each band; what all share cancels.
     Bands reaching = exp_minus(segment.length * medium.sigma_t_over_least) * path.throughput;
@@ -243,9 +267,9 @@ bool BodyInterior<N>::advance(WalkPath<N>& path, const WalkMedium<N>& medium, Wa
     if (scatters) {
       path.ray.origin += segment.length * path.ray.direction;
       path.clearance = std::max(distance_->at(path.ray.origin), 0.0f);
-      path.is_unscattered = false;
+      ++path.events;
       path.has_scattered = true;
-      path.is_reflected_once = false;
+      path.is_reflected_once = path.is_reflected_diffusely = false;
       return true;
     }
     const Vec2f u_turn = numbers.pair();

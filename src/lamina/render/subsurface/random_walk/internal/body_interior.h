@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
@@ -28,8 +29,15 @@ struct Box {
 /// Around all triangles of a material; both corners 0 if there are none.
 [[nodiscard]] Box box_of_material(const Scene& scene, std::uint32_t material);
 
+/// Around points, with a margin.
+[[nodiscard]] Box box_around(std::span<const SurfacePoint> points, float margin);
+
 /// @throws InvalidInput if a mesh of the material is open
 void require_closed_meshes(const Scene& scene, std::uint32_t material);
+
+/// The direction in which a smooth boundary reflects light inside: by its smooth normal, unless
+/// that sends it outside.
+[[nodiscard]] Vec3f reflect_inside(const SurfacePoint& point, const Vec3f& direction);
 
 /// The inside of all meshes of one material, with its distance field and the objects in it.
 ///
@@ -51,7 +59,7 @@ class BodyInterior {
   ///
   /// Where no environment light shines, scattering is forced: a path does not end where it leaves,
   /// but always goes on inside with less throughput. For most that leave find no light, so whether
-  /// they do is but noise. So it is before the first event, everywhere, and all that leaves is
+  /// they do is but noise. So it is everywhere before the second event, and all that leaves is
   /// followed: a lamp that shines straight through thin parts is seen without noise.
   ///
   /// @param on_escape  called for what leaves, as often as paths do
@@ -74,9 +82,13 @@ class BodyInterior {
   [[nodiscard]] std::uint32_t material() const { return material_; }
   [[nodiscard]] float ior() const { return ior_; }
   [[nodiscard]] int bands() const { return bands_; }
-  /// A lattice over the inside.
+  /// Where paths mostly are: in the box of the material, unless it was narrowed.
+  [[nodiscard]] const Box& region() const { return region_; }
+  /// Narrows the region to what is in a box, too: its lattices get finer.
+  void narrow_to(const Box& box);
+  /// A lattice over the region.
   [[nodiscard]] NodeLattice lattice(float spacing, double most_nodes) const {
-    return {box_.low, box_.high, spacing, most_nodes};
+    return {region_.low, region_.high, spacing, most_nodes};
   }
 
  private:
@@ -117,7 +129,8 @@ class BodyInterior {
   std::uint32_t material_;
   float ior_;
   int bands_;
-  Box box_;
+  float free_path_;
+  Box region_;
   bool is_dark_outside_;  ///< no environment light: paths that leave find little
   std::unique_ptr<DistanceField> distance_;
 };

@@ -39,6 +39,16 @@ ManifoldNextEvent<N>::find_same_connection(const WalkPath<N>& path, const Surfac
   return found;
 }
 
+template <int N>
+bool ManifoldNextEvent<N>::finds(const Vec3f& event, int reflections, const SurfacePoint& entry,
+                                 const Ray& outside, const LightSeen& light) const {
+  WalkPath<N> path;
+  path.last.ray.origin = event;
+  path.has_scattered = reflections == 0;
+  path.is_reflected_once = reflections == 1;
+  return find_same_connection(path, entry, outside, light, nullptr).has_value();
+}
+
 template class ManifoldNextEvent<4>;
 template class ManifoldNextEvent<8>;
 template class ManifoldNextEvent<16>;

@@ -60,12 +60,20 @@ class ManifoldNextEvent {
   /// the path's last event finds, too, is weighted by multiple importance sampling.
   ///
   /// @param mis_weight     (RefractedEntry, pdf) to the MIS weight of next-event estimation
+  /// @param lost_weight    (LightSeen) to the MIS weight of the path where that finds nothing
   /// @param find_boundary  as in `sample_light`
-  template <class MisWeight>
+  template <class MisWeight, class LostWeight>
   [[nodiscard]] Bands escaping_radiance(const WalkPath<N>& path, const WalkExit& exit,
                                         const LightGatherer<N>& light, PixelSamples& samples,
-                                        const MisWeight& mis_weight,
+                                        const MisWeight& mis_weight, const LostWeight& lost_weight,
                                         const FindBoundary* find_boundary = nullptr) const;
+
+  /// Whether next-event estimation at an event finds light that entered at a point and was
+  /// reflected so often before.
+  ///
+  /// @param outside  ray towards the light
+  [[nodiscard]] bool finds(const Vec3f& event, int reflections, const SurfacePoint& entry,
+                           const Ray& outside, const LightSeen& light) const;
 
  private:
   /// Whether two entries of paths of about a length are one.
@@ -194,11 +202,12 @@ void ManifoldNextEvent<N>::sample_light(const Vec3f& inside, float u_light, Vec2
 }
 
 template <int N>
-template <class MisWeight>
+template <class MisWeight, class LostWeight>
 BandValues<N> ManifoldNextEvent<N>::escaping_radiance(const WalkPath<N>& path, const WalkExit& exit,
                                                       const LightGatherer<N>& light,
                                                       PixelSamples& samples,
                                                       const MisWeight& mis_weight,
+                                                      const LostWeight& lost_weight,
                                                       const FindBoundary* find_boundary) const {
   const Ray ray{leave_surface(exit.point, exit.outside), exit.outside};
   Bands radiance = light.arriving_radiance(ray, samples);
@@ -206,7 +215,8 @@ BandValues<N> ManifoldNextEvent<N>::escaping_radiance(const WalkPath<N>& path, c
       ray, 0.0f, std::numeric_limits<float>::infinity(), false, [&](const LightSeen& seen) {
         if (!(seen.next_event_share > 0.0f)) return;
         const auto found = find_same_connection(path, exit.point, ray, seen, find_boundary);
-        const float weight = found ? 1.0f - mis_weight(found->entry, found->pdf) : 1.0f;
+        const float weight =
+            found ? 1.0f - mis_weight(found->entry, found->pdf) : lost_weight(seen);
         if (weight > 0.0f)
           radiance += weight * seen.next_event_share *
                       interior_.conversion().from_rgb(seen.radiance) *

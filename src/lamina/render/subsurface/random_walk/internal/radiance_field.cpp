@@ -194,14 +194,16 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
       const Vec3f start = points[n].at[i % points[n].count];
       WalkPath<N> path{.ray = {start, links.direction[k]},
                        .throughput = Bands::filled(1.0f),
+                       .events = 2,  // leaves by chance: all that it finds is one value
                        .has_scattered = true,
                        .clearance = std::max(interior_.distance().at(start), 0.0f)};
       path.last.ray = path.ray;
       const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
         PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
-        links.given[k] += leaving.throughput *
-                          next_event_.escaping_radiance(leaving, exit, light, samples,
-                                                        [](const auto&, float) { return 1.0f; });
+        links.given[k] += leaving.throughput * next_event_.escaping_radiance(
+                                                   leaving, exit, light, samples,
+                                                   [](const auto&, float) { return 1.0f; },
+                                                   [](const LightSeen&) { return 1.0f; });
       };
       if (!interior_.advance(path, reduced_, numbers, std::ref(add_escaping))) continue;
       // One of the nodes around, by their weights.

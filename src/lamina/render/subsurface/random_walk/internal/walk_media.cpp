@@ -39,9 +39,25 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
       is_homogeneous(layers.by_depth().count() == 1 && !layers.has_maps() && !is_rough &&
                      !has_neighbors),
       next_event(interior, is_homogeneous) {
-  if (is_homogeneous)
-    field = std::make_unique<RadianceField<N>>(interior, next_event, layers.medium(0),
-                                               layers.mean_cosine(0));
+  if (is_homogeneous) make_field();
+}
+
+template <int N>
+void BodyMedium<N>::make_field() {
+  field = std::make_unique<RadianceField<N>>(interior, next_event, layers.medium(0),
+                                             layers.mean_cosine(0));
+  light_vertices = std::make_unique<LightVertices<N>>(interior, next_event, layers);
+}
+
+template <int N>
+void BodyMedium<N>::narrow_to(std::span<const SurfacePoint> seen) {
+  constexpr float margin_in_free_paths = 6.0f;  // of the band whose light goes farthest
+  if (!is_homogeneous) return;
+  const WalkMedium<N>& medium = layers.medium(0);
+  const BandValues<N> reduced = medium.sigma_t - layers.mean_cosine(0) * medium.sigma_s;
+  const float least = *std::min_element(reduced.v, reduced.v + layers.bands());
+  interior.narrow_to(box_around(seen, margin_in_free_paths / std::max(least, 1e-6f)));
+  make_field();
 }
 
 template <int N>

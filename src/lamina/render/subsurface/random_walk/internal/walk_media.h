@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/dielectric_scattering.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/internal/light_vertices.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 #include "lamina/render/subsurface/random_walk/internal/nested_dielectrics.h"
 #include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
@@ -34,9 +36,17 @@ struct BodyMedium {
   /// Optional, a control variate: absent where it cannot be solved, which is where the medium is
   /// not homogeneous. Paths are the same with it and without, and so is their mean.
   std::unique_ptr<RadianceField<N>> field;
+  /// Beside the field: absent where that is.
+  std::unique_ptr<LightVertices<N>> light_vertices;
 
   BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
              const NestedDielectrics& bodies, std::uint32_t material, bool is_smooth);
+
+  /// Narrows what is precomputed to where paths from some points of its surface mostly go.
+  void narrow_to(std::span<const SurfacePoint> seen);
+
+ private:
+  void make_field();
 };
 
 /// Where a path is: in which bodies, in which medium, at which depth.

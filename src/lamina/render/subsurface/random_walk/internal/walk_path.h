@@ -38,10 +38,15 @@ template <int N>
 struct WalkPath {
   Ray ray;
   BandValues<N> throughput;
-  bool is_unscattered = true;      ///< it has had no event yet
-  bool has_scattered = false;      ///< and met no surface since
-  bool is_reflected_once = false;  ///< by the smooth boundary, since it scattered
-  float clearance = 0.0f;          ///< lower bound of the distance to a surface [mm]
+  int events = 0;                       ///< that it has had
+  bool has_scattered = false;           ///< and met no surface since
+  bool is_reflected_once = false;       ///< by the smooth boundary, since it scattered
+  bool is_reflected_diffusely = false;  ///< by an object inside, since it scattered
+  float clearance = 0.0f;               ///< lower bound of the distance to a surface [mm]
+
+  /// At a surface it is followed in and out, with the share of each, and not one of them by chance:
+  /// little is as bright as lamps that shine straight through thin parts, and few paths meet them.
+  [[nodiscard]] bool leaves_for_certain() const { return events < 2; }
 
   /// It comes straight from its last event, but for refraction at boundaries of layers.
   bool comes_from_event = false;
@@ -53,6 +58,11 @@ struct WalkPath {
     float next_event_rate = 0.0f;  ///< of next-event estimation, as MIS weights count it
     float continuation = 1.0f;     ///< probability that the path went on
     Vec3f turned;                  ///< the direction in which it did
+
+    /// The event before, where it is the other end of the straight way to this one.
+    bool is_straight = false;
+    Vec3f before;
+    float phase_before = 0.0f;  ///< the phase function there [1/sr]
   } last{};
 };
 

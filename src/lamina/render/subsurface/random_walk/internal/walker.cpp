@@ -41,7 +41,8 @@ Walker<N>::Walker(const WalkMedia<N>& media, const MediaPlace<N>& start, const W
       least_reference_(least_reference) {}
 
 template <int N>
-BandValues<N> Walker<N>::trace() {
+BandValues<N> Walker<N>::trace(bool with_unscattered) {
+  with_unscattered_ = with_unscattered;
   if (place_.medium->is_homogeneous) {
     trace_homogeneous();
     return radiance_;
@@ -72,6 +73,7 @@ template <int N>
 void Walker<N>::trace_homogeneous() {
   const BodyMedium<N>& medium = *place_.medium;
   const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
+    if (!with_unscattered_ && leaving.events == 0) return;
     radiance_ += leaving.throughput * escaping_radiance(leaving, exit);
   };
   const OnEscape<N> on_escape = std::ref(add_escaping);
@@ -132,8 +134,18 @@ bool Walker<N>::scatter() {
   }
   // With a field, MIS counts next-event estimation as if every event did it: where few do, lights
   // must not be left to paths that meet them by chance.
-  path_.last = {
-      path_.ray, path_.throughput, field ? 1.0f : expected.next_event, expected.continuation, {}};
+  typename WalkPath<N>::Event event{path_.ray, path_.throughput, field ? 1.0f : expected.next_event,
+                                    expected.continuation};
+  const LightVertices<N>* vertices = medium.light_vertices.get();
+  if (vertices && !vertices->is_empty()) {
+    const Vec3f bend = path_.ray.direction - path_.last.turned;
+    event.is_straight = dot(bend, bend) == 0.0f;
+    event.before = path_.last.ray.origin;
+    event.phase_before = largest(layers.phase(
+        last_place_.depth, one_minus_cos(path_.last.ray.direction, path_.last.turned)));
+    radiance_ += path_.throughput * sample_light_vertex();
+  }
+  path_.last = event;
   last_place_ = place_;
 
   Random& random = numbers_.stream();

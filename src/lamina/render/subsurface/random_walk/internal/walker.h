@@ -28,7 +28,9 @@ class Walker {
          const LightGatherer<N>& light, PixelSamples& samples, float least_reference);
 
   /// Follows the path to its end: the radiance that it finds, by one random estimate.
-  [[nodiscard]] Bands trace();
+  ///
+  /// @param with_unscattered  also of light that comes straight through
+  [[nodiscard]] Bands trace(bool with_unscattered);
 
  private:
   using Place = MediaPlace<N>;
@@ -85,6 +87,12 @@ class Walker {
   [[nodiscard]] Bands sample_direct_light();
   /// Light from outside for a path that leaves by a smooth boundary.
   [[nodiscard]] Bands escaping_radiance(const WalkPath<N>& path, const WalkExit& exit);
+  /// At an event: light from a light vertex near it.
+  [[nodiscard]] Bands sample_light_vertex();
+  /// The MIS weight of a path that leaves and meets a light which next-event estimation does not
+  /// find, against light vertices.
+  [[nodiscard]] float weight_against_vertices(const WalkPath<N>& path, const WalkExit& exit,
+                                              const LightSeen& seen) const;
   /// At the last event: the transmittance of a straight segment from there times the phase
   /// function.
   [[nodiscard]] Bands scattered_along(const Vec3f& direction, float length) const;
@@ -136,6 +144,7 @@ class Walker {
   Place place_, last_place_;  ///< of the path's origin; of its last event
   Bands radiance_;
   float least_reference_;
+  bool with_unscattered_ = true;
   float reference_ = 0.0f;  ///< about the radiance that the path finds; 0 before its first event
 };
 

@@ -82,13 +82,57 @@ BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>& path, const WalkEx
       [&](const RefractedEntry& entry, float pdf) {
         return mis_weight(entry.reflectance * scattered_along(entry.to_surface, entry.length), pdf);
       },
+      [&](const LightSeen& seen) { return weight_against_vertices(path, exit, seen); },
       medium.has_neighbors ? &find_boundary : nullptr);
+}
+
+template <int N>
+BandValues<N> Walker<N>::sample_light_vertex() {
+  const BodyMedium<N>& medium = *place_.medium;
+  const LightVertices<N>& vertices = *medium.light_vertices;
+  const Vec3f &origin = path_.ray.origin, &direction = path_.ray.direction;
+  Random& random = numbers_.stream();
+  const float u = random.uniform_float();
+  const auto chosen = vertices.choose(origin, {u, random.uniform_float()});
+  if (!chosen) return {};
+  const auto& [position, to_light, power, density] = chosen->vertex;
+  const Vec3f offset = position - origin;
+  const float distance = length(offset);
+  if (!(distance > least_distance(media_.scene()))) return {};
+  const Vec3f onward = offset / distance;
+  if (media_.scene().geometry.is_blocked({origin, onward}, 0.0f, distance)) return {};
+  const auto phase = [&](const Vec3f& a, const Vec3f& b) {
+    return medium.layers.phase(place_.depth, one_minus_cos(a, b));
+  };
+  const Bands here = phase(direction, onward), there = phase(onward, to_light);
+  const float weight =
+      vertices.weight({origin, position, largest(here) * largest(there), density}, chosen->others);
+  return (weight / (chosen->probability * distance * distance)) * here * there *
+         exp_minus(distance * medium.layers.medium(0).sigma_t) * power;
+}
+
+template <int N>
+float Walker<N>::weight_against_vertices(const WalkPath<N>& path, const WalkExit& exit,
+                                         const LightSeen& seen) const {
+  const LightVertices<N>* vertices = last_place_.medium->light_vertices.get();
+  const auto& last = path.last;
+  if (!vertices || vertices->is_empty()) return 1.0f;
+  const bool is_shared = path.events > 1 && last.is_straight && !path.is_reflected_diffusely;
+  if (!is_shared) return 1.0f;
+  const float density = vertices->density_of_light(exit.point, exit.outside, seen.pdf);
+  const Bands phase = last_place_.medium->layers.phase(
+      last_place_.depth, one_minus_cos(last.ray.direction, last.turned));
+  return vertices->weight_of_path(
+      {last.before, last.ray.origin, last.phase_before * largest(phase), density});
 }
 
 #define LAMINA_INSTANTIATE(N)                                                               \
   template BandValues<N> Walker<N>::sample_direct_light();                                  \
   template BandValues<N> Walker<N>::escaping_radiance(const WalkPath<N>&, const WalkExit&); \
-  template float Walker<N>::density_of_paths(const BandValues<N>&) const
+  template float Walker<N>::density_of_paths(const BandValues<N>&) const;                   \
+  template BandValues<N> Walker<N>::sample_light_vertex();                                  \
+  template float Walker<N>::weight_against_vertices(const WalkPath<N>&, const WalkExit&,    \
+                                                    const LightSeen&) const
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

@@ -99,6 +99,7 @@ typename Walker<N>::Step Walker<N>::advance() {
     path_.ray.origin = point(begin);
     path_.clearance = std::max(place_.medium->interior.distance().at(path_.ray.origin), 0.0f);
     path_.has_scattered = path_.comes_from_event = true;
+    ++path_.events;
     return {.end = End::event};
   }
   return {};
@@ -178,16 +179,18 @@ bool Walker<N>::meet_surface(const Surface& surface) {
     const WalkBoundary boundary =
         make_walk_boundary(point, direction, media_.boundary(place_, surface, direction));
     const bool is_rough = !is_specular(boundary.scattering.interface);
+    const bool counts = with_unscattered_ || path_.events > 0;
     const float arriving = is_rough && is_outside ? arriving_density() : 0.0f;
-    if (is_rough && is_outside && medium.next_event.has_lights())
+    if (counts && is_rough && is_outside && medium.next_event.has_lights())
       radiance_ += path_.throughput * sample_direct_light(boundary, point, arriving);
     const BoundaryTurn turn = sample_turn(boundary, samples_);
     if (!(turn.weight > 0.0f)) return false;
     path_.throughput *= turn.weight;
     if (turn.passes && is_outside) {
-      radiance_ +=
-          path_.throughput * (is_rough ? escaping_radiance(turn, point, arriving)
-                                       : escaping_radiance(path_, {point, turn.direction}));
+      if (counts)
+        radiance_ +=
+            path_.throughput * (is_rough ? escaping_radiance(turn, point, arriving)
+                                         : escaping_radiance(path_, {point, turn.direction}));
       return false;
     }
     path_.ray.direction = turn.direction;
