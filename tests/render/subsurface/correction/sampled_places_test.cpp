@@ -181,8 +181,72 @@ TEST(SampledPlaces, TellWhetherDetailOfThePlanarLightIsRight) {
   ASSERT_TRUE(right.places.sample(32.0));
   EXPECT_LT(assess(wrong, 1.0f).left, assess(wrong, 0.01f).left - 0.05);
   EXPECT_LT(assess(right, 0.01f).left, assess(right, 1.0f).left - 0.05);
+  EXPECT_TRUE(assess(wrong, 1.0f).is_better_than(assess(wrong, 0.01f)));
+  EXPECT_FALSE(assess(right, 1.0f).is_better_than(assess(right, 0.01f)));
   // What is added is half of what there is then.
   EXPECT_NEAR(assess(right, 0.01f).change, 0.5, 0.05);
+}
+
+TEST(SampledPlaces, TakeNoFitForBetterByChance) {
+  using Assessment = SampledPlaces<4>::Assessment;
+  const Assessment before{.left_at = {0.0, 0.0, 0.0, 0.0}};
+  EXPECT_FALSE((Assessment{.left_at = {-3.0, 1.0, 1.0, 0.0}}).is_better_than(before));
+  EXPECT_FALSE((Assessment{.left_at = {1.0, 1.0, 1.0, 1.0}}).is_better_than(before));
+  EXPECT_TRUE((Assessment{.left_at = {-1.0, -1.0, -1.1, -0.9, -1.0}})
+                  .is_better_than({.left_at = {0.0, 0.0, 0.0, 0.0, 0.0}}));
+}
+
+// A fit that follows the noise of each half at each place suits that half best, and the other
+// least.
+TEST(SampledPlaces, JudgeTheFitToEachHalfByTheOther) {
+  const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
+  const LightByFormula walk([](const Vec3f&, float random) { return 4.0f * random; });
+  SampledSquare square(planar, walk);
+  ASSERT_TRUE(square.places.sample(16.0));
+  const auto samples = square.places.samples(0.0f);
+  CorrectionFit<4> even, noisy;
+  even.shape[0] = BandValues<4>::filled(1.0f);
+  DirectionalRatio<4> two{};
+  two[0] = BandValues<4>::filled(2.0f);
+  even.ratios.assign(samples.size(), two);
+  for (auto& of_half : even.of_halves) of_half = even.ratios;
+  noisy = even;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (std::size_t half = 0; half < 2; ++half) {
+      BandValues<4> walked, of_planar;
+      for (std::size_t s = half; s < samples[i].size(); s += 2) {
+        walked += samples[i][s].walked;
+        of_planar += samples[i][s].planar;
+      }
+      noisy.of_halves[half][i][0] = walked / max(of_planar, BandValues<4>::filled(1e-6f));
+    }
+  EXPECT_TRUE(square.places.assess(even, 0.0f).is_better_than(square.places.assess(noisy, 0.0f)));
+}
+
+/// A lamp seen straight through, beside an even light.
+class LampBehind final : public SubsurfaceMethod<4> {
+ public:
+  [[nodiscard]] BandValues<4> leaving_radiance(const ExitPoint&, const LightGatherer<4>&,
+                                               PixelSamples&) const override {
+    return BandValues<4>::filled(5.0f);
+  }
+  [[nodiscard]] BandValues<4> scattered_radiance(const ExitPoint&, const LightGatherer<4>&,
+                                                 PixelSamples&) const override {
+    return BandValues<4>::filled(1.0f);
+  }
+  [[nodiscard]] BandValues<4> local_reflectance(const SurfacePoint&) const override { return {}; }
+};
+
+TEST(SampledPlaces, CountLightThatComesStraightThroughTowardsTheEyeAlone) {
+  const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
+  const LampBehind walk;
+  SampledSquare square(planar, walk);
+  ASSERT_TRUE(square.places.sample(16.0));
+  for (const auto& of_place : square.places.samples(0.0f))
+    for (const auto& sample : of_place) {
+      if (!(sample.planar[0] > 0.0f)) continue;
+      EXPECT_NEAR(sample.walked[0] / sample.planar[0], sample.weight > 0.0f ? 5.0f : 1.0f, 1e-3f);
+    }
 }
 
 TEST(SampledPlaces, StopsWhenAskedTo) {

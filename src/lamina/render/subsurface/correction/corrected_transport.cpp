@@ -162,17 +162,17 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
                         .walks = walks_of_sample * places.sample_count()};
   const PlaceGraph graph(places.places());
   CorrectionFit<N> fit;
-  std::optional<double> least_left;
+  std::optional<typename SampledPlaces<N>::Assessment> best;
   for (const float fraction : more_of_mean) {
     const float exitance = places.exitance_of_mean(fraction);
     if (!(exitance > 0.0f)) return found;  // no light, and nothing to correct
     CorrectionFit<N> tried =
         fit_correction<N>(graph, places.areas(), places.samples(exitance), bands_);
-    const auto [change, left] = places.assess(tried, exitance);
-    if (least_left && !(left < *least_left)) continue;
-    least_left = left;
+    auto assessed = places.assess(tried, exitance);
+    if (best && !assessed.is_better_than(*best)) continue;
+    best = std::move(assessed);
     found.added_exitance = exitance;
-    found.change = change;
+    found.change = best->change;
     found.error_left = tried.error_left;
     fit = std::move(tried);
   }

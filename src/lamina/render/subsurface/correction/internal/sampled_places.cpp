@@ -108,8 +108,10 @@ void SampledPlaces<N>::add_sample(std::size_t place) {
     const ExitPoint exit{point, boundary, cosine, direction};
     exitance = cell.area * exit_distribution(boundary, cosine);
     sample.planar = cell.area * methods_.planar.leaving_radiance(exit, with_.light, random);
-    sample.walked = cell.area * (methods_.walk_scale *
-                                 methods_.walk.leaving_radiance(exit, with_.light, random));
+    // What comes straight through is no light that changes slowly with the direction.
+    sample.walked = cell.area * methods_.walk_scale *
+                    (is_to_eye ? methods_.walk.leaving_radiance(exit, with_.light, random)
+                               : methods_.walk.scattered_radiance(exit, with_.light, random));
   }
   samples_[place].push_back(sample);
   exitances_[place].push_back(exitance);
@@ -210,7 +212,8 @@ template <int N>
 auto SampledPlaces<N>::assess(const CorrectionFit<N>& fit, float exitance) const -> Assessment {
   // Sums of radiance and of its square over area.
   double area = 0.0, changed = 0.0;
-  BandValues<N> light, left;
+  BandValues<N> light;
+  std::vector<BandValues<N>> left(samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     if (!(areas_[i] > 0.0f)) continue;
     const float share = 1.0f / static_cast<float>(samples_[i].size());
@@ -224,21 +227,35 @@ auto SampledPlaces<N>::assess(const CorrectionFit<N>& fit, float exitance) const
       left_there += share * (predicted * (predicted - 2.0f * walked));
       light += share * walked;
     }
-    left += (1.0f / areas_[i]) * left_there;
+    left[i] = (1.0f / areas_[i]) * left_there;
     for (int b = 0; b < methods_.bands; ++b)
       changed += std::pow(static_cast<double>(change_there[b]), 2) / static_cast<double>(areas_[i]);
     area += static_cast<double>(areas_[i]);
   }
-  Assessment found;
+  Assessment found{.left_at = std::vector<double>(samples_.size())};
   double all_light = 0.0;
   for (int b = 0; b < methods_.bands; ++b) {
     const auto of_band = static_cast<double>(light[b]);
     all_light += of_band;
-    if (of_band > 0.0) found.left += static_cast<double>(left[b]) * area / (of_band * of_band);
+    if (!(of_band > 0.0)) continue;
+    const double scale = area / (of_band * of_band * methods_.bands);
+    for (std::size_t i = 0; i < left.size(); ++i)
+      found.left_at[i] += scale * static_cast<double>(left[i][b]);
   }
-  found.left /= methods_.bands;
+  for (const double at_place : found.left_at) found.left += at_place;
   if (all_light > 0.0) found.change = std::sqrt(changed * area * methods_.bands) / all_light;
   return found;
+}
+
+template <int N>
+bool SampledPlaces<N>::Assessment::is_better_than(const Assessment& other) const {
+  double less = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < left_at.size(); ++i) {
+    const double less_there = other.left_at[i] - left_at[i];
+    less += less_there;
+    squares += less_there * less_there;
+  }
+  return less > 2.0 * std::sqrt(squares);
 }
 
 template class SampledPlaces<4>;

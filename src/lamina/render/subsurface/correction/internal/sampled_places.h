@@ -59,6 +59,10 @@ class SampledPlaces {
     /// Squares that each half leaves of the other's samples, less those that no fit changes, over
     /// the square of the mean light: in the mean of bands.
     double left = 0.0;
+    std::vector<double> left_at;  ///< [place], of which that is the sum
+
+    /// Whether it leaves less than another, and not by chance: by two standard errors.
+    [[nodiscard]] bool is_better_than(const Assessment& other) const;
   };
   [[nodiscard]] Assessment assess(const CorrectionFit<N>& fit, float exitance) const;
 
