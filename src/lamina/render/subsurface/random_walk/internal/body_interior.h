@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/render/subsurface/random_walk/internal/distance_field.h"
+#include "lamina/render/subsurface/bodies/closed_bodies.h"
+#include "lamina/render/subsurface/bodies/distance_field.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_path.h"
 #include "lamina/spectrum/band_values.h"
 
@@ -22,18 +22,6 @@ struct WalkExit {
 /// Called for a path that leaves, as it is on its last segment inside.
 template <int N>
 using OnEscape = std::function<void(const WalkPath<N>&, const WalkExit&)>;
-
-struct Box {
-  Vec3f low, high;
-};
-/// Around all triangles of a material; both corners 0 if there are none.
-[[nodiscard]] Box box_of_material(const Scene& scene, std::uint32_t material);
-
-/// Around points, with a margin.
-[[nodiscard]] Box box_around(std::span<const SurfacePoint> points, float margin);
-
-/// @throws InvalidInput if a mesh of the material is open
-void require_closed_meshes(const Scene& scene, std::uint32_t material);
 
 /// The direction in which a smooth boundary reflects light inside: by its smooth normal, unless
 /// that sends it outside.

@@ -17,7 +17,7 @@ constexpr std::size_t first_rays = 4096, most_rays = 65536, rays_at_once = 256;
 /// Of the power that enters, below which vertices are not worth their time.
 constexpr float least_lost = 1e-3f;
 constexpr float cell_in_free_paths = 2.0f;
-constexpr int most_reflections = 8;
+constexpr int most_mirrors = 8;  // that light meets inside
 constexpr int cells_around = 27;
 constexpr float least_cosine_outside = 1e-3f;
 
@@ -158,7 +158,7 @@ float LightVertices<N>::trace_ray(const LightGatherer<N>& light, Random random,
   std::optional<Beam> beam = sample_beam(light, random);
   if (!beam) return 0.0f;
   const float entering = sum_of_bands(beam->power);
-  for (int reflections = 0; reflections <= most_reflections; ++reflections) {
+  for (int reflections = 0; reflections <= most_mirrors; ++reflections) {
     const Hit hit = scene.geometry.first_hit(beam->inside, least_distance(scene));
     if (!hit.is_hit()) break;
     const Bands passing = exp_minus(hit.distance * layers_.medium(0).sigma_t);

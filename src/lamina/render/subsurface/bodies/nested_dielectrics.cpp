@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/render/subsurface/random_walk/internal/nested_dielectrics.h"
+#include "lamina/render/subsurface/bodies/nested_dielectrics.h"
 
 #include <algorithm>
 #include <cmath>

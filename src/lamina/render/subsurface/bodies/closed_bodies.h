@@ -1,0 +1,26 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "lamina/core/vec.h"
+#include "lamina/scene/scene.h"
+#include "lamina/surface/surface_point.h"
+
+namespace lamina {
+
+/// A box along the axes [mm].
+struct Box {
+  Vec3f low, high;
+};
+/// Around all triangles of a material; both corners 0 if there are none.
+[[nodiscard]] Box box_of_material(const Scene& scene, std::uint32_t material);
+
+/// Around points, with a margin.
+[[nodiscard]] Box box_around(std::span<const SurfacePoint> points, float margin);
+
+/// @throws InvalidInput if a mesh of the material is open
+void require_closed_meshes(const Scene& scene, std::uint32_t material);
+
+}  // namespace lamina
