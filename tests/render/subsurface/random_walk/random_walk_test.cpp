@@ -257,25 +257,37 @@ TEST(RandomWalk, HasTheSameMeanWhetherPathsLeaveOrStay) {
   }
 }
 
-struct MeanAndError {
-  double mean, error;
+/// Walks in the first material of a scene.
+struct PreparedWalk {
+  RenderScene scene;
+  BandConversion<4> conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  RandomWalk<4> walk{make_walk_media<4>(scene, conversion), 0};
+
+  explicit PreparedWalk(const Scene& of) : scene(of) {}
+  [[nodiscard]] bool solve() { return walk.solve_radiance_field(NoLight{}, {}); }
 };
 
-/// Of the light that leaves the top of a body along z.
-MeanAndError leaving_at(const RandomWalk<4>& walk, const RenderScene& prepared, Vec2f at,
-                        std::uint32_t count, int band = 0) {
-  const Hit hit = prepared.geometry.first_hit({{at.x, at.y, 100}, {0, 0, -1}}, 0.0f);
-  const SurfacePoint point = make_surface_point(prepared.scene->meshes, hit, 0.0f);
-  const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
-  double sum = 0.0, squares = 0.0;
+struct LeavingLight {
+  double mean, error, most;
+};
+
+/// The light that leaves the top of a body along z.
+LeavingLight leaving_at(const PreparedWalk& prepared, Vec2f at, std::uint32_t count, int band = 0) {
+  const auto& [scene, conversion, walk] = prepared;
+  const Hit hit = scene.geometry.first_hit({{at.x, at.y, 100}, {0, 0, -1}}, 0.0f);
+  const SurfacePoint point = make_surface_point(scene.scene->meshes, hit, 0.0f);
+  const ExitPoint exit{point, boundary_at(scene, point), point.normal.z, {0, 0, 1}};
+  double sum = 0.0, squares = 0.0, most = 0.0;
   for (std::uint32_t i = 0; i < count; ++i) {
     PixelSamples samples(11, i, 0);
     const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[band]);
     sum += value;
     squares += value * value;
+    most = std::max(most, value);
   }
   const double mean = sum / count;
-  return {mean, std::sqrt((squares / count - mean * mean) / count)};
+  return {mean, std::sqrt((squares / count - mean * mean) / count), most};
 }
 
 /// A white body among lamps that shine from all around.
@@ -300,16 +312,13 @@ Scene among_lamps(Mesh body, double sigma_s) {
 // light enters is missed or counted twice, through one face, another, or mirrored inside.
 TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
   const Scene scene = among_lamps(make_cube(2.0f), 1.0);
-  const RenderScene prepared(scene);
-  const auto conversion =
-      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+  PreparedWalk prepared(scene);
   for (const bool is_solved : {false, true}) {
     if (is_solved) {
-      ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+      ASSERT_TRUE(prepared.solve());
     }
     for (const float offset : {0.9f, 0.5f}) {
-      const auto [mean, error] = leaving_at(walk, prepared, {offset, offset}, 2048);
+      const auto [mean, error, most] = leaving_at(prepared, {offset, offset}, 2048);
       EXPECT_NEAR(mean, 1.0 - fresnel(1.0, 1.4), 3.5 * error);
       EXPECT_LT(error, 0.01);
     }
@@ -320,15 +329,12 @@ TEST(RandomWalk, WhiteCubeAmongLampsIsAsBrightAsThey) {
 // of its caustics, counts once, between paths that meet the lamps by chance and light vertices.
 TEST(RandomWalk, WhiteBallAmongLampsIsAsBrightAsTheyWithLightVertices) {
   const Scene scene = among_lamps(make_sphere(1.5f, 96), 0.6);
-  const RenderScene prepared(scene);
-  const auto conversion =
-      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
-  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
-  ASSERT_TRUE(walk.trace_light_vertices(NoLight{}, {}));
+  PreparedWalk prepared(scene);
+  ASSERT_TRUE(prepared.solve());
+  ASSERT_TRUE(prepared.walk.trace_light_vertices(NoLight{}, {}));
   constexpr double offset = 0.4, radius = 1.5;
   const double cosine = std::sqrt(1.0 - std::pow(offset / radius, 2));
-  const auto [mean, error] = leaving_at(walk, prepared, {static_cast<float>(offset), 0.0f}, 40'000);
+  const auto [mean, error, most] = leaving_at(prepared, {static_cast<float>(offset), 0.0f}, 40'000);
   EXPECT_NEAR(mean, 1.0 - fresnel(cosine, 1.4), 3.5 * error);
   EXPECT_LT(error, 0.0015);
 }
@@ -342,23 +348,10 @@ TEST(RandomWalk, HasNoFirefliesAtAnEdge) {
                                               .edge_v = {2.22, 0, -3.33},
                                               .radiance = {50, 50, 50}},
                                1);
-  const RenderScene prepared(scene);
-  const auto conversion =
-      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
-  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
-  const Hit hit = prepared.geometry.first_hit({{9.5f, 0, 20}, {0, 0, -1}}, 0.0f);
-  const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
-  const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
-  double sum = 0.0, most = 0.0;
-  constexpr int count = 8192;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    PixelSamples samples(11, i, 0);
-    const auto value = static_cast<double>(walk.leaving_radiance(exit, NoLight{}, samples)[0]);
-    sum += value;
-    most = std::max(most, value);
-  }
-  EXPECT_LT(most, 10.0 * sum / count);
+  PreparedWalk prepared(scene);
+  ASSERT_TRUE(prepared.solve());
+  const auto [mean, error, most] = leaving_at(prepared, {9.5f, 0.0f}, 8192);
+  EXPECT_LT(most, 10.0 * mean);
 }
 
 // Each single walk sees a lamp straight through a sheet that absorbs, as bright as Bouguer's law
@@ -405,13 +398,10 @@ TEST(RandomWalk, IsANumberInThickBodies) {
       RectangleLight{
           .center = {0, 0, 300}, .edge_u = {0, 9, 0}, .edge_v = {9, 0, 0}, .radiance = {5, 5, 5}},
       1);
-  const RenderScene prepared(scene);
-  const auto conversion =
-      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
-  RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
-  ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}));
+  PreparedWalk prepared(scene);
+  ASSERT_TRUE(prepared.solve());
   for (int band = 0; band < 3; ++band)
-    EXPECT_GT(leaving_at(walk, prepared, {3.0f, 0.0f}, 64, band).mean, 0.0) << band;
+    EXPECT_GT(leaving_at(prepared, {3.0f, 0.0f}, 64, band).mean, 0.0) << band;
 }
 
 TEST(RandomWalk, StopsPreparingWhenAsked) {
