@@ -391,19 +391,6 @@ TEST(RandomWalk, SeesALampThroughAThinSheetWithoutNoise) {
   }
 }
 
-// Ninety mean free paths inside a ball direct light is below what floats hold the inverse of.
-TEST(RandomWalk, IsANumberInThickBodies) {
-  const Scene scene = scene_of(
-      make_sphere(50.0f), homogeneous({0.2, 0.4, 1}, {2, 2, 2}, 0.0, 1.4),
-      RectangleLight{
-          .center = {0, 0, 300}, .edge_u = {0, 9, 0}, .edge_v = {9, 0, 0}, .radiance = {5, 5, 5}},
-      1);
-  PreparedWalk prepared(scene);
-  ASSERT_TRUE(prepared.solve());
-  for (int band = 0; band < 3; ++band)
-    EXPECT_GT(leaving_at(prepared, {3.0f, 0.0f}, 64, band).mean, 0.0) << band;
-}
-
 TEST(RandomWalk, StopsPreparingWhenAsked) {
   const Scene scene = scene_of(make_sphere(3.0f), homogeneous({0.1, 0.1, 0.1}, {2, 2, 2}, 0.0, 1.3),
                                PointLight{.position = {0, 0, 9}}, 1);
