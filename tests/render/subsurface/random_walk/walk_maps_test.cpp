@@ -12,7 +12,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
 #include "lamina/render/shading/band_conversion.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_layers.h"
+#include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
 #include "lamina/scene/common_bands.h"
@@ -245,6 +245,45 @@ TEST(WalkMaps, LetThroughAlongASegmentWhatTheIntegralOfTheirExtinctionSays) {
     EXPECT_NEAR(static_cast<double>(sum[b]) / count, truth, 0.02 * truth) << b;
     EXPECT_GT(std::abs(static_cast<double>(expected[b]) - truth), 0.1 * truth) << b;
   }
+}
+
+// At every column: sigma_s and the extinction less sigma_s times g, from maps and without.
+TEST(WalkMaps, ScatterEvenlyBySimilarity) {
+  const auto scattering = [](int x) { return x % 8 < 4 ? 5.0f : 2.0f; };
+  const auto forward = [](int x) { return x % 4 < 2 ? 0.8f : 0.3f; };
+  const Scene scene = striped_plate(material_of({layer_of({1, 2, 3}, {1, 1, 1}, 0.5, 0.2),
+                                                 layer_of({1, 2, 3}, {4, 5, 6}, 0.7, infinite)}),
+                                    {stripes({.of = Of::sigma_s, .layer = 0}, scattering),
+                                     stripes({.of = Of::g, .layer = 0}, forward)},
+                                    32, 1);
+  const RenderScene prepared(scene);
+  const auto conversion =
+      make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+  const WalkLayers<4> layers(prepared, conversion, 0);
+  const WalkLayers<4> even = layers.with_even_scattering();
+  for (int column = 1; column < 9; ++column) {
+    const float x = (static_cast<float>(column) + 0.5f) * texel - 3.2f;
+    const Vec3f upper{x, 0.1f, -0.1f}, lower{x, 0.1f, -0.5f};
+    auto place = even.by_depth().at(upper), below = even.by_depth().at(lower);
+    ASSERT_EQ(place.layer, 0u);
+    ASSERT_EQ(below.layer, 1u);
+    place.texel = even.sample_texel(place, 0.5f);
+    const float s = scattering(column), g = forward(column);
+    const auto here = even.coefficients(place), there = even.coefficients(below);
+    const BandValues<4> along = even.optical_thickness(
+        {upper, {0, 1, 0}}, place, 0.5f, even.by_depth().at(upper + Vec3f{0, 0.5f, 0}));
+    for (int b = 0; b < 3; ++b) {
+      const float absorbed = 1.0f + static_cast<float>(b), s_below = 4.0f + static_cast<float>(b);
+      EXPECT_NEAR(here.sigma_s[b], s * (1 - g), 1e-4f) << column;
+      EXPECT_NEAR(here.sigma_t[b], absorbed + s * (1 - g), 1e-4f) << column;
+      EXPECT_NEAR(there.sigma_s[b], 0.3f * s_below, 1e-4f);
+      EXPECT_NEAR(there.sigma_t[b], absorbed + 0.3f * s_below, 1e-4f);
+      EXPECT_NEAR(along[b], 0.5f * (absorbed + s * (1 - g)), 1e-3f) << column;
+      EXPECT_LE(here.sigma_t[b], even.most_extinction(0)[b]);
+      EXPECT_EQ(even.phase(place, 0.1f)[b], even.phase(place, 1.9f)[b]);
+    }
+  }
+  EXPECT_NEAR(even.most_extinction(0)[0], 1.0f + 5.0f * 0.7f, 1e-3f);
 }
 
 // From a dark place in a clear plate, centimetres of the way to a lamp: what the dark would let

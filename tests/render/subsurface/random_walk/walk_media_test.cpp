@@ -13,6 +13,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 #include "lamina/render/shading/render_scene.h"
+#include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"
@@ -62,7 +63,7 @@ TEST(DepthLayers, CutWaysThroughABallIntoTheChordsOfItsShells) {
   const std::vector<Mesh> meshes = {make_sphere(radius, 96)};
   const RayGeometry geometry(meshes);
   const NodeLattice lattice({-3, -3, -3}, {3, 3, 3}, 0.2f, 1e5);
-  const DepthLayers layers(geometry, meshes, 0, {.layers = {{0.1f}, {0.5f}}}, lattice);
+  const DepthLayers layers(geometry, meshes, 0, {.layers = {{0.1f}, {0.5f}}}, lattice, 0.005f);
   Random random(7);
   const auto number = [&] { return 2.0f * random.uniform_float() - 1.0f; };
   double error = 0.0;
@@ -90,6 +91,72 @@ TEST(DepthLayers, CutWaysThroughABallIntoTheChordsOfItsShells) {
   }
   EXPECT_GT(ways, 150);
   EXPECT_LT(error / ways, 0.002);
+}
+
+/// As if half of a sky entered all over, which is known to no walk.
+class EvenlyLit final : public LightGatherer<4> {
+ public:
+  BandValues<4> entering_irradiance(const SurfacePoint&, PixelSamples&) const override {
+    return BandValues<4>::filled(1.5f);
+  }
+  BandValues<4> shadow_transmittance(const Ray&, float) const override {
+    return BandValues<4>::filled(1.0f);
+  }
+  BandValues<4> arriving_radiance(const Ray&, PixelSamples&) const override { return {}; }
+};
+
+// What some walks learn of layers saves work and must not count: nothing of it, all of it, and
+// twice as much light as there is give the same mean; also of layers that two boundaries hide.
+TEST(WalkMedia, HaveTheSameMeanWhateverWalksLearn) {
+  const Light lamp = RectangleLight{
+      .center = {6, 0, 9}, .edge_u = {0, 4, 0}, .edge_v = {3.33, 0, -2.22}, .radiance = {5, 5, 5}};
+  for (const bool has_two_indices : {false, true}) {
+    Material material = two_layers();
+    if (has_two_indices) material.layers[1].ior = material.ior_below = {1.45, 1.45, 1.45};
+    Scene scene = scene_of(make_sphere(3.0f, 64), std::move(material), lamp, 1);
+    const RenderScene prepared(scene);
+    const auto conversion =
+        make_band_conversion<4>(BandSet::rgb(), make_band_weights(BandSet::rgb()));
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 64; ++i) {
+      const Vec3f from{0.4f * static_cast<float>(i % 8) - 1.4f,
+                       0.4f * static_cast<float>(i / 8) - 1.4f, 9};
+      const Hit hit = prepared.geometry.first_hit({from, {0, 0, -1}}, 0.0f);
+      if (hit.is_hit()) points.push_back(make_surface_point(scene.meshes, hit, 0.0f));
+    }
+    ASSERT_GT(points.size(), 40u);
+    const SurfacePoint& point = points[27];
+    const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
+    double mean[3][3], error[3][3];
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
+      if (kind > 0) {
+        ASSERT_TRUE(walk.learn_depth_radiance(points, EvenlyLit{}, {}, kind == 2 ? 2.0f : 1.0f));
+      }
+      double sum[3] = {}, squares[3] = {};
+      constexpr int count = 4096;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        PixelSamples samples(11, i, 0);  // one of each pixel: independent
+        const BandValues<4> value = walk.leaving_radiance(exit, EvenlyLit{}, samples);
+        for (int b = 0; b < 3; ++b) {
+          const auto v = static_cast<double>(value[b]);
+          sum[b] += v;
+          squares[b] += v * v;
+        }
+      }
+      for (std::size_t b = 0; b < 3; ++b) {
+        mean[kind][b] = sum[b] / count;
+        error[kind][b] = std::sqrt((squares[b] / count - mean[kind][b] * mean[kind][b]) / count);
+        EXPECT_LT(error[kind][b], 0.03 * mean[kind][b]) << kind << ' ' << b;
+      }
+    }
+    for (std::size_t b = 0; b < 3; ++b) {
+      EXPECT_LT(error[1][b], 0.95 * error[0][b]) << has_two_indices << b;
+      for (const std::size_t kind : {1u, 2u})
+        EXPECT_NEAR(mean[kind][b], mean[0][b], 3.5 * std::hypot(error[0][b], error[kind][b]))
+            << has_two_indices << " kind " << kind << " band " << b;
+    }
+  }
 }
 
 // By reciprocity the radiance towards the eye under an even sky is the flux that a beam from the

@@ -10,6 +10,7 @@
 
 #include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/mean_ior.h"
+#include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
@@ -29,7 +30,7 @@ constexpr double samples_of_pixel = 8.0;
 /// Of the mean light of the planar method, as much more as its light may count.
 constexpr std::array<float, 2> more_of_mean = {0.01f, 1.0f};
 // Measured on one core of a Zen 4 [CPU s].
-constexpr double seconds_per_walk = 9e-6;
+constexpr double seconds_per_walk = 9e-6, seconds_per_walk_in_layers = 6e-5;
 
 /// What flat layers reflect of diffuse light that has entered.
 double reflectance_of_entered(const LayerStack& layers) {
@@ -39,19 +40,17 @@ double reflectance_of_entered(const LayerStack& layers) {
   return totals.diffuse_reflectance / (1.0 - totals.specular_reflectance);
 }
 
-/// That over what it is under smooth boundaries.
+/// That over what it is of quiet layers.
 template <int N>
-BandValues<N> effect_of_roughness(const Material& material) {
-  auto effect = BandValues<N>::filled(1.0f);
-  Material smooth = material;
-  for (MaterialLayer& layer : smooth.layers) layer.top = {};
-  const auto is_rough = [](const MaterialLayer& layer) { return layer.top.roughness > 0.0; };
-  if (std::ranges::none_of(material.layers, is_rough)) return effect;
+BandValues<N> flat_over_quiet(const Material& material) {
+  auto ratio = BandValues<N>::filled(1.0f);
+  const Material quiet = quiet_layers(material);
+  if (quiet.layers == material.layers) return ratio;
   for (std::size_t b = 0; b < material.bands.size(); ++b)
-    effect[static_cast<int>(b)] =
+    ratio[static_cast<int>(b)] =
         static_cast<float>(reflectance_of_entered(layer_stack(material, b)) /
-                           reflectance_of_entered(layer_stack(smooth, b)));
-  return effect;
+                           reflectance_of_entered(layer_stack(quiet, b)));
+  return ratio;
 }
 
 }  // namespace
@@ -64,8 +63,8 @@ CorrectedTransport<N>::CorrectedTransport(const RenderScene& scene, std::uint32_
   const auto& surface = std::get<SubsurfaceSurface>(scene.scene->materials[material].surface);
   bands_ = static_cast<int>(surface.material.bands.size());
   ior_ = mean_ior(surface.material);
-  of_roughness_ =
-      is_quieter_smooth(surface) ? effect_of_roughness<N>(surface.material) : Bands::filled(1.0f);
+  has_layers_ = surface.material.layers.size() > 1 || !surface.material_maps.empty();
+  flat_over_quiet_ = flat_over_quiet<N>(surface.material);
 }
 
 template <int N>
@@ -106,7 +105,8 @@ template <int N>
 SubsurfaceCost CorrectedTransport<N>::expected_cost(const Preparation<N>& with) const {
   SubsurfaceCost cost = planar_->expected_cost(with);
   cost.preparation += walk_->expected_cost(with).preparation +
-                      places_wanted(with) * samples_of_place * walks_of_sample * seconds_per_walk;
+                      places_wanted(with) * samples_of_place * walks_of_sample *
+                          (has_layers_ ? seconds_per_walk_in_layers : seconds_per_walk);
   return cost;
 }
 
@@ -149,7 +149,8 @@ void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport&
 
 template <int N>
 std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
-  const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, of_roughness_, ior_, bands_};
+  const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, flat_over_quiet_, ior_,
+                                                   bands_};
   const bool has_eye = !with.cache.is_wanted();
   SampledPlaces<N> places(scene_, material_, field_of_places(with), methods, with, has_eye);
   if (!places.sample(first_samples)) return std::nullopt;

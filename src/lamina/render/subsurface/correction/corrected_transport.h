@@ -20,9 +20,8 @@ namespace lamina {
 /// direction inside. The planar method is a control variate: its detail stays, and the ratio is
 /// smoothed along the surface as far as the noise of the walks asks for.
 ///
-/// Walks take rough boundaries as smooth, which spares most of their noise. What flat layers
-/// reflect of light that has entered, under the rough boundaries over under smooth ones, makes up
-/// for it: some percent.
+/// Walks take the material as quiet_layers, which spares most of their noise. What flat layers
+/// reflect of light that has entered, over what flat quiet ones do, makes up for it: some percent.
 ///
 /// The planar light counts as some more, evenly: a hundredth of the mean, so that light which only
 /// the walks find is there, too; or all of the mean, where its detail is wrong, as where light
@@ -36,7 +35,7 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   using Bands = BandValues<N>;
 
   /// @param planar  whose light has no noise
-  /// @param walk    of the same material under smooth boundaries
+  /// @param walk    of the same material as quiet_layers
   CorrectedTransport(const RenderScene& scene, std::uint32_t material,
                      std::unique_ptr<SubsurfaceMethod<N>> planar,
                      std::unique_ptr<SubsurfaceMethod<N>> walk);
@@ -74,7 +73,8 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   int bands_;
   float ior_;                                           ///< inside over outside, mean of the bands
   std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
-  Bands of_roughness_;  ///< what flat rough layers reflect over what smooth ones do
+  Bands flat_over_quiet_;  ///< what flat layers reflect over what quiet ones do
+  bool has_layers_;        ///< or maps
   float added_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};

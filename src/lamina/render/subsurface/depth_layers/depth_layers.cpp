@@ -11,18 +11,17 @@
 namespace lamina {
 namespace {
 
-// Of the thinnest layer: how far depth may be from linear along a segment; segments that are not
-// halved.
-constexpr float tolerance_over_thinnest = 0.005f, shortest_over_thinnest = 0.05f;
+// Segments that are not halved, over the tolerance.
+constexpr float shortest_over_tolerance = 10.0f;
 // By so much of it a depth may be too large: where all of the surface is as far, as in the middle
-// of a ball, the exact one takes long.
-constexpr float slack = 1e-3f;
+// of a ball, the exact one takes long. Surely below all boundaries of layers it matters less.
+constexpr float slack = 1e-3f, slack_below = 0.03f;
 
 }  // namespace
 
 DepthLayers::DepthLayers(const RayGeometry& geometry, const std::vector<Mesh>& meshes,
                          std::uint32_t material, const Thickness& thickness,
-                         const NodeLattice& lattice)
+                         const NodeLattice& lattice, float tolerance)
     : geometry_(geometry),
       meshes_(meshes),
       material_(material),
@@ -44,10 +43,16 @@ DepthLayers::DepthLayers(const RayGeometry& geometry, const std::vector<Mesh>& m
     const auto [least, most] = std::ranges::minmax(top);
     range_.push_back({least, most});
   }
+  if (count() > 1 || has_maps_below_)
+    for (const Mesh& mesh : meshes_) {
+      const bool has_material = std::ranges::find(mesh.material, material_) != mesh.material.end();
+      neighbors_.push_back(has_material ? find_triangle_neighbors(mesh.triangles)
+                                        : TriangleNeighbors());
+    }
   const float deepest = range_.back().most;
   if (count() > 1) {
-    tolerance_ = tolerance_over_thinnest * thinnest;
-    shortest_ = shortest_over_thinnest * thinnest;
+    tolerance_ = tolerance * thinnest;
+    shortest_ = shortest_over_tolerance * tolerance_;
     longest_above_ = 4.0f * deepest;
   }
   if (count() == 1 || has_maps_below_) return;
@@ -71,6 +76,26 @@ Hit DepthLayers::nearest_of(const Vec3f& p, std::uint32_t mesh, std::uint32_t tr
   return {length(nearest - p), at.x, at.y, mesh, triangle};
 }
 
+Hit DepthLayers::nearest_around(const Vec3f& p, std::uint32_t mesh, std::uint32_t triangle) const {
+  constexpr int most_steps = 16;
+  const TriangleNeighbors& neighbors = neighbors_[mesh];
+  Hit nearest = nearest_of(p, mesh, triangle);
+  for (int step = 0; step < most_steps; ++step) {
+    const Hit here = nearest;
+    const std::array<bool, 3> is_on_edge = {here.v <= 0.0f, here.u + here.v >= 1.0f - 1e-6f,
+                                            here.u <= 0.0f};
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+      const std::uint32_t next = neighbors[here.triangle][edge];
+      if (!is_on_edge[edge] || next == no_neighbor || meshes_[mesh].material[next] != material_)
+        continue;
+      const Hit there = nearest_of(p, mesh, next);
+      if (there.distance < nearest.distance) nearest = there;
+    }
+    if (nearest.triangle == here.triangle) break;
+  }
+  return nearest;
+}
+
 DepthLayers::Place DepthLayers::place_of(const Vec3f& p, const Hit& nearest) const {
   const SurfacePoint point = make_bare_surface_point(meshes_, nearest);
   const Mesh& mesh = meshes_[nearest.mesh];
@@ -91,12 +116,14 @@ DepthLayers::Place DepthLayers::find(const Vec3f& p, const Place& near) const {
   // No farther than a triangle that is near: a query so narrow is quick.
   Hit known;
   if (near.is_exact) {
-    known = nearest_of(p, near.nearest.mesh, near.nearest.triangle);
+    known = nearest_around(p, near.nearest.mesh, near.nearest.triangle);
   } else if (!has_maps_below_) {
     const Node node = node_at(lattice_.nearest(p).node);
-    if (node.depth < reach_) known = nearest_of(p, node.mesh, node.triangle);
+    if (node.depth < reach_) known = nearest_around(p, node.mesh, node.triangle);
   }
-  const Hit hit = geometry_.closest_point(p, (1.0f - slack) * known.distance, material_, slack);
+  const bool is_below = (1.0f - slack_below) * known.distance > range_.back().most;
+  const float too_far = is_below && known.is_hit() ? slack_below : slack;
+  const Hit hit = geometry_.closest_point(p, (1.0f - too_far) * known.distance, material_, too_far);
   return place_of(p, hit.is_hit() ? hit : known);
 }
 

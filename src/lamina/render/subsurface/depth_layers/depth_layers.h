@@ -11,6 +11,7 @@
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/subsurface/depth_layers/node_lattice.h"
 #include "lamina/render/subsurface/depth_layers/texel_grid.h"
+#include "lamina/render/subsurface/depth_layers/triangle_neighbors.h"
 
 namespace lamina {
 
@@ -25,10 +26,11 @@ class DepthLayers {
     std::vector<std::vector<float>> layers;  ///< [layer but the last][texel] >= 0 [mm]
     bool has_maps_below = false;             ///< the last layer differs from place to place
   };
-  /// @param geometry  of the meshes; both must outlive it
-  /// @param lattice   over the meshes
+  /// @param geometry   of the meshes; both must outlive it
+  /// @param lattice    over the meshes
+  /// @param tolerance  of boundaries of layers, over the thickness of the thinnest
   DepthLayers(const RayGeometry& geometry, const std::vector<Mesh>& meshes, std::uint32_t material,
-              const Thickness& thickness, const NodeLattice& lattice);
+              const Thickness& thickness, const NodeLattice& lattice, float tolerance);
 
   struct Place {
     std::size_t layer = 0;
@@ -55,8 +57,7 @@ class DepthLayers {
   /// The first crossing of a straight segment inside, if there is any.
   ///
   /// Depth is Lipschitz: far from boundaries nothing is to do. Near them the segment is halved
-  /// until depth is linear along it, by its gradients at both ends, to half a percent of the
-  /// thinnest layer.
+  /// until depth is linear along it, by its gradients at both ends, to the tolerance.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, const Place& start,
                                                        float length, const Place& end) const;
 
@@ -88,6 +89,9 @@ class DepthLayers {
   [[nodiscard]] float top(std::size_t layer, Vec2f uv) const {
     return tops_[layer].size() == 1 ? tops_[layer][0] : grid_.around(uv).mean(tops_[layer]);
   }
+  [[nodiscard]] float top_at(std::size_t layer, std::size_t texel) const {
+    return tops_[layer][tops_[layer].size() > 1 ? texel : 0];
+  }
   [[nodiscard]] float least_top(std::size_t layer) const { return range_[layer].least; }
 
  private:
@@ -103,6 +107,9 @@ class DepthLayers {
   };
   [[nodiscard]] Node node_at(std::size_t node) const;
   [[nodiscard]] Hit nearest_of(const Vec3f& p, std::uint32_t mesh, std::uint32_t triangle) const;
+  /// From a triangle on to neighbours that are nearer, as far as that goes.
+  [[nodiscard]] Hit nearest_around(const Vec3f& p, std::uint32_t mesh,
+                                   std::uint32_t triangle) const;
   [[nodiscard]] Place place_of(const Vec3f& p, const Hit& nearest) const;
   [[nodiscard]] Place find(const Vec3f& p, const Place& near) const;
   [[nodiscard]] std::size_t layer_at(float depth, Vec2f uv) const;
@@ -113,6 +120,7 @@ class DepthLayers {
   const RayGeometry& geometry_;
   const std::vector<Mesh>& meshes_;
   std::uint32_t material_;
+  std::vector<TriangleNeighbors> neighbors_;  ///< [mesh], empty of those without the material
   TexelGrid grid_;
   std::vector<std::vector<float>> tops_;  ///< [layer][texel]
   std::vector<Range> range_;              ///< [layer] of its tops

@@ -31,10 +31,10 @@ constexpr auto make_by_profile = []<int N>(const MethodContext<N>& c) {
 };
 
 template <int N>
-SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c, bool are_smooth = false) {
+SubsurfaceMethods<N> make_random_walks(const MethodContext<N>& c, bool are_quiet = false) {
   std::shared_ptr<WalkMedia<N>> media;  // of all walks
   return make_for_each_material(c, [&](std::uint32_t material) {
-    if (!media) media = make_walk_media<N>(c.scene, c.conversion, are_smooth);
+    if (!media) media = make_walk_media<N>(c.scene, c.conversion, are_quiet);
     std::unique_ptr<SubsurfaceMethod<N>> walk = std::make_unique<RandomWalk<N>>(media, material);
     const auto& surface = std::get<SubsurfaceSurface>(c.scene.scene->materials[material].surface);
     if (surface.color_use == SubsurfaceSurface::ColorUse::none) return walk;
@@ -80,7 +80,8 @@ Progress announced(const Progress& progress,
   return [is_said, on_notice, reported = of_unknown_length(progress)](double finished) {
     if (!is_said->exchange(true) && on_notice)
       on_notice(
-          "solving profiles by radiative transfer, once: they are kept on disk; for a quick preview "
+          "solving profiles by radiative transfer, once: they are kept on disk; for a quick "
+          "preview "
           "--profile diffusion");
     return report_progress(reported, finished);
   };

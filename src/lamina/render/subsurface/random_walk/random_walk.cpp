@@ -2,20 +2,44 @@
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
+#include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
+#include "lamina/render/subsurface/surface_cells.h"
 
 namespace lamina {
 namespace {
 
+// Walks that learn what light there is by depth, in each of two rounds: the second knows what the
+// first one found. In as many chunks.
+constexpr std::size_t learning_walks = 4096, chunks = 64;
 constexpr std::uint32_t walks = 4;  // from where a ray of the eye enters
 // Radiance over that of the scene below which noise does not matter.
 constexpr float least_reference = 5e-4f;
+
+/// Some thousand points of the surface of a material.
+std::vector<SurfacePoint> points_all_over(const Scene& scene, std::uint32_t material) {
+  constexpr double wanted = 2000.0;
+  const auto spacing = static_cast<float>(std::sqrt(surface_area(scene.meshes, material) / wanted));
+  const SurfaceCells surface =
+      make_surface_cells(scene.meshes, material, spacing, scene.render.seed);
+  std::vector<SurfacePoint> points;
+  for (const SurfaceCell& cell : surface.cells) {
+    const auto& [mesh, triangle, u, v, area] = surface.elements_of(cell).front();
+    points.push_back(make_surface_point(
+        scene.meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = mesh, .triangle = triangle},
+        spacing));
+  }
+  return points;
+}
 
 /// @throws InvalidInput if a mesh of the material has another medium, too
 void require_one_medium(const Scene& scene, const NestedDielectrics& bodies,
@@ -63,15 +87,10 @@ void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
 
 }  // namespace
 
-bool is_quieter_smooth(const SubsurfaceSurface& surface) {
-  return surface.material.layers.size() == 1 || !surface.material_maps.empty();
-}
-
 template <int N>
 std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
-                                              const BandConversion<N>& conversion,
-                                              bool are_smooth) {
-  return std::make_shared<WalkMedia<N>>(scene, conversion, are_smooth);
+                                              const BandConversion<N>& conversion, bool are_quiet) {
+  return std::make_shared<WalkMedia<N>>(scene, conversion, are_quiet);
 }
 
 template <int N>
@@ -94,9 +113,14 @@ template <int N>
 bool RandomWalk<N>::prepare(const Preparation<N>& with) {
   // What is kept serves other cameras, which see other places.
   const auto& seen = with.seen.points[material_];
-  if (!with.cache.is_wanted() && !seen.empty()) medium_->narrow_to(seen);
-  return solve_radiance_field(with.light, with.progress) &&
-         trace_light_vertices(with.light, with.progress);
+  const bool is_for_camera = !with.cache.is_wanted() && !seen.empty();
+  if (is_for_camera) medium_->narrow_to(seen);
+  if (!solve_radiance_field(with.light, with.progress) ||
+      !trace_light_vertices(with.light, with.progress))
+    return false;
+  if (!medium_->depth_radiance) return true;
+  return learn_depth_radiance(is_for_camera ? seen : points_all_over(*with.scene.scene, material_),
+                              with.light, with.progress);
 }
 
 template <int N>
@@ -119,6 +143,52 @@ bool RandomWalk<N>::solve_radiance_field(const LightGatherer<N>& light, const Pr
 template <int N>
 bool RandomWalk<N>::trace_light_vertices(const LightGatherer<N>& light, const Progress& progress) {
   return !medium_->light_vertices || medium_->light_vertices->trace(light, progress);
+}
+
+template <int N>
+bool RandomWalk<N>::learn_depth_radiance(std::span<const SurfacePoint> points,
+                                         const LightGatherer<N>& light, const Progress& progress,
+                                         float scale) {
+  DepthRadiance<N>* learner = medium_->depth_radiance.get();
+  if (!learner || points.empty()) return true;
+  const RenderScene& scene = media_->scene();
+  std::vector<typename DepthRadiance<N>::Lessons> lessons;
+  for (std::size_t round = 0; round < 2; ++round) {
+    lessons.assign(chunks, learner->make_lessons());
+    const auto walk = [&](std::size_t i) {
+      PixelSamples samples(scene.scene->render.seed + 0x51ed270bu, static_cast<std::uint32_t>(i),
+                           static_cast<std::uint32_t>(round));
+      const SurfacePoint& point = points[i * points.size() / learning_walks];
+      const Vec3f direction =
+          make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(samples.next_2d()));
+      const float cosine = dot(direction, point.smooth_normal);
+      if (!(cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f)) return;
+      const SurfaceBoundary boundary = boundary_at(scene, point);
+      const auto entry =
+          media_->sample_entry({point, boundary, cosine, direction}, material_, samples);
+      if (!entry) return;
+      const WalkPath<N> path{.ray = {leave_surface(point, entry->inward), entry->inward},
+                             .throughput = Bands::filled(1.0f)};
+      WalkRecord<N> record;
+      Walker<N> walker(*media_, entry->place, path, light, samples, least_reference_);
+      walker.record_to(record);
+      learner->add(record, walker.trace(false), light, lessons[i * chunks / learning_walks]);
+    };
+    std::atomic<bool> is_stopped = false;
+    parallel_for(chunks, [&](std::size_t c) {
+      for (std::size_t i = c * learning_walks / chunks; i < (c + 1) * learning_walks / chunks;
+           ++i) {
+        if (!is_stopped && !report_progress(progress, 0.0)) is_stopped = true;
+        if (is_stopped) return;
+        walk(i);
+      }
+    });
+    if (is_stopped) return false;
+    for (std::size_t c = 1; c < chunks; ++c) lessons[0].add(lessons[c]);
+    learner->learn(lessons[0]);
+  }
+  if (scale != 1.0f) learner->scale(scale);
+  return true;
 }
 
 template <int N>

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "lamina/core/progress.h"
 #include "lamina/render/shading/band_conversion.h"
@@ -31,8 +32,9 @@ struct BodyMedium;
 /// leave.
 ///
 /// A closed body of one homogeneous medium with a smooth boundary, which no other body touches, has
-/// a precomputed radiance field: a control variate that spares most of the work. It is an optional
-/// part of the medium: paths follow the same rules with it and without, and have the same mean.
+/// a precomputed radiance field: a control variate that spares most of the work. Layers and maps
+/// under a smooth boundary have one that some walks learn, by depth. Both are optional parts of the
+/// medium: paths follow the same rules with them and without, and have the same mean.
 ///
 /// A coat counts for the light that leaves towards the eye, not inside.
 template <int N>
@@ -62,6 +64,15 @@ class RandomWalk final : public SubsurfaceMethod<N> {
   /// @return  false if `progress` asked to stop
   [[nodiscard]] bool trace_light_vertices(const LightGatherer<N>& light, const Progress& progress);
 
+  /// Lets some walks from points of the surface tell the others what light to expect in layers, if
+  /// the medium has them. Without it the mean is the same, at more work.
+  ///
+  /// @param scale  of what they tell, as in solve_radiance_field
+  /// @return       false if `progress` asked to stop
+  [[nodiscard]] bool learn_depth_radiance(std::span<const SurfacePoint> points,
+                                          const LightGatherer<N>& light, const Progress& progress,
+                                          float scale = 1.0f);
+
   [[nodiscard]] Bands leaving_radiance(const ExitPoint& exit, const LightGatherer<N>& light,
                                        PixelSamples& samples) const override {
     return radiance(exit, light, samples, true);
@@ -83,16 +94,12 @@ class RandomWalk final : public SubsurfaceMethod<N> {
   float least_reference_;
 };
 
-/// Whether walks have less noise where the boundary of a material counts as smooth: in one layer,
-/// for the radiance field, and in maps, where lamps are not found through facets.
-[[nodiscard]] bool is_quieter_smooth(const SubsurfaceSurface& surface);
-
 /// The media inside all closed bodies of a scene, shared by the walks of its materials.
 ///
-/// @param are_smooth  boundaries count as smooth where that is quieter
+/// @param are_quiet  translucent materials as quiet_layers
 template <int N>
 [[nodiscard]] std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
                                                             const BandConversion<N>& conversion,
-                                                            bool are_smooth = false);
+                                                            bool are_quiet = false);
 
 }  // namespace lamina

@@ -9,7 +9,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/bodies/closed_bodies.h"
 #include "lamina/render/subsurface/bodies/distance_field.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_path.h"
+#include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -9,9 +9,9 @@
 
 #include "lamina/core/progress.h"
 #include "lamina/core/random.h"
+#include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_layers.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {

@@ -134,7 +134,6 @@ RadianceField<N>::RadianceField(const BodyInterior<N>& interior,
                                 const Bands& mean_cosine)
     : interior_(interior),
       next_event_(next_event),
-      mean_cosine_(mean_cosine),
       reduced_(make_reduced_medium(medium, mean_cosine, interior.bands())),
       reduced_free_path_(shortest_free_path(reduced_.sigma_t)),
       direct_(interior, next_event, medium.sigma_t, reduced_.sigma_t,
@@ -294,6 +293,7 @@ FieldRadiance<N> RadianceField<N>::at(const Vec3f& p, bool in_detail,
       moments += corners.weight[i] * in_full(node.moments);
     }
     here = with_moments(direct, scattered, moments);
+    here.directed = reduction_ * scattered;
   }
   if (next_event_.has_lights() && (in_detail || !here.is_solved())) {
     const DirectFluence<N> direct = direct_.at(p, light);

@@ -7,28 +7,12 @@
 #include "lamina/core/progress.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/random_walk/internal/direct_light_field.h"
+#include "lamina/render/subsurface/random_walk/internal/field_radiance.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 #include "lamina/spectrum/band_values.h"
 #include "lamina/spectrum/brief_bands.h"
 
 namespace lamina {
-
-/// What a precomputed radiance field says of a point: what a path may expect to find at a
-/// scattering event there. Means, with how far single estimates are from them.
-template <int N>
-struct FieldRadiance {
-  BandValues<N> direct_fluence;   ///< of light that comes straight from lights
-  BandValues<N> scattered;        ///< mean radiance of all other light
-  Vec3f to_light;                 ///< mean direction towards the lights, length at most 1
-  float deviation = 0.0f;         ///< root mean square of that of `scattered`
-  float direct_deviation = 0.0f;  ///< of `direct_fluence`, at most
-  /// Three times the net flux of `scattered` over its fluence, the P1 moment, towards where it
-  /// comes from: radiance from a direction w is `scattered` (1 + net_flux · w), about.
-  Vec3f net_flux;
-
-  /// Whether `scattered` was precomputed.
-  [[nodiscard]] bool is_solved() const { return deviation > 0.0f; }
-};
 
 /// A precomputed radiance field inside a body of one homogeneous medium: a control variate of
 /// random walks. A path adds what the field expects at an event and, at random, estimates it by
@@ -57,26 +41,15 @@ class RadianceField {
   [[nodiscard]] FieldRadiance<N> at(const Vec3f& p, bool in_detail,
                                     const LightGatherer<N>& light) const;
 
-  /// Mean of `scattered_along` for a path that comes in a direction and scatters by the phase
-  /// function.
-  [[nodiscard]] Bands mean_scattered(const FieldRadiance<N>& here, const Vec3f& incoming) const {
-    return here.scattered +
-           dot(here.net_flux, incoming) * mean_cosine_ * (reduction_ * here.scattered);
-  }
-  /// Scattered radiance per sigma_s that a path which goes on in a direction may expect.
-  [[nodiscard]] Bands scattered_along(const FieldRadiance<N>& here, const Vec3f& direction) const {
-    return here.scattered + dot(here.net_flux, direction) * (reduction_ * here.scattered);
-  }
-
   /// Multiplies all that is solved, to show that paths have the same mean with any field.
   void scale(float factor);
 
  private:
   const BodyInterior<N>& interior_;
   const ManifoldNextEvent<N>& next_event_;
-  Bands mean_cosine_, reduction_;  ///< [band]; of the extinction, reduced over own
-  WalkMedium<N> reduced_;          ///< coefficients by similarity: isotropic scattering
-  float reduced_free_path_;        ///< the shortest [mm]
+  Bands reduction_;          ///< [band] of the extinction: reduced over own
+  WalkMedium<N> reduced_;    ///< coefficients by similarity: isotropic scattering
+  float reduced_free_path_;  ///< the shortest [mm]
   DirectLightField<N> direct_;
   std::optional<NodeLattice> lattice_;  ///< once solved
   /// In 16 bits each: a third of the time went into waiting for nodes from memory.

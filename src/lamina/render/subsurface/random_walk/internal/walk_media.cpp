@@ -29,8 +29,8 @@ float ior(const MediaPlace<N>& place) {
 
 template <int N>
 BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
-                          const NestedDielectrics& bodies, std::uint32_t material, bool is_smooth)
-    : layers(scene, conversion, material, is_smooth),
+                          const NestedDielectrics& bodies, std::uint32_t material, bool is_quiet)
+    : layers(scene, conversion, material, is_quiet),
       interior(scene, conversion, material, layers.ior(), layers.bands(),
                layers.shortest_free_path()),
       glass(std::get_if<DielectricSurface>(&scene.scene->materials[material].surface)),
@@ -40,6 +40,8 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
                      !has_neighbors),
       next_event(interior, is_homogeneous) {
   if (is_homogeneous) make_field();
+  if (is_quiet && !is_homogeneous) even_layers = layers.with_even_scattering();
+  if (!is_homogeneous && !is_rough && !glass) make_depth_radiance(interior.region());
 }
 
 template <int N>
@@ -50,8 +52,23 @@ void BodyMedium<N>::make_field() {
 }
 
 template <int N>
+void BodyMedium<N>::make_depth_radiance(const Box& region) {
+  depth_radiance = std::make_unique<DepthRadiance<N>>(interior, next_event, layers, region);
+}
+
+template <int N>
 void BodyMedium<N>::narrow_to(std::span<const SurfacePoint> seen) {
   constexpr float margin_in_free_paths = 6.0f;  // of the band whose light goes farthest
+  if (depth_radiance) {
+    constexpr float margin_in_shortest = 20.0f;
+    const Box near = box_around(seen, margin_in_shortest * layers.shortest_reduced_free_path());
+    Box region = interior.region();
+    for (int axis = 0; axis < 3; ++axis) {
+      region.low[axis] = std::clamp(near.low[axis], region.low[axis], region.high[axis]);
+      region.high[axis] = std::clamp(near.high[axis], region.low[axis], region.high[axis]);
+    }
+    make_depth_radiance(region);
+  }
   if (!is_homogeneous) return;
   const WalkMedium<N>& medium = layers.medium(0);
   const BandValues<N> reduced = medium.sigma_t - layers.mean_cosine(0) * medium.sigma_s;
@@ -62,7 +79,7 @@ void BodyMedium<N>::narrow_to(std::span<const SurfacePoint> seen) {
 
 template <int N>
 WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion,
-                        bool are_smooth)
+                        bool are_quiet)
     : scene_(scene),
       conversion_(conversion),
       bodies_(scene),
@@ -74,8 +91,7 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
         (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
       of_material_[i] = std::make_unique<BodyMedium<N>>(
           scene, conversion, bodies_, i,
-          are_smooth && std::holds_alternative<SubsurfaceSurface>(surface) &&
-              is_quieter_smooth(std::get<SubsurfaceSurface>(surface)));
+          are_quiet && std::holds_alternative<SubsurfaceSurface>(surface));
     has_maps_ = has_maps_ || (of_material_[i] && of_material_[i]->layers.has_maps());
   }
 }
@@ -129,10 +145,10 @@ typename WalkMedia<N>::Surface WalkMedia<N>::next_surface(const Ray& ray,
 
 template <int N>
 template <class OnBody>
-void WalkMedia<N>::for_bodies(const Ray& ray, const MediaPlace<N>& start, float length,
+void WalkMedia<N>::for_bodies(const Ray& ray, const MediaPlace<N>& start, float length, int events,
                               const OnBody& on_body) const {
   const auto add = [&](const MediaPlace<N>& here, float begin, float end) {
-    const WalkLayers<N>& layers = here.medium->layers;
+    const WalkLayers<N>& layers = here.medium->layers_after(events);
     const Vec3f from = ray.origin + begin * ray.direction, to = ray.origin + end * ray.direction;
     on_body(layers, Ray{from, ray.direction}, here.depth, end - begin,
             layers.by_depth().at(to, here.depth));
@@ -152,9 +168,9 @@ void WalkMedia<N>::for_bodies(const Ray& ray, const MediaPlace<N>& start, float 
 
 template <int N>
 BandValues<N> WalkMedia<N>::optical_thickness(const Ray& ray, const MediaPlace<N>& start,
-                                              float length) const {
+                                              float length, int events) const {
   Bands sum;
-  for_bodies(ray, start, length, [&](const WalkLayers<N>& layers, const auto&... segment) {
+  for_bodies(ray, start, length, events, [&](const WalkLayers<N>& layers, const auto&... segment) {
     sum += layers.optical_thickness(segment...);
   });
   return sum;
@@ -162,12 +178,13 @@ BandValues<N> WalkMedia<N>::optical_thickness(const Ray& ray, const MediaPlace<N
 
 template <int N>
 BandValues<N> WalkMedia<N>::sample_residual(const Ray& ray, const MediaPlace<N>& start,
-                                            float length, Random& random) const {
+                                            float length, int events, Random& random) const {
   Bands ratio = Bands::filled(1.0f);
   if (has_maps_)
-    for_bodies(ray, start, length, [&](const WalkLayers<N>& layers, const auto&... segment) {
-      ratio *= layers.sample_residual(segment..., random);
-    });
+    for_bodies(ray, start, length, events,
+               [&](const WalkLayers<N>& layers, const auto&... segment) {
+                 ratio *= layers.sample_residual(segment..., random);
+               });
   return ratio;
 }
 

@@ -11,11 +11,12 @@
 #include "lamina/render/shading/dielectric_scattering.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/bodies/nested_dielectrics.h"
+#include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
+#include "lamina/render/subsurface/random_walk/internal/depth_radiance.h"
 #include "lamina/render/subsurface/random_walk/internal/light_vertices.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 #include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_layers.h"
 #include "lamina/spectrum/band_values.h"
 
 namespace lamina {
@@ -23,7 +24,13 @@ namespace lamina {
 /// The medium inside the bodies of one material, with all that paths in it need.
 template <int N>
 struct BodyMedium {
+  /// Of a path before `even_layers`: balls of skin are within 3 % so, up to 15 % brighter with
+  /// none.
+  static constexpr int true_events = 2;
+
   WalkLayers<N> layers;
+  /// Optional: what `layers` are taken as after some events.
+  std::optional<WalkLayers<N>> even_layers;
   BodyInterior<N> interior;
   const DielectricSurface* glass;  ///< null: translucent
   bool is_rough;                   ///< its boundary to the outside
@@ -36,17 +43,28 @@ struct BodyMedium {
   /// Optional, a control variate: absent where it cannot be solved, which is where the medium is
   /// not homogeneous. Paths are the same with it and without, and so is their mean.
   std::unique_ptr<RadianceField<N>> field;
+  /// The same for layers and maps under a smooth boundary.
+  std::unique_ptr<DepthRadiance<N>> depth_radiance;
   /// Beside the field: absent where that is.
   std::unique_ptr<LightVertices<N>> light_vertices;
 
   BodyMedium(const RenderScene& scene, const BandConversion<N>& conversion,
-             const NestedDielectrics& bodies, std::uint32_t material, bool is_smooth);
+             const NestedDielectrics& bodies, std::uint32_t material, bool is_quiet);
+
+  /// The layers that paths of so many events fly through; and those that scatter them at the last.
+  [[nodiscard]] const WalkLayers<N>& layers_after(int events) const {
+    return even_layers && events >= true_events ? *even_layers : layers;
+  }
+  [[nodiscard]] const WalkLayers<N>& layers_at(int events) const {
+    return even_layers && events > true_events ? *even_layers : layers;
+  }
 
   /// Narrows what is precomputed to where paths from some points of its surface mostly go.
   void narrow_to(std::span<const SurfacePoint> seen);
 
  private:
   void make_field();
+  void make_depth_radiance(const Box& region);
 };
 
 /// Where a path is: in which bodies, in which medium, at which depth.
@@ -63,8 +81,8 @@ class WalkMedia {
  public:
   using Bands = BandValues<N>;
 
-  /// @param are_smooth  boundaries of translucent materials where is_quieter_smooth
-  WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion, bool are_smooth = false);
+  /// @param are_quiet  translucent materials as quiet_layers
+  WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion, bool are_quiet = false);
 
   [[nodiscard]] const NestedDielectrics& bodies() const { return bodies_; }
   [[nodiscard]] const RenderScene& scene() const { return scene_; }
@@ -99,12 +117,14 @@ class WalkMedia {
   [[nodiscard]] Surface next_surface(const Ray& ray, const MediaPlace<N>& start, float t_near,
                                      float t_far) const;
 
-  /// Along a straight segment through media of one index; as WalkLayers::optical_thickness.
-  [[nodiscard]] Bands optical_thickness(const Ray& ray, const MediaPlace<N>& start,
-                                        float length) const;
+  /// Along a straight segment through media of one index, for a path of so many events; as
+  /// WalkLayers::optical_thickness.
+  [[nodiscard]] Bands optical_thickness(const Ray& ray, const MediaPlace<N>& start, float length,
+                                        int events) const;
+  [[nodiscard]] bool has_maps() const { return has_maps_; }
   /// What maps make of its transmittance; as WalkLayers::sample_residual.
   [[nodiscard]] Bands sample_residual(const Ray& ray, const MediaPlace<N>& start, float length,
-                                      Random& random) const;
+                                      int events, Random& random) const;
 
   /// Where a ray through media of one index leaves all bodies by a smooth boundary.
   [[nodiscard]] std::optional<BoundaryHit> find_boundary(const Ray& ray,
@@ -119,7 +139,7 @@ class WalkMedia {
   /// Cuts a straight segment at the surfaces that light passes in a straight line: calls
   /// `on_body(layers, ray, start, length, end)` for each body.
   template <class OnBody>
-  void for_bodies(const Ray& ray, const MediaPlace<N>& start, float length,
+  void for_bodies(const Ray& ray, const MediaPlace<N>& start, float length, int events,
                   const OnBody& on_body) const;
 
   const RenderScene& scene_;

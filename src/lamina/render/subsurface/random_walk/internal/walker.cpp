@@ -17,6 +17,8 @@ constexpr int most_steps = 200'000;
 // much. By the least work for the same noise.
 constexpr float next_event_scale = 3.0f, least_next_event = 0.05f;
 constexpr float continuation_scale = 4.0f, least_continuation = 0.1f;
+// What depth says is off by all that the path finds after, and not by a step.
+constexpr float continuation_scale_by_depth = 1.0f;
 
 }  // namespace
 
@@ -82,19 +84,32 @@ void Walker<N>::trace_homogeneous() {
       return;
 }
 
+template <int N>
+bool Walker<N>::expects() const {
+  const BodyMedium<N>& medium = *place_.medium;
+  return medium.field ||
+         (medium.depth_radiance && medium.depth_radiance->has_learned() && place_.depth.is_exact);
+}
+
 /// Adds what a radiance field expects at an event.
 template <int N>
-typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N>& field) {
+typename Walker<N>::Expectation Walker<N>::add_expectation() {
   const BodyMedium<N>& medium = *place_.medium;
+  const WalkLayers<N>& layers = medium.layers_at(path_.events);
+  const WalkLayers<N>& onward = medium.layers_after(path_.events);
   const bool is_first = reference_ == 0.0f;
   const Vec3f& direction = path_.ray.direction;
   // In detail at the first event only: most light comes from there.
-  Expectation expected{.field = field.at(path_.ray.origin, is_first, light_)};
-  const Bands phase = medium.layers.phase(
-      place_.depth, std::max(1.0f - dot(expected.field.to_light, direction), 0.0f));
+  Expectation expected{.field = medium.field
+                                    ? medium.field->at(path_.ray.origin, is_first, light_)
+                                    : medium.depth_radiance->at(place_.depth, onward,
+                                                                &onward != &medium.layers, light_)};
+  const Bands phase =
+      layers.phase(place_.depth, std::max(1.0f - dot(expected.field.to_light, direction), 0.0f));
   expected.direct = phase * expected.field.direct_fluence;
   const Bands radiance =
-      path_.throughput * (expected.direct + field.mean_scattered(expected.field, direction));
+      path_.throughput *
+      (expected.direct + expected.field.mean(direction, layers.mean_cosine(place_.depth)));
   radiance_ += radiance;
   if (is_first) reference_ = std::max(largest(radiance), 0.0f) + least_reference_;
 
@@ -102,11 +117,12 @@ typename Walker<N>::Expectation Walker<N>::add_expectation(const RadianceField<N
   const float most = std::min(throughput, 1.0f);
   expected.continuation =
       expected.field.is_solved()
-          ? std::clamp(continuation_scale * importance * expected.field.deviation,
+          ? std::clamp((medium.field ? continuation_scale : continuation_scale_by_depth) *
+                           importance * expected.field.deviation,
                        least_continuation * most, 1.0f)
           : most;
   const float peak = std::max(largest(phase), 0.25f / float_pi);
-  if (medium.next_event.has_lights())
+  if (medium.next_event.has_lights() && layers.sees_out(place_.depth.layer))
     expected.next_event =
         std::clamp(next_event_scale * peak * importance * expected.field.direct_deviation,
                    least_next_event, 1.0f);
@@ -118,11 +134,11 @@ template <int N>
 bool Walker<N>::scatter() {
   if (!(largest(path_.throughput) > 0.0f)) return false;  // all of it is absorbed
   const BodyMedium<N>& medium = *place_.medium;
-  const WalkLayers<N>& layers = medium.layers;
-  const RadianceField<N>* field = medium.field.get();
+  const WalkLayers<N>& layers = medium.layers_at(path_.events);
+  const bool has_field = expects();
   Expectation expected;
-  if (field) {
-    expected = add_expectation(*field);
+  if (has_field) {
+    expected = add_expectation();
   } else {
     expected.continuation = std::min(largest(path_.throughput), 1.0f);
     // From deep inside next-event estimation finds little, and is rare.
@@ -134,8 +150,8 @@ bool Walker<N>::scatter() {
   }
   // With a field, MIS counts next-event estimation as if every event did it: where few do, lights
   // must not be left to paths that meet them by chance.
-  typename WalkPath<N>::Event event{path_.ray, path_.throughput, field ? 1.0f : expected.next_event,
-                                    expected.continuation};
+  typename WalkPath<N>::Event event{path_.ray, path_.throughput,
+                                    has_field ? 1.0f : expected.next_event, expected.continuation};
   const LightVertices<N>* vertices = medium.light_vertices.get();
   if (vertices && !vertices->is_empty()) {
     const Vec3f bend = path_.ray.direction - path_.last.turned;
@@ -157,9 +173,12 @@ bool Walker<N>::scatter() {
   path_.throughput *= 1.0f / expected.continuation;
   layers.sample_phase(place_.depth, path_, numbers_);
   path_.last.turned = path_.ray.direction;
-  if (field)
-    radiance_ +=
-        (-1.0f * path_.throughput) * field->scattered_along(expected.field, path_.ray.direction);
+  if (has_field)
+    radiance_ += (-1.0f * path_.throughput) * expected.field.along(path_.ray.direction);
+  if (record_)
+    record_->events.push_back({place_.depth, path_.ray.direction,
+                               &medium.layers_after(path_.events) != &medium.layers,
+                               path_.throughput, radiance_});
   return true;
 }
 

@@ -3,9 +3,9 @@
 
 #include <optional>
 
+#include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_media.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_path.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/spectrum/band_values.h"
 
@@ -31,6 +31,8 @@ class Walker {
   ///
   /// @param with_unscattered  also of light that comes straight through
   [[nodiscard]] Bands trace(bool with_unscattered);
+  /// What it found is to be recorded.
+  void record_to(WalkRecord<N>& record) { record_ = &record; }
 
  private:
   using Place = MediaPlace<N>;
@@ -48,7 +50,8 @@ class Walker {
   void trace_homogeneous();
   [[nodiscard]] bool scatter();
   struct Expectation;
-  [[nodiscard]] Expectation add_expectation(const RadianceField<N>& field);
+  [[nodiscard]] bool expects() const;
+  [[nodiscard]] Expectation add_expectation();
 
   // walker_steps.cpp: from one event, surface or layer to the next; at the end `place_` is that of
   // the path's new origin.
@@ -144,6 +147,7 @@ class Walker {
   Place place_, last_place_;  ///< of the path's origin; of its last event
   Bands radiance_;
   float least_reference_;
+  WalkRecord<N>* record_ = nullptr;
   bool with_unscattered_ = true;
   float reference_ = 0.0f;  ///< about the radiance that the path finds; 0 before its first event
 };

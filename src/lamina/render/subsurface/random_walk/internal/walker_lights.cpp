@@ -7,6 +7,11 @@
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
 
 namespace lamina {
+namespace {
+
+constexpr float least_worth = 0.05f;  // of direct light, over what a path finds in all
+
+}  // namespace
 
 /// By the power heuristic, for densities over directions at the event: where a curved boundary
 /// focuses light, paths find it more easily.
@@ -34,9 +39,11 @@ float Walker<N>::density_of_paths(const Bands& scattered) const {
 template <int N>
 BandValues<N> Walker<N>::scattered_along(const Vec3f& direction, float length) const {
   const Ray& last = path_.last.ray;
-  return exp_minus(media_.optical_thickness({last.origin, direction}, last_place_, length)) *
-         last_place_.medium->layers.phase(last_place_.depth,
-                                          one_minus_cos(direction, last.direction));
+  const int events = path_.events;
+  return exp_minus(
+             media_.optical_thickness({last.origin, direction}, last_place_, length, events)) *
+         last_place_.medium->layers_at(events).phase(last_place_.depth,
+                                                     one_minus_cos(direction, last.direction));
 }
 
 template <int N>
@@ -56,8 +63,15 @@ BandValues<N> Walker<N>::sample_direct_light() {
         const Vec3f& direction = sample.entry.to_surface;
         const float length = sample.entry.length;
         const Bands scattered = scattered_along(direction, length);
+        // The way through maps takes long: for little light by Russian roulette.
+        const float worth = media_.has_maps()
+                                ? largest(path_.throughput * scattered * sample.unattenuated) /
+                                      (least_worth * std::max(reference_, least_reference_))
+                                : 1.0f;
+        if (worth < 1.0f && !(random.uniform_float() < worth)) return;
         const Bands residual =
-            media_.sample_residual({origin, direction}, last_place_, length, random);
+            std::max(1.0f / worth, 1.0f) *
+            media_.sample_residual({origin, direction}, last_place_, length, path_.events, random);
         // Over centimetres from a dark place of a map one underflows, and the other overflows.
         Bands arriving;
         for (int b = 0; b < N; ++b)

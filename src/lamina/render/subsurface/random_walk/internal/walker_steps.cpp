@@ -46,7 +46,7 @@ typename Walker<N>::Step Walker<N>::advance() {
   Ahead ahead{{}, path_.clearance, path_.has_scattered ? 0.0f : least_distance(media_.scene())};
   float begin = 0.0f;
   for (int flights = 0; flights < most_flights; ++flights) {
-    const WalkLayers<N>& layers = place_.medium->layers;
+    const WalkLayers<N>& layers = place_.medium->layers_after(path_.events);
     const DepthLayers& by_depth = layers.by_depth();
     const std::size_t layer = place_.depth.layer;
     const Bands& most = layers.most_extinction(layer);
@@ -107,7 +107,7 @@ typename Walker<N>::Step Walker<N>::advance() {
 
 template <int N>
 typename Walker<N>::Collision Walker<N>::collide(const Bands& passing, const Bands& most) {
-  const WalkLayers<N>& layers = place_.medium->layers;
+  const WalkLayers<N>& layers = place_.medium->layers_after(path_.events);
   Random& random = numbers_.stream();
   const bool is_mapped = layers.is_mapped(place_.depth.layer);
   if (is_mapped) place_.depth.texel = layers.sample_texel(place_.depth, random.uniform_float());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lamina/materials/material.h"
@@ -11,7 +12,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"
 #include "lamina/render/subsurface/depth_layers/layer_maps.h"
-#include "lamina/render/subsurface/random_walk/internal/walk_path.h"
+#include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/spectrum/band_values.h"
 
@@ -27,33 +28,43 @@ class WalkLayers {
   using Place = DepthLayers::Place;
   using Crossing = DepthLayers::Crossing;
 
-  /// @param is_smooth  its boundaries count as smooth, if it is translucent
+  /// @param is_quiet  as quiet_layers, if it is translucent
   WalkLayers(const RenderScene& scene, const BandConversion<N>& conversion, std::uint32_t material,
-             bool is_smooth = false);
+             bool is_quiet = false);
 
-  [[nodiscard]] const DepthLayers& by_depth() const { return by_depth_; }
+  /// The same with isotropic scattering, by similarity: sigma_s and the extinction less sigma_s
+  /// times the mean cosine. Shares what is large.
+  [[nodiscard]] WalkLayers with_even_scattering() const;
+
+  [[nodiscard]] const DepthLayers& by_depth() const { return *by_depth_; }
   /// Of a layer without maps.
   [[nodiscard]] const WalkMedium<N>& medium(std::size_t layer) const {
     return layers_[layer].medium;
   }
   /// Whether the coefficients of a layer are maps; or of any.
-  [[nodiscard]] bool is_mapped(std::size_t layer) const { return maps_.layers[layer].is_mapped(); }
-  [[nodiscard]] bool has_maps() const { return maps_.is_mapped(); }
+  [[nodiscard]] bool is_mapped(std::size_t layer) const { return maps_->layers[layer].is_mapped(); }
+  [[nodiscard]] bool has_maps() const { return maps_->is_mapped(); }
   /// The largest of each band in a layer [1/mm].
   [[nodiscard]] const Bands& most_extinction(std::size_t layer) const {
-    return maps_.layers[layer].most_extinction;
+    return layers_[layer].most;
   }
   struct Coefficients {
-    const Bands &sigma_s, &sigma_t;  ///< [1/mm]
+    Bands sigma_s, sigma_t;  ///< [1/mm]
   };
   /// At the texel of a place.
   [[nodiscard]] Coefficients coefficients(const Place& place) const {
-    const auto& [sigma_s, sigma_t, g, sheet, most, least] = maps_.layers[place.layer];
-    return {sigma_s[sigma_s.size() > 1 ? place.texel : 0],
-            sigma_t[sigma_t.size() > 1 ? place.texel : 0]};
+    const auto& [sigma_s, sigma_t, g, sheet, most, least] = maps_->layers[place.layer];
+    Coefficients here{sigma_s[sigma_s.size() > 1 ? place.texel : 0],
+                      sigma_t[sigma_t.size() > 1 ? place.texel : 0]};
+    if (is_even_) {
+      const Bands off = taken_off(place.layer, place.texel);
+      here.sigma_s = here.sigma_s - off;
+      here.sigma_t = here.sigma_t - off;
+    }
+    return here;
   }
   [[nodiscard]] std::size_t sample_texel(const Place& place, float u) const {
-    return by_depth_.grid().sample(place.uv, u);
+    return by_depth_->grid().sample(place.uv, u);
   }
   /// What a crossing from one layer to the next leaves over, in optical thickness: that of the
   /// absorbing sheet there, aslant.
@@ -67,6 +78,8 @@ class WalkLayers {
   /// The upper boundary of a layer.
   [[nodiscard]] const Interface& boundary(std::size_t layer) const { return layers_[layer].top; }
   [[nodiscard]] float shortest_free_path() const;  ///< of all layers and bands [mm]
+  /// The same with isotropic scattering in place of anisotropic, by similarity, in the last layer.
+  [[nodiscard]] float shortest_reduced_free_path() const;
   /// Of the flux that enters flat layers.
   [[nodiscard]] const Bands& diffuse_reflectance() const { return reflectance_; }
 
@@ -78,27 +91,42 @@ class WalkLayers {
   /// 1 without maps. Source: residual ratio tracking, [Novak2014] Eq. 12.
   [[nodiscard]] Bands sample_residual(const Ray& ray, const Place& start, float length,
                                       const Place& end, Random& random) const;
+  /// Of layers that lie flat above an exact place, about: as the texels beside it are.
+  [[nodiscard]] Bands optical_depth(const Place& place) const;
   /// A lower bound, for the shortest way out in the band where it is least.
   [[nodiscard]] float least_optical_depth(const Place& place) const;
 
   [[nodiscard]] Bands phase(const Place& place, float one_minus_cos) const;
-  [[nodiscard]] Bands mean_cosine(std::size_t layer) const;  ///< of a layer's phase function
+  /// Of the phase function of a layer without maps of it; at a place.
+  [[nodiscard]] const Bands& mean_cosine(std::size_t layer) const {
+    return layers_[layer].mean_cosine;
+  }
+  [[nodiscard]] const Bands& mean_cosine(const Place& place) const {
+    const auto& g = maps_->layers[place.layer].g;
+    return is_even_ || g.empty() ? mean_cosine(place.layer) : g[place.texel];
+  }
   /// Samples the phase function of a band, each in proportion to its throughput; all bands count by
   /// the density of the mixture.
   void sample_phase(const Place& place, WalkPath<N>& path, WalkNumbers& numbers) const;
 
  private:
-  WalkLayers(const RenderScene& scene, std::uint32_t material, const SheetedLayers& sheeted);
-  /// The extinction of a layer at texture coordinates.
-  [[nodiscard]] Bands extinction(std::size_t layer, Vec2f uv) const {
-    const auto& sigma_t = maps_.layers[layer].sigma_t;
-    return sigma_t.size() == 1 ? sigma_t[0] : by_depth_.grid().around(uv).mean(sigma_t);
+  WalkLayers(const RenderScene& scene, std::uint32_t material, const SheetedLayers& sheeted,
+             float tolerance);
+  /// sigma_s times the mean cosine where that is taken off, at a texel.
+  [[nodiscard]] Bands taken_off(std::size_t layer, std::size_t texel) const {
+    const auto& [sigma_s, sigma_t, g, sheet, most, least] = maps_->layers[layer];
+    return (g.empty() ? layers_[layer].true_mean_cosine : g[texel]) *
+           sigma_s[sigma_s.size() > 1 ? texel : 0];
   }
+  /// The extinction of a layer at texture coordinates.
+  [[nodiscard]] Bands extinction(std::size_t layer, Vec2f uv) const;
 
   struct Layer {
     WalkMedium<N> medium;
-    std::vector<PhaseFunction> phases;  ///< [band]
-    bool is_same_phase = true;          ///< in all bands
+    std::vector<PhaseFunction> phases;    ///< [band]
+    Bands mean_cosine, true_mean_cosine;  ///< of them; before it was taken off
+    Bands most, least;                    ///< extinction [1/mm]
+    bool is_same_phase = true;            ///< in all bands
     bool is_isotropic = false;
     Interface top;
     float ior = 0.0f;               ///< over that of vacuum
@@ -106,13 +134,14 @@ class WalkLayers {
     float least_depth = 0.0f;       ///< optical, of its top in the band where it is least
     float least_extinction = 0.0f;  ///< of the bands [1/mm]
   };
-  LayerMaps<N> maps_;
-  DepthLayers by_depth_;
+  std::shared_ptr<const LayerMaps<N>> maps_;
+  std::shared_ptr<const DepthLayers> by_depth_;
   std::vector<Layer> layers_;
   FirstOrderStack<Bands> stack_;
   Bands reflectance_;
   int bands_;
   float ior_ = 0.0f;
+  bool is_even_ = false;
 };
 
 }  // namespace lamina

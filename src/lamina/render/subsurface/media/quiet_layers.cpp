@@ -1,0 +1,14 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "lamina/render/subsurface/media/quiet_layers.h"
+
+namespace lamina {
+
+Material quiet_layers(Material material) {
+  for (MaterialLayer& layer : material.layers) {
+    layer.top = {};
+    layer.ior = material.layers.front().ior;
+  }
+  return material;
+}
+
+}  // namespace lamina

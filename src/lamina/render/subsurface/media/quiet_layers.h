@@ -1,0 +1,13 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lamina/materials/material.h"
+
+namespace lamina {
+
+/// What walks may take a translucent material as, where only what a curved surface makes of its
+/// light is asked for: with the boundary of the first layer, smooth, and no others. Most of the
+/// noise of walks is spared, and what flat layers make of the difference is known.
+[[nodiscard]] Material quiet_layers(Material material);
+
+}  // namespace lamina
