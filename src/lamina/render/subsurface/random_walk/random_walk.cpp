@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -13,7 +12,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
-#include "lamina/render/subsurface/surface_cells.h"
+#include "lamina/render/subsurface/surface_points.h"
 
 namespace lamina {
 namespace {
@@ -24,22 +23,6 @@ constexpr std::size_t learning_walks = 4096, chunks = 64;
 constexpr std::uint32_t walks = 4;  // from where a ray of the eye enters
 // Radiance over that of the scene below which noise does not matter.
 constexpr float least_reference = 5e-4f;
-
-/// Some thousand points of the surface of a material.
-std::vector<SurfacePoint> points_all_over(const Scene& scene, std::uint32_t material) {
-  constexpr double wanted = 2000.0;
-  const auto spacing = static_cast<float>(std::sqrt(surface_area(scene.meshes, material) / wanted));
-  const SurfaceCells surface =
-      make_surface_cells(scene.meshes, material, spacing, scene.render.seed);
-  std::vector<SurfacePoint> points;
-  for (const SurfaceCell& cell : surface.cells) {
-    const auto& [mesh, triangle, u, v, area] = surface.elements_of(cell).front();
-    points.push_back(make_surface_point(
-        scene.meshes, {.distance = 0.0f, .u = u, .v = v, .mesh = mesh, .triangle = triangle},
-        spacing));
-  }
-  return points;
-}
 
 /// @throws InvalidInput if a mesh of the material has another medium, too
 void require_one_medium(const Scene& scene, const NestedDielectrics& bodies,
@@ -119,8 +102,9 @@ bool RandomWalk<N>::prepare(const Preparation<N>& with) {
       !trace_light_vertices(with.light, with.progress))
     return false;
   if (!medium_->depth_radiance) return true;
-  return learn_depth_radiance(is_for_camera ? seen : points_all_over(*with.scene.scene, material_),
-                              with.light, with.progress);
+  const auto points = is_for_camera ? some_of(seen, learning_walks)
+                                    : points_all_over(*with.scene.scene, material_, learning_walks);
+  return learn_depth_radiance(points, with.light, with.progress);
 }
 
 template <int N>

@@ -20,10 +20,8 @@ constexpr float right_below = 0.05f;
 /// Applies to all arrays of two sums.
 template <class Sums, class Function>
 void for_arrays(Sums& a, const Sums& b, const Function& function) {
-  function(a.t, b.t), function(a.tc, b.tc), function(a.tcc, b.tcc);
-  function(a.v, b.v), function(a.vc, b.vc), function(a.vv, b.vv);
-  function(a.vt, b.vt), function(a.vtc, b.vtc), function(a.tt, b.tt);
-  function(a.ttc, b.ttc), function(a.ttcc, b.ttcc);
+  function(a.vv, b.vv), function(a.vt, b.vt), function(a.vtc, b.vtc);
+  function(a.tt, b.tt), function(a.ttc, b.ttc), function(a.ttcc, b.ttcc);
 }
 
 }  // namespace
@@ -178,11 +176,6 @@ void DepthRadiance<N>::add(const WalkRecord<N>& record, const Bands& found,
       for (std::size_t b = 0; b < N; ++b) {
         const auto t = static_cast<double>(scale[static_cast<int>(b)]);
         const auto v = static_cast<double>(later[static_cast<int>(b)]);
-        sums.t[b] += w * t;
-        sums.tc[b] += w * t * c;
-        sums.tcc[b] += w * t * c * c;
-        sums.v[b] += w * v;
-        sums.vc[b] += w * v * c;
         sums.vv[b] += w * v * v;
         sums.vt[b] += w * v * t;
         sums.vtc[b] += w * v * t * c;
@@ -194,26 +187,26 @@ void DepthRadiance<N>::add(const WalkRecord<N>& record, const Bands& found,
   }
 }
 
-/// Least squares with variances in proportion to t.
 template <int N>
 void DepthRadiance<N>::learn(const Lessons& lessons) {
   table_.assign(2 * rows, {});
   for (std::size_t i = 0; i < 2 * rows; ++i) {
     const auto& s = lessons.rows_[i];
     for (std::size_t b = 0; b < N; ++b) {
-      if (!(s.t[b] > 0.0 && s.tt[b] > 0.0)) continue;
-      double mean = s.v[b] / s.t[b], slope = 0.0;
-      const double determinant = s.t[b] * s.tcc[b] - s.tc[b] * s.tc[b];
-      if (determinant > 1e-3 * s.t[b] * s.t[b]) {
-        slope = (s.t[b] * s.vc[b] - s.tc[b] * s.v[b]) / determinant;
+      if (!(s.tt[b] > 0.0)) continue;
+      double mean = s.vt[b] / s.tt[b], slope = 0.0;
+      const double determinant = s.tt[b] * s.ttcc[b] - s.ttc[b] * s.ttc[b];
+      if (determinant > 1e-3 * s.tt[b] * s.tt[b]) {
+        slope = (s.tt[b] * s.vtc[b] - s.ttc[b] * s.vt[b]) / determinant;
         slope = std::clamp(slope, -std::abs(mean), std::abs(mean));
-        mean = (s.v[b] - slope * s.tc[b]) / s.t[b];
+        mean = (s.vt[b] - slope * s.ttc[b]) / s.tt[b];
       }
+      mean = std::max(mean, 0.0);
       const double squares = s.vv[b] - 2.0 * (mean * s.vt[b] + slope * s.vtc[b]) +
                              mean * mean * s.tt[b] + 2.0 * mean * slope * s.ttc[b] +
                              slope * slope * s.ttcc[b];
       const int band = static_cast<int>(b);
-      table_[i].mean[band] = static_cast<float>(std::max(mean, 0.0));
+      table_[i].mean[band] = static_cast<float>(mean);
       table_[i].slope[band] = static_cast<float>(slope);
       table_[i].deviation[band] = static_cast<float>(std::sqrt(std::max(squares, 0.0) / s.tt[b]));
     }

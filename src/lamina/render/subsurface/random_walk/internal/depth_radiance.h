@@ -106,7 +106,6 @@ class DepthRadiance<N>::Lessons {
   /// Over events, weighted as rows are: of throughput times irradiance, t, of what was found
   /// after, v, and the cosine c between direction and the outward normal.
   struct Sums {
-    std::array<double, N> t{}, tc{}, tcc{}, v{}, vc{};
     std::array<double, N> vv{}, vt{}, vtc{}, tt{}, ttc{}, ttcc{};
   };
   std::vector<Sums> rows_;

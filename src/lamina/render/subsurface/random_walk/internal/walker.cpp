@@ -17,8 +17,10 @@ constexpr int most_steps = 200'000;
 // much. By the least work for the same noise.
 constexpr float next_event_scale = 3.0f, least_next_event = 0.05f;
 constexpr float continuation_scale = 4.0f, least_continuation = 0.1f;
-// What depth says is off by all that the path finds after, and not by a step.
-constexpr float continuation_scale_by_depth = 1.0f;
+// The same by DepthRadiance, whose deviation is that of all that paths find after, and which may
+// miss what they find seldom; and of next-event estimation as it were without it, at least so much.
+constexpr float continuation_scale_by_depth = 2.0f, least_continuation_by_depth = 0.5f;
+constexpr float next_event_share_by_depth = 0.5f;
 
 }  // namespace
 
@@ -115,17 +117,22 @@ typename Walker<N>::Expectation Walker<N>::add_expectation() {
 
   const float throughput = largest(path_.throughput), importance = throughput / reference_;
   const float most = std::min(throughput, 1.0f);
-  expected.continuation =
-      expected.field.is_solved()
-          ? std::clamp((medium.field ? continuation_scale : continuation_scale_by_depth) *
-                           importance * expected.field.deviation,
-                       least_continuation * most, 1.0f)
-          : most;
+  const auto continuation = [&](float scale, float least) {
+    return std::clamp(scale * importance * expected.field.deviation, least * most, 1.0f);
+  };
+  expected.continuation = most;
+  if (expected.field.is_solved())
+    expected.continuation =
+        medium.field ? continuation(continuation_scale, least_continuation)
+                     : continuation(continuation_scale_by_depth, least_continuation_by_depth);
   const float peak = std::max(largest(phase), 0.25f / float_pi);
-  if (medium.next_event.has_lights() && layers.sees_out(place_.depth.layer))
-    expected.next_event =
-        std::clamp(next_event_scale * peak * importance * expected.field.direct_deviation,
-                   least_next_event, 1.0f);
+  if (medium.next_event.has_lights() && layers.sees_out(place_.depth.layer)) {
+    float rate = next_event_scale * peak * importance * expected.field.direct_deviation;
+    if (!medium.field)
+      rate = std::max(rate, next_event_share_by_depth * most *
+                                std::exp(-layers.least_optical_depth(place_.depth)));
+    expected.next_event = std::clamp(rate, least_next_event, 1.0f);
+  }
   return expected;
 }
 
