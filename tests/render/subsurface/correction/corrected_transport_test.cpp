@@ -103,14 +103,19 @@ TEST(CorrectedTransport, HasTheLightOfRoughBoundaries) {
   }
 }
 
-// Walks through layers take light as scattered evenly after some events, in layers of one index. If
+// Walks through maps take light as scattered evenly after some events, in layers of one index. If
 // all of it were, the ball, in which light hardly gets round, would be up to 15 % brighter.
-TEST(CorrectedTransport, HasTheLightOfLayersThatScatterForward) {
+TEST(CorrectedTransport, HasTheLightOfMapsThatScatterForward) {
   Scene scene = ball_to_correct(1.0);
   Material& skin = std::get<SubsurfaceSurface>(scene.materials[0].surface).material;
   skin = material_of({layer_of({0.45, 1.16, 3.16}, {14.2, 17.3, 27.0}, 0.77, 0.25),
                       layer_of({0.01, 0.1, 1.18}, {7.1, 8.7, 13.5}, 0.77, infinite)});
   skin.layers[1].ior = skin.ior_below = {1.38, 1.38, 1.38};
+  MaterialMap thickness{{.of = MappableNumber::Of::thickness, .layer = 0}, make_image(4, 2, {"Y"})};
+  for (float& value : thickness.values.pixels) value = 0.25f;
+  std::get<SubsurfaceSurface>(scene.materials[0].surface).material_maps = {thickness};
+  scene.render.method = RenderSettings::Method::texture_space;
+  scene.render.profile.reset();
   scene.meshes = {make_sphere(60.0f, 96)};
   scene.meshes[0].is_closed = true;
   scene.camera = camera_above(120.0);

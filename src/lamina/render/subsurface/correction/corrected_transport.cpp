@@ -64,7 +64,8 @@ CorrectedTransport<N>::CorrectedTransport(const RenderScene& scene, std::uint32_
   bands_ = static_cast<int>(surface.material.bands.size());
   ior_ = mean_ior(surface.material);
   has_layers_ = surface.material.layers.size() > 1 || !surface.material_maps.empty();
-  flat_over_quiet_ = flat_over_quiet<N>(surface.material);
+  flat_over_quiet_ =
+      is_better_quiet(surface) ? flat_over_quiet<N>(surface.material) : Bands::filled(1.0f);
 }
 
 template <int N>

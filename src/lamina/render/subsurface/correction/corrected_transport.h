@@ -20,8 +20,9 @@ namespace lamina {
 /// direction inside. The planar method is a control variate: its detail stays, and the ratio is
 /// smoothed along the surface as far as the noise of the walks asks for.
 ///
-/// Walks take the material as quiet_layers, which spares most of their noise. What flat layers
-/// reflect of light that has entered, over what flat quiet ones do, makes up for it: some percent.
+/// Walks take one layer, and maps, as quiet_layers, which spares most of their noise. What flat
+/// layers reflect of light that has entered, over what flat quiet ones do, makes up for it: some
+/// percent.
 ///
 /// The planar light counts as some more, evenly: a hundredth of the mean, so that light which only
 /// the walks find is there, too; or all of the mean, where its detail is wrong, as where light

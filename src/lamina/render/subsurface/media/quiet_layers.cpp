@@ -11,4 +11,8 @@ Material quiet_layers(Material material) {
   return material;
 }
 
+bool is_better_quiet(const SubsurfaceSurface& surface) {
+  return surface.material.layers.size() == 1 || !surface.material_maps.empty();
+}
+
 }  // namespace lamina

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lamina/materials/material.h"
+#include "lamina/scene/scene.h"
 
 namespace lamina {
 
@@ -9,5 +10,8 @@ namespace lamina {
 /// light is asked for: with the boundary of the first layer, smooth, and no others. Most of the
 /// noise of walks is spared, and what flat layers make of the difference is known.
 [[nodiscard]] Material quiet_layers(Material material);
+
+/// Whether that spares much: in one layer, for the radiance field, and in maps.
+[[nodiscard]] bool is_better_quiet(const SubsurfaceSurface& surface);
 
 }  // namespace lamina

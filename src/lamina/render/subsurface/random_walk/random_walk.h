@@ -96,7 +96,7 @@ class RandomWalk final : public SubsurfaceMethod<N> {
 
 /// The media inside all closed bodies of a scene, shared by the walks of its materials.
 ///
-/// @param are_quiet  translucent materials as quiet_layers
+/// @param are_quiet  translucent materials as quiet_layers where is_better_quiet
 template <int N>
 [[nodiscard]] std::shared_ptr<WalkMedia<N>> make_walk_media(const RenderScene& scene,
                                                             const BandConversion<N>& conversion,

@@ -8,6 +8,7 @@
 
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/optics/same_ior.h"
+#include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 
@@ -40,7 +41,7 @@ BodyMedium<N>::BodyMedium(const RenderScene& scene, const BandConversion<N>& con
                      !has_neighbors),
       next_event(interior, is_homogeneous) {
   if (is_homogeneous) make_field();
-  if (is_quiet && !is_homogeneous) even_layers = layers.with_even_scattering();
+  if (is_quiet && layers.has_maps()) even_layers = layers.with_even_scattering();
   if (!is_homogeneous && !is_rough && !glass) make_depth_radiance(interior.region());
 }
 
@@ -91,7 +92,8 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
         (std::holds_alternative<DielectricSurface>(surface) && bodies_.is_near_others(i)))
       of_material_[i] = std::make_unique<BodyMedium<N>>(
           scene, conversion, bodies_, i,
-          are_quiet && std::holds_alternative<SubsurfaceSurface>(surface));
+          are_quiet && std::holds_alternative<SubsurfaceSurface>(surface) &&
+              is_better_quiet(std::get<SubsurfaceSurface>(surface)));
     has_maps_ = has_maps_ || (of_material_[i] && of_material_[i]->layers.has_maps());
   }
 }

@@ -81,7 +81,7 @@ class WalkMedia {
  public:
   using Bands = BandValues<N>;
 
-  /// @param are_quiet  translucent materials as quiet_layers
+  /// @param are_quiet  translucent materials as quiet_layers where is_better_quiet
   WalkMedia(const RenderScene& scene, const BandConversion<N>& conversion, bool are_quiet = false);
 
   [[nodiscard]] const NestedDielectrics& bodies() const { return bodies_; }
