@@ -16,6 +16,7 @@
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
 #include "render/small_scenes.h"
+#include "render/subsurface/random_walk/walk_means.h"
 #include "scattering/monte_carlo/ball_photons.h"
 
 namespace lamina {
@@ -201,32 +202,21 @@ TEST(RandomWalk, HasTheSameMeanWhateverIsKnownBeforehand) {
     const Hit hit = prepared.geometry.first_hit({{0.5f, 0.3f, 9}, {0, 0, -1}}, 0.0f);
     const SurfacePoint point = make_surface_point(scene.meshes, hit, 0.0f);
     const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
-    double mean[3][3], error[3][3];
+    WalkMeans of[3];
     for (std::size_t kind = 0; kind < 3; ++kind) {
       RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
       if (kind > 0) {
         ASSERT_TRUE(walk.solve_radiance_field(NoLight{}, {}, kind == 2 ? 2.0f : 1.0f));
       }
-      double sum[3] = {}, squares[3] = {};
-      constexpr int count = 4096;
-      for (std::uint32_t i = 0; i < count; ++i) {
-        PixelSamples samples(11, i, 0);  // one of each pixel: independent
-        const BandValues<4> value = walk.leaving_radiance(exit, NoLight{}, samples);
-        for (int b = 0; b < 3; ++b) {
-          const auto v = static_cast<double>(value[b]);
-          sum[b] += v;
-          squares[b] += v * v;
-        }
-      }
+      of[kind] = walk_means(walk, exit, NoLight{});
       for (std::size_t b = 0; b < 3; ++b) {
-        mean[kind][b] = sum[b] / count;
-        error[kind][b] = std::sqrt((squares[b] / count - mean[kind][b] * mean[kind][b]) / count);
-        EXPECT_LT(error[kind][b], 0.06 * mean[kind][b]) << kind << ' ' << b;
+        EXPECT_LT(of[kind].error[b], 0.06 * of[kind].mean[b]) << kind << ' ' << b;
       }
     }
     for (const std::size_t kind : {1u, 2u})
       for (std::size_t b = 0; b < 3; ++b)
-        EXPECT_NEAR(mean[kind][b], mean[0][b], 3.5 * std::hypot(error[0][b], error[kind][b]))
+        EXPECT_NEAR(of[kind].mean[b], of[0].mean[b],
+                    3.5 * std::hypot(of[0].error[b], of[kind].error[b]))
             << "g " << g << " light " << light.index() << " kind " << kind << " band " << b;
   }
 }

@@ -17,6 +17,7 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"
+#include "render/subsurface/random_walk/walk_means.h"
 
 namespace lamina {
 namespace {
@@ -127,33 +128,22 @@ TEST(WalkMedia, HaveTheSameMeanWhateverWalksLearn) {
     ASSERT_GT(points.size(), 40u);
     const SurfacePoint& point = points[27];
     const ExitPoint exit{point, boundary_at(prepared, point), point.normal.z, {0, 0, 1}};
-    double mean[3][3], error[3][3];
+    WalkMeans of[3];
     for (std::size_t kind = 0; kind < 3; ++kind) {
       RandomWalk<4> walk(make_walk_media<4>(prepared, conversion), 0);
       if (kind > 0) {
         ASSERT_TRUE(walk.learn_depth_radiance(points, EvenlyLit{}, {}, kind == 2 ? 2.0f : 1.0f));
       }
-      double sum[3] = {}, squares[3] = {};
-      constexpr int count = 4096;
-      for (std::uint32_t i = 0; i < count; ++i) {
-        PixelSamples samples(11, i, 0);  // one of each pixel: independent
-        const BandValues<4> value = walk.leaving_radiance(exit, EvenlyLit{}, samples);
-        for (int b = 0; b < 3; ++b) {
-          const auto v = static_cast<double>(value[b]);
-          sum[b] += v;
-          squares[b] += v * v;
-        }
-      }
+      of[kind] = walk_means(walk, exit, EvenlyLit{});
       for (std::size_t b = 0; b < 3; ++b) {
-        mean[kind][b] = sum[b] / count;
-        error[kind][b] = std::sqrt((squares[b] / count - mean[kind][b] * mean[kind][b]) / count);
-        EXPECT_LT(error[kind][b], 0.03 * mean[kind][b]) << kind << ' ' << b;
+        EXPECT_LT(of[kind].error[b], 0.03 * of[kind].mean[b]) << kind << ' ' << b;
       }
     }
     for (std::size_t b = 0; b < 3; ++b) {
-      EXPECT_LT(error[1][b], 0.95 * error[0][b]) << has_two_indices << b;
+      EXPECT_LT(of[1].error[b], 0.95 * of[0].error[b]) << has_two_indices << b;
       for (const std::size_t kind : {1u, 2u})
-        EXPECT_NEAR(mean[kind][b], mean[0][b], 3.5 * std::hypot(error[0][b], error[kind][b]))
+        EXPECT_NEAR(of[kind].mean[b], of[0].mean[b],
+                    3.5 * std::hypot(of[0].error[b], of[kind].error[b]))
             << has_two_indices << " kind " << kind << " band " << b;
     }
   }

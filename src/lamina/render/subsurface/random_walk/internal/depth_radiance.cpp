@@ -80,7 +80,8 @@ auto DepthRadiance<N>::compute_node(std::size_t node, const LightGatherer<N>& li
   const float fraction = 1.0f / static_cast<float>(count);
   result.irradiance *= fraction;
   result.fluence *= fraction;
-  result.to_light *= brightness > 0.0f ? 1.0f / brightness : 0.0f;
+  constexpr float least_brightness = 1e-30f;  // that has an inverse
+  result.to_light *= brightness > least_brightness ? 1.0f / brightness : 0.0f;
   for (const float one : found)
     result.deviation = std::max(result.deviation, std::abs(one - fraction * brightness));
   result.weight = 1.0f;
