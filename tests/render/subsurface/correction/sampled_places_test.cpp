@@ -5,10 +5,13 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "lamina/render/subsurface/correction/corrected_transport.h"
 #include "render/small_scenes.h"
 
 namespace lamina {
@@ -41,18 +44,20 @@ class NoLight final : public LightGatherer<4> {
   }
 };
 
-/// A square of 20 mm, seen from above but for the part below x = -5 mm, and its places 1 mm apart.
+/// A square of 20 mm, seen from above but for the part below x = -5 mm, and places 1 mm apart on
+/// it.
 struct SampledSquare {
   static constexpr float unseen_end = -5.0f;
 
-  explicit SampledSquare(const SubsurfaceMethod<4>& planar, const SubsurfaceMethod<4>& walk)
+  SampledSquare(const SubsurfaceMethod<4>& planar, const SubsurfaceMethod<4>& walk,
+                std::optional<Vec3f> eye = Vec3f{0.0f, 0.0f, 60.0f})
       : methods{planar, walk, BandValues<4>::filled(1.0f), 1.3f, 3},
         scene(make_scene()),
         render_scene(scene),
         camera(scene.camera, 8, 8),
         cache(scene, options),
         with{render_scene, light, camera, seen, cache, progress, report},
-        places(render_scene, 0, SpacingField(1.0f), methods, see(), true) {}
+        places(render_scene, 0, 1.0f, methods, see(), eye) {}
 
   static Scene make_scene() {
     Scene scene;
@@ -88,8 +93,8 @@ struct SampledSquare {
   SampledPlaces<4> places;
 };
 
-// Four times as bright on the right: twice as many samples there, and few of what is not seen. With
-// the area of the places they count as the same light as even ones.
+// Four times as bright on the right: twice as many samples there, few of what is not seen, and none
+// far from what is. With the area of the places they count as the same light as even ones.
 TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
   const auto brightness = [](const Vec3f& at, float) { return at.x < 2.5f ? 1.0f : 4.0f; };
   const LightByFormula planar(brightness), walk(brightness);
@@ -101,6 +106,7 @@ TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
   double seen_area = 0.0, count = 0.0, seen = 0.0, light = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const float x = at[i].at.position.x;
+    EXPECT_GT(x, SampledSquare::unseen_end - 4.5f);
     if (x < SampledSquare::unseen_end - 1.5f) {
       EXPECT_EQ(areas[i], 0.0f);
       EXPECT_EQ(samples[i].size(), 20u);
@@ -119,7 +125,7 @@ TEST(SampledPlaces, TakesMoreSamplesWhereItIsBrightAndFewWhereNobodyLooks) {
   }
   EXPECT_NEAR(count / seen, 60.0, 2.0);
   EXPECT_NEAR(seen_area, 20.0 * (10.0 - SampledSquare::unseen_end), 30.0);
-  EXPECT_NEAR(light, 20.0 * (12.5 + 7.5 * 4.0), 0.02 * 850.0);
+  EXPECT_NEAR(light, 20.0 * (2.5 + 4.0 - SampledSquare::unseen_end + 7.5 * 4.0), 0.02 * 830.0);
 }
 
 // Walks of twice the light, evenly between none and double that: a standard deviation of 1/sqrt(3).
@@ -240,13 +246,53 @@ class LampBehind final : public SubsurfaceMethod<4> {
 TEST(SampledPlaces, CountLightThatComesStraightThroughTowardsTheEyeAlone) {
   const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
   const LampBehind walk;
-  SampledSquare square(planar, walk);
-  ASSERT_TRUE(square.places.sample(16.0));
-  for (const auto& of_place : square.places.samples(0.0f))
+  SampledSquare for_eye(planar, walk), for_all(planar, walk, std::nullopt);
+  for (const auto& [square, expected] : {std::pair{&for_eye, 5.0f}, {&for_all, 1.0f}}) {
+    ASSERT_TRUE(square->places.sample(16.0));
+    for (const auto& of_place : square->places.samples(0.0f))
+      for (const auto& sample : of_place) {
+        ASSERT_GT(sample.planar[0], 0.0f);
+        EXPECT_NEAR(sample.walked[0] / sample.planar[0], expected, 1e-3f);
+      }
+  }
+}
+
+TEST(SampledPlaces, LookAtTheEyeThatTheyAreForOrElseAllAround) {
+  const LightByFormula planar([](const Vec3f&, float) { return 1.0f; });
+  SampledSquare for_eye(planar, planar), for_all(planar, planar, std::nullopt);
+  ASSERT_TRUE(for_eye.places.sample(16.0));
+  ASSERT_TRUE(for_all.places.sample(16.0));
+  for (const auto& of_place : for_eye.places.samples(0.0f))
+    for (const auto& sample : of_place) EXPECT_NEAR(sample.terms[1], 0.71f, 0.05f);  // steep
+  EXPECT_GT(for_all.places.places().size(), for_eye.places.places().size() + 10);
+  double along = 0.0, count = 0.0;
+  for (const auto& of_place : for_all.places.samples(0.0f))
     for (const auto& sample : of_place) {
-      if (!(sample.planar[0] > 0.0f)) continue;
-      EXPECT_NEAR(sample.walked[0] / sample.planar[0], sample.weight > 0.0f ? 5.0f : 1.0f, 1e-3f);
+      along += static_cast<double>(sample.terms[2] * sample.terms[2]);
+      ++count;
     }
+  EXPECT_NEAR(along / count, 0.25 / (1.3 * 1.3), 0.01);  // sin² cos² in the mean, inside
+}
+
+// Walks find twice the light of the planar method. So much is made of it also where places are
+// seen by mirrors alone: far from what the camera sees, and at a slant.
+TEST(CorrectedTransport, CorrectsWhatTheCameraDoesNotSeeAsMuch) {
+  const auto even = [](float light) {
+    return std::make_unique<LightByFormula>([light](const Vec3f&, float) { return light; });
+  };
+  const auto one = even(1.0f);
+  SampledSquare square(*one, *one);
+  CorrectedTransport<4> corrected(square.render_scene, 0, even(1.0f), even(2.0f));
+  ASSERT_TRUE(corrected.prepare(square.with));
+  PixelSamples random(1, 0, 0);
+  for (const float x : {-9.9f, 0.0f, 9.0f}) {
+    const Vec3f to_eye = normalize(Vec3f{3.0f, 0.0f, 1.0f});
+    SurfacePoint point{};
+    point.position = {x, 0.0f, 0.0f};
+    point.normal = point.smooth_normal = point.geometric_normal = {0.0f, 0.0f, 1.0f};
+    const ExitPoint exit{point, boundary_at(square.render_scene, point), to_eye.z, to_eye};
+    EXPECT_NEAR(corrected.leaving_radiance(exit, square.light, random)[0], 2.0f, 0.02f) << x;
+  }
 }
 
 TEST(SampledPlaces, StopsWhenAskedTo) {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
+#include "lamina/core/vec_precision.h"
 #include "lamina/render/subsurface/correction/internal/sampled_places.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"
@@ -20,17 +20,19 @@ namespace {
 
 /// Estimates of the light that leaves at a place, in the mean: of a first look at their noise, then
 /// where that is as usual or less, and by that much more where it is more, but up to so many times.
-constexpr double first_samples = 8.0, samples_of_place = 16.0, most_effort = 4.0;
-constexpr double usual_noise = 0.5;
+constexpr double first_samples = 4.0, samples_of_place = 20.0, most_effort = 4.0;
+/// In layers and maps walks take ten times as long, so that more noise is left.
+constexpr double usual_noise = 0.5, usual_noise_in_layers = 1.0;
 constexpr int walks_of_sample = 4;
-/// Of places where the surface is seen.
-constexpr double most_places = 12000.0, least_places = 2000.0;
+/// Of places where the surface is seen; and all over it, for all cameras.
+constexpr double most_places = 7000.0, least_places = 2000.0, places_for_all = 12000.0;
 /// Estimates to a pixel are of use.
-constexpr double samples_of_pixel = 8.0;
+constexpr double samples_of_pixel = 10.0;
+constexpr float least_cosine_of_pixel = 0.1f;  // at which its area on the surface counts
 /// Of the mean light of the planar method, as much more as its light may count.
 constexpr std::array<float, 2> more_of_mean = {0.01f, 1.0f};
 // Measured on one core of a Zen 4 [CPU s].
-constexpr double seconds_per_walk = 9e-6, seconds_per_walk_in_layers = 6e-5;
+constexpr double seconds_per_walk = 9e-6, seconds_per_walk_in_layers = 1.2e-4;
 
 /// What flat layers reflect of diffuse light that has entered.
 double reflectance_of_entered(const LayerStack& layers) {
@@ -76,30 +78,25 @@ void CorrectedTransport<N>::prepare_reflectance(const Preparation<N>& with) {
 
 template <int N>
 double CorrectedTransport<N>::places_wanted(const Preparation<N>& with) const {
-  if (with.cache.is_wanted()) return most_places;
+  if (with.cache.is_wanted()) return places_for_all;
   const double between = static_cast<double>(with.seen.pixels_between);
   const double pixels = between * between * static_cast<double>(with.seen.points[material_].size());
   return std::clamp(pixels * samples_of_pixel / samples_of_place, least_places, most_places);
 }
 
 template <int N>
-SpacingField CorrectedTransport<N>::field_of_places(const Preparation<N>& with) const {
-  const auto& meshes = scene_.scene->meshes;
-  const double wanted = places_wanted(with);
-  std::vector<Vec3f> seen;
-  for (const SurfacePoint& point : with.seen.points[material_]) seen.push_back(point.position);
-  const double area = surface_area(meshes, material_);
-  if (seen.empty() || with.cache.is_wanted())
-    return SpacingField(static_cast<float>(std::sqrt(area / wanted)));
-  const float margin = 2.0f * with.seen.pixels_between * with.seen.pixel_size(material_);
-  const double least_area = 1e-8 * area;
-  auto spacing =
-      static_cast<float>(std::sqrt(std::max(with.seen.area(material_), least_area) / wanted));
-  for (;; spacing *= 1.1f) {
-    SpacingField field(seen, spacing, margin);
-    const auto counts = expected_cells(meshes, material_, field);
-    if (std::accumulate(counts.begin(), counts.end(), 0.0) <= 1.05 * wanted) return field;
-  }
+float CorrectedTransport<N>::spacing_of_places(const Preparation<N>& with) const {
+  double area = 0.0;  // that pixels see, at a slant most of it
+  if (eye_)
+    for (const SurfacePoint& point : with.seen.points[material_]) {
+      const float pixel = point.footprint * with.seen.pixels_between;
+      const Vec3f to_eye = normalize(*eye_ - point.position);
+      const float cosine = std::max(dot(point.geometric_normal, to_eye), least_cosine_of_pixel);
+      area += static_cast<double>(pixel * pixel / cosine);
+    }
+  const double all = surface_area(scene_.scene->meshes, material_);
+  area = area > 0.0 ? std::clamp(area, 1e-8 * all, all) : all;
+  return static_cast<float>(std::sqrt(area / places_wanted(with)));
 }
 
 template <int N>
@@ -114,6 +111,7 @@ SubsurfaceCost CorrectedTransport<N>::expected_cost(const Preparation<N>& with) 
 template <int N>
 bool CorrectedTransport<N>::prepare(const Preparation<N>& with) {
   if (!planar_->prepare(with)) return false;
+  if (!with.cache.is_wanted()) eye_ = to_float(scene_.scene->camera.position);
   if (const LightRatioCloud* kept = with.cache.find_ratios(material_)) {
     use(*kept, with.report);
     return true;
@@ -142,6 +140,16 @@ void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport&
   for (DirectionalRatio<N>& ratio : ratios_)
     for (Bands& term : ratio)
       for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  Bands sum;
+  float count = 0.0f;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& [position, normal] = places[i].at;
+    const Vec3f to_eye = direction_to_eye(position, normal);
+    if (!(dot(to_eye, normal) > 0.0f)) continue;
+    sum += ratio_at(ratios_[i], direction_terms_of(to_eye, normal, ior_));
+    ++count;
+  }
+  if (count > 0.0f) elsewhere_ = (1.0f / count) * sum;
   report.corrections.push_back({.material = material_,
                                 .walks = cloud.walks,
                                 .change = cloud.change,
@@ -152,10 +160,10 @@ template <int N>
 std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
   const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, flat_over_quiet_, ior_,
                                                    bands_};
-  const bool has_eye = !with.cache.is_wanted();
-  SampledPlaces<N> places(scene_, material_, field_of_places(with), methods, with, has_eye);
+  SampledPlaces<N> places(scene_, material_, spacing_of_places(with), methods, with, eye_);
   if (!places.sample(first_samples)) return std::nullopt;
-  const double effort = std::clamp(places.noise() / usual_noise, 1.0, most_effort);
+  const double usual = has_layers_ ? usual_noise_in_layers : usual_noise;
+  const double effort = std::clamp(places.noise() / usual, 1.0, most_effort);
   if (!places.sample(samples_of_place * effort)) return std::nullopt;
   walk_.reset();  // memory: nobody walks any more
 
@@ -195,13 +203,16 @@ BandValues<N> CorrectedTransport<N>::leaving_radiance(const ExitPoint& exit,
   const Bands planar = planar_->leaving_radiance(exit, light, samples);
   const Vec3f& normal = exit.point.smooth_normal;
   const auto near = graph_.weights_at(exit.point.position, normal);
-  if (near.count == 0) return planar;
-  const DirectionTerms terms = direction_terms_of(exit.to_eye, normal, ior_);
+  if (near.count == 0) return elsewhere_ * planar;
+  // Mirrors, too, show about what the eye sees that the ratio is for.
+  const Vec3f to_eye = direction_to_eye(exit.point.position, exit.to_eye);
+  const DirectionTerms terms =
+      direction_terms_of(dot(to_eye, normal) > 0.0f ? to_eye : exit.to_eye, normal, ior_);
   DirectionalRatio<N> ratio{};
   for (std::size_t i = 0; i < near.count; ++i)
     for (std::size_t k = 0; k < direction_terms; ++k)
       ratio[k] += near.weight[i] * ratios_[near.point[i]][k];
-  return evaluate(shape_, terms) * evaluate(ratio, terms) *
+  return ratio_at(ratio, terms) *
          (planar + Bands::filled(added_exitance_ * exit_distribution(exit.boundary, exit.cos_o)));
 }
 

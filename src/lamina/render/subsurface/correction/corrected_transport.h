@@ -9,13 +9,12 @@
 #include "lamina/render/subsurface/correction/internal/correction_fit.h"
 #include "lamina/render/subsurface/correction/internal/place_graph.h"
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 
 namespace lamina {
 
 /// A planar method, corrected by random walks for what a flat profile makes wrong on a curved
-/// surface. At places all over the surface a few walks find the light that leaves; over that of the
+/// surface. At places on the surface a few walks find the light that leaves; over that of the
 /// planar method it is a ratio that changes slowly along the surface, and linearly with the
 /// direction inside. The planar method is a control variate: its detail stays, and the ratio is
 /// smoothed along the surface as far as the noise of the walks asks for.
@@ -28,8 +27,9 @@ namespace lamina {
 /// the walks find is there, too; or all of the mean, where its detail is wrong, as where light
 /// comes through thin and wound parts. Halves of the walks say which is better.
 ///
-/// Noise-free where the planar method is. Good for all cameras; but half of the walks are those
-/// towards the one of the picture, for which the ratio is known best, unless it is kept for others.
+/// Noise-free where the planar method is. The places are those that the camera sees and the walks
+/// those towards it, unless the ratio is kept for other cameras: then they are all over the
+/// surface, in all directions.
 template <int N>
 class CorrectedTransport final : public SubsurfaceMethod<N> {
  public:
@@ -60,8 +60,8 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
  private:
   /// As many as the pixels that show the material can use.
   [[nodiscard]] double places_wanted(const Preparation<N>& with) const;
-  /// Close where the surface is seen.
-  [[nodiscard]] SpacingField field_of_places(const Preparation<N>& with) const;
+  /// Of so many where the surface is seen [mm].
+  [[nodiscard]] float spacing_of_places(const Preparation<N>& with) const;
 
   /// Walks, and fits what they find. Without a camera's preference where it is kept for others.
   /// @return  no places if there is no light; nothing if progress asked to stop
@@ -69,17 +69,28 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   /// Takes ratios that were found. Comes before leaving_radiance.
   void use(const LightRatioCloud& cloud, PreparationReport& report);
 
+  /// To the eye that the ratio is for; where it is for all, as given.
+  [[nodiscard]] Vec3f direction_to_eye(const Vec3f& position, const Vec3f& direction) const {
+    return eye_ ? normalize(*eye_ - position) : direction;
+  }
+  [[nodiscard]] Bands ratio_at(const DirectionalRatio<N>& ratio,
+                               const DirectionTerms& terms) const {
+    return evaluate(shape_, terms) * evaluate(ratio, terms);
+  }
+
   const RenderScene& scene_;
   std::uint32_t material_;
   int bands_;
   float ior_;                                           ///< inside over outside, mean of the bands
   std::unique_ptr<SubsurfaceMethod<N>> planar_, walk_;  ///< the latter until it is prepared
-  Bands flat_over_quiet_;  ///< what flat layers reflect over what quiet ones do
-  bool has_layers_;        ///< or maps
+  Bands flat_over_quiet_;     ///< what flat layers reflect over what quiet ones do
+  bool has_layers_;           ///< or maps
+  std::optional<Vec3f> eye_;  ///< that the ratio is for; none: for all
   float added_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};
   std::vector<DirectionalRatio<N>> ratios_;  ///< [place], over the shape
+  Bands elsewhere_ = Bands::filled(1.0f);    ///< the ratio, about, where there are no places
 };
 
 }  // namespace lamina

@@ -146,7 +146,7 @@ template <int N>
     std::size_t k = 0;
     for (std::size_t i = 0; i < direction_terms; ++i) {
       for (std::size_t j = 0; j <= i; ++j) matrix[i][j] = static_cast<double>(planar.of[k++][b]);
-      constexpr double little = 1e-9;  // where all samples look one way
+      constexpr double little = 3e-3;  // where samples look one way, as towards an eye
       const double drawn = ((i == 0 ? 0.0 : pull) + little) * weight;
       matrix[i][i] += drawn;
       right[i] = static_cast<double>(walked.of[i][b]) + drawn * static_cast<double>(prior[i][b]);

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "lamina/core/parallel_chunks.h"
-#include "lamina/core/vec_precision.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/surface/point_grid.h"
@@ -18,8 +17,9 @@ namespace {
 constexpr double least_share = 1.0 / 3.0, most_share = 8.0 / 3.0;
 /// Footprint of a sample, by which maps are filtered, below the spacing.
 constexpr float samples_of_footprint = 16.0f;
-/// Spacings from a place that is seen to what is seen there.
-constexpr float reach_of_sight = 1.5f;
+/// Spacings from a place that is seen to what is seen there, and from a place that is of use: where
+/// pixels see the surface at a slant they are far apart on it.
+constexpr float reach_of_sight = 1.5f, reach_of_use = 4.0f;
 constexpr std::size_t places_at_once = 16;
 
 /// The point that a number in [0, 1) stands for, by area.
@@ -37,45 +37,44 @@ SurfacePoint point_on(const std::vector<Mesh>& meshes, std::span<const SurfaceEl
 }  // namespace
 
 template <int N>
-SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material,
-                                const SpacingField& field, const Methods& methods,
-                                const Preparation<N>& with, bool has_eye)
-    : scene_(scene),
-      methods_(methods),
-      with_(with),
-      has_eye_(has_eye),
-      levels_(make_surface_cells(scene.scene->meshes, material, field, scene.scene->render.seed)) {
-  add_places(material, field);
+SampledPlaces<N>::SampledPlaces(const RenderScene& scene, std::uint32_t material, float spacing,
+                                const Methods& methods, const Preparation<N>& with,
+                                std::optional<Vec3f> eye)
+    : scene_(scene), methods_(methods), with_(with), eye_(eye) {
+  const auto& seen = with.seen.points[material];
+  const bool is_all_seen = !eye || seen.empty();
+  std::vector<Vec3f> positions;
+  std::vector<PointGrid::Place> places;
+  for (const SurfacePoint& point : seen) {
+    positions.push_back(point.position);
+    places.push_back({point.position, point.smooth_normal});
+  }
+  const auto& meshes = scene.scene->meshes;
+  const SpacingField field =
+      is_all_seen ? SpacingField(spacing) : SpacingField(positions, spacing, 0.0f);
+  surface_ = std::move(make_surface_cells(meshes, material, field, scene.scene->render.seed)[0]);
+  const ZonesByCreases zones(meshes, material, spacing);
+  const PointGrid in_sight(places, reach_of_sight * spacing),
+      of_use(places, reach_of_use * spacing);
+  for (const SurfaceCell& cell : surface_.cells) {
+    const auto is_near = [&](const PointGrid& grid) {
+      return is_all_seen || grid.near(cell.position, cell.normal).count > 0;
+    };
+    if (!is_near(of_use)) continue;
+    cells_.push_back(&cell);
+    places_.push_back({{cell.position, cell.normal}, spacing, zones.at(cell.position)});
+    areas_.push_back(is_near(in_sight) ? cell.area : 0.0f);
+  }
   samples_.resize(places_.size());
   exitances_.resize(places_.size());
-}
-
-template <int N>
-void SampledPlaces<N>::add_places(std::uint32_t material, const SpacingField& field) {
-  const ZonesByCreases zones(scene_.scene->meshes, material, field.spacing(0));
-  std::vector<PointGrid::Place> seen;
-  for (const SurfacePoint& point : with_.seen.points[material])
-    seen.push_back({point.position, point.smooth_normal});
-  const PointGrid grid(seen, reach_of_sight * field.spacing(0));
-  for (std::size_t level = 0; level < levels_.size(); ++level)
-    for (const SurfaceCell& cell : levels_[level].cells) {
-      const bool is_seen = level == 0 && (!has_eye_ || seen.empty() ||
-                                          grid.near(cell.position, cell.normal).count > 0);
-      places_.push_back({{cell.position, cell.normal},
-                         field.spacing(static_cast<int>(level)),
-                         zones.at(cell.position)});
-      areas_.push_back(is_seen ? cell.area : 0.0f);
-      cells_.push_back(&cell);
-      surfaces_.push_back(&levels_[level]);
-    }
 }
 
 template <int N>
 float SampledPlaces<N>::planar_light(std::size_t place) const {
   const SurfaceCell& cell = *cells_[place];
   PixelSamples random(scene_.scene->render.seed, static_cast<std::uint32_t>(place), 0);
-  const SurfacePoint point = point_on(scene_.scene->meshes, surfaces_[place]->elements_of(cell),
-                                      cell.area, 0.5f, places_[place].spacing);
+  const SurfacePoint point = point_on(scene_.scene->meshes, surface_.elements_of(cell), cell.area,
+                                      0.5f, std::sqrt(cell.area));
   const BandValues<N> radiance = methods_.planar.leaving_radiance(
       {point, boundary_at(scene_, point), 1.0f, point.smooth_normal}, with_.light, random);
   float light = 0.0f;
@@ -91,18 +90,15 @@ void SampledPlaces<N>::add_sample(std::size_t place) {
   PixelSamples random(scene.render.seed + 0x2c1b3c6du, static_cast<std::uint32_t>(place),
                       static_cast<std::uint32_t>(s));
   const SurfacePoint point =
-      point_on(scene.meshes, surfaces_[place]->elements_of(cell), cell.area, random.next_1d(),
-               places_[place].spacing / samples_of_footprint);
-  Vec3f direction =
-      make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
-  // Halves of the samples, by turns, are fitted to each other: both must look the same way.
-  const Vec3f to_eye = normalize(to_float(scene.camera.position) - point.position);
-  const bool is_to_eye = has_eye_ && s % 4 < 2 && dot(to_eye, point.smooth_normal) > 0.0f;
-  if (is_to_eye) direction = to_eye;
+      point_on(scene.meshes, surface_.elements_of(cell), cell.area, random.next_1d(),
+               std::sqrt(cell.area) / samples_of_footprint);
+  const Vec3f direction =
+      eye_ ? normalize(*eye_ - point.position)
+           : make_frame(point.smooth_normal).to_world(sample_cosine_hemisphere(random.next_2d()));
   const float cosine = dot(direction, point.smooth_normal);
   WalkedSample<N> sample{.terms = direction_terms_of(direction, point.smooth_normal, methods_.ior)};
   float exitance = 0.0f;
-  if (has_eye_) sample.weight = is_to_eye ? cosine : 0.0f;  // the picture's mean
+  if (eye_) sample.weight = std::max(cosine, 0.0f);  // the picture's mean
   if (cosine > 0.0f && dot(direction, point.geometric_normal) > 0.0f) {
     const SurfaceBoundary boundary = boundary_at(scene_, point);
     const ExitPoint exit{point, boundary, cosine, direction};
@@ -110,8 +106,8 @@ void SampledPlaces<N>::add_sample(std::size_t place) {
     sample.planar = cell.area * methods_.planar.leaving_radiance(exit, with_.light, random);
     // What comes straight through is no light that changes slowly with the direction.
     sample.walked = cell.area * methods_.walk_scale *
-                    (is_to_eye ? methods_.walk.leaving_radiance(exit, with_.light, random)
-                               : methods_.walk.scattered_radiance(exit, with_.light, random));
+                    (eye_ ? methods_.walk.leaving_radiance(exit, with_.light, random)
+                          : methods_.walk.scattered_radiance(exit, with_.light, random));
   }
   samples_[place].push_back(sample);
   exitances_[place].push_back(exitance);
@@ -138,8 +134,7 @@ template <int N>
 bool SampledPlaces<N>::sample(double mean) {
   if (shares_.empty() && !find_shares()) return false;
   const auto sample_place = [&](std::size_t i) {
-    // Two of four look at the eye.
-    const auto count = 4 * std::max(std::lround(mean / 4.0 * shares_[i]), 1L);
+    const auto count = 2 * std::max(std::lround(mean / 2.0 * shares_[i]), 1L);  // of two halves
     while (std::ssize(samples_[i]) < count) add_sample(i);
   };
   return parallel_chunks(places_.size(), places_at_once, sample_place, with_.progress);

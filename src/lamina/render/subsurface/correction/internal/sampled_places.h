@@ -3,19 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lamina/render/subsurface/correction/internal/correction_fit.h"
 #include "lamina/render/subsurface/correction/internal/place_graph.h"
 #include "lamina/render/subsurface/preparation.h"
-#include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/render/subsurface/surface_cells.h"
 
 namespace lamina {
 
-/// Places all over the surface of a material, and samples of the light that leaves around them: by
-/// a method of walks and by a planar one.
+/// Places on the surface of a material, and samples of the light that leaves around them: by a
+/// method of walks and by a planar one. For an eye the places are those that it sees, and some
+/// around them, and the samples are of the light that leaves towards it; else places are all over
+/// the surface and samples in all directions.
 template <int N>
 class SampledPlaces {
  public:
@@ -27,15 +29,15 @@ class SampledPlaces {
   };
 
   /// @param scene, methods, with  must outlive this
-  /// @param field    of the places
-  /// @param has_eye  whether half of the samples look at the camera
-  SampledPlaces(const RenderScene& scene, std::uint32_t material, const SpacingField& field,
-                const Methods& methods, const Preparation<N>& with, bool has_eye);
+  /// @param spacing  of the places [mm], > 0
+  /// @param eye      that the places are for; none: for all
+  SampledPlaces(const RenderScene& scene, std::uint32_t material, float spacing,
+                const Methods& methods, const Preparation<N>& with, std::optional<Vec3f> eye);
 
   /// Samples until there are about so many at a place that is seen: fewer in the dark and more
   /// where it is bright, as the root of the light. So what is wrong is nearly even over the
   /// picture, and hardly more of the light in the dark. A third of them where nobody looks.
-  /// @param mean  >= 4
+  /// @param mean  >= 2
   /// @return      false if progress asked to stop
   [[nodiscard]] bool sample(double mean);
 
@@ -67,7 +69,6 @@ class SampledPlaces {
   [[nodiscard]] Assessment assess(const CorrectionFit<N>& fit, float exitance) const;
 
  private:
-  void add_places(std::uint32_t material, const SpacingField& field);
   /// As many samples over their mean as the root of the light that is seen there.
   [[nodiscard]] bool find_shares();
   /// Along the normal at the middle of a place by the planar method: sum of the bands.
@@ -78,12 +79,11 @@ class SampledPlaces {
   const RenderScene& scene_;
   const Methods& methods_;
   const Preparation<N>& with_;
-  bool has_eye_;
-  std::vector<SurfaceCells> levels_;
+  std::optional<Vec3f> eye_;
+  SurfaceCells surface_;
   std::vector<PlaceGraph::Place> places_;
   std::vector<float> areas_;
   std::vector<const SurfaceCell*> cells_;              ///< [place]
-  std::vector<const SurfaceCells*> surfaces_;          ///< [place]
   std::vector<double> shares_;                         ///< [place], of samples over their mean
   std::vector<std::vector<WalkedSample<N>>> samples_;  ///< [place]
   std::vector<std::vector<float>> exitances_;  ///< that leaves as 1 of exitance: of each sample
