@@ -199,8 +199,8 @@ void print_row(const Tried& tried, const Row& row) {
 
 PlotPanel measure_place(const fs::path& folder, const Place& place, bool has_legend) {
   PlotPanel panel{.title = place.title};
-  panel.x = {.label = "CPU time [s]", .scale = AxisScale::logarithmic, .low = 0.1, .high = 30.0};
-  panel.y = {.label = "RMS error [%]", .scale = AxisScale::logarithmic, .low = 1.0, .high = 200.0};
+  panel.x = {.label = "CPU time [s]", .scale = AxisScale::logarithmic, .low = 0.1, .high = 60.0};
+  panel.y = {.label = "RMS error [%]", .scale = AxisScale::logarithmic, .low = 0.5, .high = 200.0};
   std::printf("\n**%s** (`%s`)\n\n", place.title, place.file);
   std::printf("| | samples | CPU s | noise %% | RMS error %% | mean error %% | MiB |\n");
   std::printf("|---|---|---|---|---|---|---|\n");
