@@ -105,8 +105,8 @@ LightRatioCloud some_ratios() {
                          .walks = 640,
                          .change = 0.25,
                          .error_left = 1.0 / 3.0,
-                         .added_exitance = 0.01f,
-                         .places = {{{1, 2, 3}, {0, 0, 1}, 0.5f}, {{4, 5, 6}, {0, 1, 0}, 1.0f}},
+                         .spacing = 0.5f,
+                         .places = {{{1, 2, 3}, {0, 0, 1}, 0.0f}, {{4, 5, 6}, {0, 1, 0}, 0.01f}},
                          .shape = {1, 2, 3, 4, 5, 6},
                          .ratios = {}};
   for (int i = 0; i < 20; ++i) ratios.ratios.push_back(0.1f * static_cast<float>(i));
@@ -127,16 +127,19 @@ TEST(IrradianceCloudFile, OfRatiosToPlanarLightIsReadBackAsItWas) {
   EXPECT_EQ(read.walks, written.walks);
   EXPECT_NEAR(read.change, written.change, 1e-8);
   EXPECT_NEAR(read.error_left, written.error_left, 1e-8);
-  EXPECT_EQ(read.added_exitance, written.added_exitance);
+  EXPECT_EQ(read.spacing, written.spacing);
   EXPECT_EQ(read.shape, written.shape);
   EXPECT_EQ(read.ratios, written.ratios);
   ASSERT_EQ(read.places.size(), 2u);
   EXPECT_EQ(read.places[1].position, written.places[1].position);
   EXPECT_EQ(read.places[1].normal, written.places[1].normal);
-  EXPECT_EQ(read.places[1].spacing, 1.0f);
-  // Places of a spacing that no surface has.
+  EXPECT_EQ(read.places[1].added_exitance, 0.01f);
   LightRatioCloud absurd = written;
-  absurd.places[0].spacing = 1e-30f;
+  absurd.places[0].added_exitance = -1.0f;
+  save_irradiance_clouds(two_clouds(), {absurd}, some_scene, file);
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is damaged");
+  absurd = written;
+  absurd.spacing = 0.0f;
   save_irradiance_clouds(two_clouds(), {absurd}, some_scene, file);
   EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is damaged");
   save_irradiance_clouds(two_clouds(), {written}, some_scene, file);
@@ -160,11 +163,11 @@ TEST(IrradianceCloudFile, OfAnotherVersionIsOfNoUse) {
   const fs::path file = fresh_file("version");
   save_irradiance_clouds(two_clouds(), {}, some_scene, file);
   std::string bytes = read_file_bytes(file);
-  const std::size_t at = bytes.find("version 5,");
+  const std::size_t at = bytes.find("version 6,");
   ASSERT_NE(at, std::string::npos);
   bytes[at + 8] = '2';
   std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 5");
+  EXPECT_EQ(load_irradiance_clouds(file, some_scene).why_unusable, "is of version 2, not 6");
 }
 
 // It is not lamina's to overwrite.

@@ -45,17 +45,17 @@ struct IrradianceCloud {
 struct LightRatioCloud {
   static constexpr std::size_t shape_terms = 3, direction_terms = 5;
   struct Place {
-    Vec3f position;  ///< [mm]
-    Vec3f normal;    ///< unit length
-    float spacing;   ///< of places there [mm]
+    Vec3f position;        ///< [mm]
+    Vec3f normal;          ///< unit length
+    float added_exitance;  ///< by which the planar light counts as more there, >= 0
   };
 
   std::uint32_t material = 0;
   std::size_t bands = 0;
-  std::size_t walks = 0;        ///< that found it
-  double change = 0.0;          ///< as LightCorrection
-  double error_left = 0.0;      ///< the same
-  float added_exitance = 0.0f;  ///< by which the planar light counts as more
+  std::size_t walks = 0;    ///< that found it
+  double change = 0.0;      ///< as LightCorrection
+  double error_left = 0.0;  ///< the same
+  float spacing = 0.0f;     ///< of places [mm]
   std::vector<Place> places;
   std::vector<float> shape;   ///< [term][band], of all of the surface
   std::vector<float> ratios;  ///< [place][term][band]

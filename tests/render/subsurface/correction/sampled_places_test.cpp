@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -187,19 +188,33 @@ TEST(SampledPlaces, TellWhetherDetailOfThePlanarLightIsRight) {
   ASSERT_TRUE(right.places.sample(32.0));
   EXPECT_LT(assess(wrong, 1.0f).left, assess(wrong, 0.01f).left - 0.05);
   EXPECT_LT(assess(right, 0.01f).left, assess(right, 1.0f).left - 0.05);
-  EXPECT_TRUE(assess(wrong, 1.0f).is_better_than(assess(wrong, 0.01f)));
-  EXPECT_FALSE(assess(right, 1.0f).is_better_than(assess(right, 0.01f)));
+  const auto share_better = [](const SampledSquare& square) {
+    const auto better =
+        assess(square, 1.0f)
+            .is_better_than(assess(square, 0.01f), PlaceGraph(square.places.places()));
+    return static_cast<double>(std::ranges::count(better, true)) /
+           static_cast<double>(better.size());
+  };
+  EXPECT_GT(share_better(wrong), 0.95);
+  EXPECT_LT(share_better(right), 0.05);
   // What is added is half of what there is then.
   EXPECT_NEAR(assess(right, 0.01f).change, 0.5, 0.05);
 }
 
+// Of a row of places the left third is better, the right third by chance: every other one.
 TEST(SampledPlaces, TakeNoFitForBetterByChance) {
-  using Assessment = SampledPlaces<4>::Assessment;
-  const Assessment before{.left_at = {0.0, 0.0, 0.0, 0.0}};
-  EXPECT_FALSE((Assessment{.left_at = {-3.0, 1.0, 1.0, 0.0}}).is_better_than(before));
-  EXPECT_FALSE((Assessment{.left_at = {1.0, 1.0, 1.0, 1.0}}).is_better_than(before));
-  EXPECT_TRUE((Assessment{.left_at = {-1.0, -1.0, -1.1, -0.9, -1.0}})
-                  .is_better_than({.left_at = {0.0, 0.0, 0.0, 0.0, 0.0}}));
+  std::vector<PlaceGraph::Place> places;
+  for (int i = 0; i < 90; ++i)
+    places.push_back({{{static_cast<float>(i), 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}}, 1.0f});
+  SampledPlaces<4>::Assessment before{.left_at = std::vector(places.size(), 0.0)}, after = before;
+  for (std::size_t i = 0; i < 30; ++i) after.left_at[i] = -1.0;
+  for (std::size_t i = 60; i < 90; ++i) after.left_at[i] = i % 2 == 0 ? -1.0 : 1.0;
+  const std::vector<bool> is_better = after.is_better_than(before, PlaceGraph(places));
+  for (std::size_t i = 0; i < 90; ++i) {
+    if (i < 28 || (i > 38 && i < 54) || i > 66) {
+      EXPECT_EQ(is_better[i], i < 28) << i;
+    }
+  }
 }
 
 // A fit that follows the noise of each half at each place suits that half best, and the other
@@ -226,7 +241,10 @@ TEST(SampledPlaces, JudgeTheFitToEachHalfByTheOther) {
       }
       noisy.of_halves[half][i][0] = walked / max(of_planar, BandValues<4>::filled(1e-6f));
     }
-  EXPECT_TRUE(square.places.assess(even, 0.0f).is_better_than(square.places.assess(noisy, 0.0f)));
+  const auto is_better =
+      square.places.assess(even, 0.0f)
+          .is_better_than(square.places.assess(noisy, 0.0f), PlaceGraph(square.places.places()));
+  EXPECT_EQ(std::ranges::count(is_better, false), 0);
 }
 
 /// A lamp seen straight through, beside an even light.

@@ -25,12 +25,12 @@ constexpr double first_samples = 4.0, samples_of_place = 20.0, most_effort = 4.0
 constexpr double usual_noise = 0.5, usual_noise_in_layers = 1.0;
 constexpr int walks_of_sample = 4;
 /// Of places where the surface is seen; and all over it, for all cameras.
-constexpr double most_places = 7000.0, least_places = 2000.0, places_for_all = 12000.0;
+constexpr double most_places = 6000.0, least_places = 2000.0, places_for_all = 12000.0;
 /// Estimates to a pixel are of use.
 constexpr double samples_of_pixel = 10.0;
 constexpr float least_cosine_of_pixel = 0.1f;  // at which its area on the surface counts
 /// Of the mean light of the planar method, as much more as its light may count.
-constexpr std::array<float, 2> more_of_mean = {0.01f, 1.0f};
+constexpr std::array<float, 3> more_of_mean = {0.01f, 1.0f, 10.0f};
 // Measured on one core of a Zen 4 [CPU s].
 constexpr double seconds_per_walk = 9e-6, seconds_per_walk_in_layers = 1.2e-4;
 
@@ -128,10 +128,11 @@ template <int N>
 void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport& report) {
   if (cloud.places.empty()) return;
   std::vector<PlaceGraph::Place> places;
-  for (const auto& [position, normal, spacing] : cloud.places)
-    places.push_back({{position, normal}, spacing});
+  for (const auto& [position, normal, added_exitance] : cloud.places) {
+    places.push_back({{position, normal}, cloud.spacing});
+    added_exitance_.push_back(added_exitance);
+  }
   graph_ = PlaceGraph(places);
-  added_exitance_ = cloud.added_exitance;
   auto number = cloud.shape.begin();
   for (Bands& term : shape_)
     for (int b = 0; b < bands_; ++b) term[b] = *number++;
@@ -140,12 +141,14 @@ void CorrectedTransport<N>::use(const LightRatioCloud& cloud, PreparationReport&
   for (DirectionalRatio<N>& ratio : ratios_)
     for (Bands& term : ratio)
       for (int b = 0; b < bands_; ++b) term[b] = *number++;
+  // Elsewhere the planar light is all there is: what it counts as more there is next to nothing.
+  const float least_added = *std::ranges::min_element(added_exitance_);
   Bands sum;
   float count = 0.0f;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& [position, normal] = places[i].at;
     const Vec3f to_eye = direction_to_eye(position, normal);
-    if (!(dot(to_eye, normal) > 0.0f)) continue;
+    if (added_exitance_[i] > least_added || !(dot(to_eye, normal) > 0.0f)) continue;
     sum += ratio_at(ratios_[i], direction_terms_of(to_eye, normal, ior_));
     ++count;
   }
@@ -160,7 +163,8 @@ template <int N>
 std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparation<N>& with) {
   const typename SampledPlaces<N>::Methods methods{*planar_, *walk_, flat_over_quiet_, ior_,
                                                    bands_};
-  SampledPlaces<N> places(scene_, material_, spacing_of_places(with), methods, with, eye_);
+  const float spacing = spacing_of_places(with);
+  SampledPlaces<N> places(scene_, material_, spacing, methods, with, eye_);
   if (!places.sample(first_samples)) return std::nullopt;
   const double usual = has_layers_ ? usual_noise_in_layers : usual_noise;
   const double effort = std::clamp(places.noise() / usual, 1.0, most_effort);
@@ -169,30 +173,40 @@ std::optional<LightRatioCloud> CorrectedTransport<N>::find_ratios(const Preparat
 
   LightRatioCloud found{.material = material_,
                         .bands = static_cast<std::size_t>(bands_),
-                        .walks = walks_of_sample * places.sample_count()};
+                        .walks = walks_of_sample * places.sample_count(),
+                        .spacing = spacing};
   const PlaceGraph graph(places.places());
-  CorrectionFit<N> fit;
-  std::optional<typename SampledPlaces<N>::Assessment> best;
+  std::optional<CorrectionFit<N>> fit;
+  typename SampledPlaces<N>::Assessment best;
   for (const float fraction : more_of_mean) {
     const float exitance = places.exitance_of_mean(fraction);
     if (!(exitance > 0.0f)) return found;  // no light, and nothing to correct
+    const auto shape = fit ? std::optional(fit->shape) : std::nullopt;
     CorrectionFit<N> tried =
-        fit_correction<N>(graph, places.areas(), places.samples(exitance), bands_);
-    auto assessed = places.assess(tried, exitance);
-    if (best && !assessed.is_better_than(*best)) continue;
-    best = std::move(assessed);
-    found.added_exitance = exitance;
-    found.change = best->change;
-    found.error_left = tried.error_left;
-    fit = std::move(tried);
+        fit_correction<N>(graph, places.areas(), places.samples(exitance), bands_, shape);
+    const auto assessed = places.assess(tried, exitance);
+    if (!fit) {
+      for (const PlaceGraph::Place& place : places.places())
+        found.places.push_back({place.at.position, place.at.normal, exitance});
+      found.change = assessed.change;
+      found.error_left = tried.error_left;
+      best = assessed;
+      fit = std::move(tried);
+      continue;
+    }
+    const std::vector<bool> is_better = assessed.is_better_than(best, graph);
+    for (std::size_t i = 0; i < is_better.size(); ++i) {
+      if (!is_better[i]) continue;
+      found.places[i].added_exitance = exitance;
+      best.left_at[i] = assessed.left_at[i];
+      fit->ratios[i] = tried.ratios[i];
+    }
   }
   const auto add_bands = [&](const auto& terms, std::vector<float>& to) {
     for (const Bands& term : terms) to.insert(to.end(), term.v, term.v + bands_);
   };
-  add_bands(fit.shape, found.shape);
-  for (const auto& [at, spacing, zone] : places.places())
-    found.places.push_back({at.position, at.normal, spacing});
-  for (const DirectionalRatio<N>& ratio : fit.ratios) add_bands(ratio, found.ratios);
+  add_bands(fit->shape, found.shape);
+  for (const DirectionalRatio<N>& ratio : fit->ratios) add_bands(ratio, found.ratios);
   return found;
 }
 
@@ -208,12 +222,17 @@ BandValues<N> CorrectedTransport<N>::leaving_radiance(const ExitPoint& exit,
   const Vec3f to_eye = direction_to_eye(exit.point.position, exit.to_eye);
   const DirectionTerms terms =
       direction_terms_of(dot(to_eye, normal) > 0.0f ? to_eye : exit.to_eye, normal, ior_);
-  DirectionalRatio<N> ratio{};
-  for (std::size_t i = 0; i < near.count; ++i)
-    for (std::size_t k = 0; k < direction_terms; ++k)
-      ratio[k] += near.weight[i] * ratios_[near.point[i]][k];
-  return ratio_at(ratio, terms) *
-         (planar + Bands::filled(added_exitance_ * exit_distribution(exit.boundary, exit.cos_o)));
+  DirectionalRatio<N> ratio{}, ratio_of_added{};
+  for (std::size_t i = 0; i < near.count; ++i) {
+    const std::uint32_t place = near.point[i];
+    for (std::size_t k = 0; k < direction_terms; ++k) {
+      const Bands term = near.weight[i] * ratios_[place][k];
+      ratio[k] += term;
+      ratio_of_added[k] += added_exitance_[place] * term;
+    }
+  }
+  return ratio_at(ratio, terms) * planar +
+         exit_distribution(exit.boundary, exit.cos_o) * ratio_at(ratio_of_added, terms);
 }
 
 template class CorrectedTransport<4>;

@@ -24,8 +24,9 @@ namespace lamina {
 /// percent.
 ///
 /// The planar light counts as some more, evenly: a hundredth of the mean, so that light which only
-/// the walks find is there, too; or all of the mean, where its detail is wrong, as where light
-/// comes through thin and wound parts. Halves of the walks say which is better.
+/// the walks find is there, too; or all or ten times of the mean, at places where its detail is
+/// wrong, as where light comes through thin and wound parts. Halves of the walks around say which
+/// is better.
 ///
 /// Noise-free where the planar method is. The places are those that the camera sees and the walks
 /// those towards it, unless the ratio is kept for other cameras: then they are all over the
@@ -86,10 +87,10 @@ class CorrectedTransport final : public SubsurfaceMethod<N> {
   Bands flat_over_quiet_;     ///< what flat layers reflect over what quiet ones do
   bool has_layers_;           ///< or maps
   std::optional<Vec3f> eye_;  ///< that the ratio is for; none: for all
-  float added_exitance_ = 0.0f;
   PlaceGraph graph_;
   AngularShape<N> shape_{};
   std::vector<DirectionalRatio<N>> ratios_;  ///< [place], over the shape
+  std::vector<float> added_exitance_;        ///< [place], by which the planar light counts as more
   Bands elsewhere_ = Bands::filled(1.0f);    ///< the ratio, about, where there are no places
 };
 

@@ -17,7 +17,6 @@
 #include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/file_bytes.h"
-#include "lamina/render/subsurface/spacing_field.h"
 
 namespace lamina {
 namespace {
@@ -74,7 +73,7 @@ constexpr std::size_t fixed_numbers_of_ratio = 7;  // before those of its bands
 std::string ratio_lines(std::size_t places, std::size_t bands) {
   if (places == 0) return {};
   std::string text = "element ratio " + std::to_string(places) + "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "spacing"})
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "added_exitance"})
     text += std::string("property float ") + name + "\n";
   for (std::size_t k = 0; k < LightRatioCloud::direction_terms; ++k)
     for (std::size_t b = 0; b < bands; ++b)
@@ -83,7 +82,7 @@ std::string ratio_lines(std::size_t places, std::size_t bands) {
 }
 constexpr std::string_view end_of_header = "end_header\n";
 
-constexpr int version = 5;  // of what the file means; older ones are made anew
+constexpr int version = 6;  // of what the file means; older ones are made anew
 const std::string first_words =
     "ply\nformat binary_little_endian 1.0\ncomment lamina irradiance cloud, version ";
 const std::string no_checksum(16, '0');  // while the checksum of the file is taken
@@ -122,7 +121,7 @@ std::string header(const std::vector<IrradianceCloud>& clouds,
   std::size_t places = 0;
   for (const LightRatioCloud& ratio : ratios) {
     text << "comment ratio " << ratio.material << ' ' << ratio.places.size() << ' ' << ratio.walks
-         << ' ' << ratio.change << ' ' << ratio.error_left << ' ' << ratio.added_exitance;
+         << ' ' << ratio.change << ' ' << ratio.error_left << ' ' << ratio.spacing;
     for (const float number : ratio.shape) text << ' ' << number;
     text << '\n';
     places += ratio.places.size();
@@ -184,9 +183,9 @@ LightRatioCloud parse_ratio_comment(std::istringstream& words, std::size_t bands
   LightRatioCloud ratio{.bands = bands,
                         .shape = std::vector<float>(LightRatioCloud::shape_terms * bands)};
   require(words >> ratio.material >> places >> ratio.walks >> ratio.change >> ratio.error_left >>
-              ratio.added_exitance &&
+              ratio.spacing &&
           places >= 1 && std::isfinite(ratio.change) && std::isfinite(ratio.error_left) &&
-          std::isfinite(ratio.added_exitance) && ratio.added_exitance >= 0.0f);
+          std::isfinite(ratio.spacing) && ratio.spacing > 0.0f);
   for (float& number : ratio.shape) require(words >> number && std::isfinite(number));
   return ratio;
 }
@@ -199,18 +198,14 @@ void parse_ratios(std::string_view rest, const std::vector<std::size_t>& counts,
   for (std::size_t c = 0; c < ratios.size(); ++c) {
     LightRatioCloud& ratio = ratios[c];
     std::vector<float> v(fixed_numbers_of_ratio + LightRatioCloud::direction_terms * ratio.bands);
-    float least = std::numeric_limits<float>::infinity(), most = 0.0f;
     for (std::size_t i = 0; i < counts[c]; ++i) {
       std::memcpy(v.data(), rest.data(), v.size() * sizeof(float));
       rest.remove_prefix(v.size() * sizeof(float));
-      least = std::min(least, v[6]);
-      most = std::max(most, v[6]);
       for (const float number : v) require(std::isfinite(number));
       ratio.places.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]});
-      require(std::abs(length(ratio.places.back().normal) - 1.0f) < 1e-3f && v[6] > 0.0f);
+      require(std::abs(length(ratio.places.back().normal) - 1.0f) < 1e-3f && v[6] >= 0.0f);
       ratio.ratios.insert(ratio.ratios.end(), v.begin() + fixed_numbers_of_ratio, v.end());
     }
-    require(most <= 1.01f * std::ldexp(least, SpacingField::levels - 1));
   }
 }
 
@@ -342,8 +337,8 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
   for (const LightRatioCloud& ratio : ratios) {
     const std::size_t numbers = LightRatioCloud::direction_terms * ratio.bands;
     for (std::size_t i = 0; i < ratio.places.size(); ++i) {
-      const auto& [p, n, spacing] = ratio.places[i];
-      vertex = {p.x, p.y, p.z, n.x, n.y, n.z, spacing};
+      const auto& [p, n, added_exitance] = ratio.places[i];
+      vertex = {p.x, p.y, p.z, n.x, n.y, n.z, added_exitance};
       const auto first = ratio.ratios.begin() + static_cast<std::ptrdiff_t>(i * numbers);
       vertex.insert(vertex.end(), first, first + static_cast<std::ptrdiff_t>(numbers));
       bytes.append(reinterpret_cast<const char*>(vertex.data()), vertex.size() * sizeof(float));

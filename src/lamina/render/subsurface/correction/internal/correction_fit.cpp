@@ -150,7 +150,9 @@ void keep_mean(const Samples<N>& samples, std::span<const BandValues<N>> walked,
   for (int b = 0; b < bands; ++b) {
     const float known = 1.0f - squares[b] / (missing[b] * missing[b]);
     if (!(fitted[b] > 0.0f && known > 0.0f)) continue;
-    for (auto& term : fit.shape) term[b] *= std::max(1.0f + known * missing[b] / fitted[b], 0.0f);
+    const float factor = std::max(1.0f + known * missing[b] / fitted[b], 0.0f);
+    for (DirectionalRatio<N>& ratio : fit.ratios)
+      for (BandValues<N>& term : ratio) term[b] *= factor;
   }
 }
 
@@ -297,13 +299,14 @@ double error_left(std::span<const float> areas,
 
 template <int N>
 CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> areas,
-                                std::vector<std::vector<WalkedSample<N>>> samples, int bands) {
+                                std::vector<std::vector<WalkedSample<N>>> samples, int bands,
+                                const std::optional<AngularShape<N>>& shape) {
   using Bands = BandValues<N>;
   const std::size_t places = samples.size();
   if (places == 0) return {};
   const std::vector<Bands> of_picture = weighted_walked(samples);
   take_outliers_away(graph, samples);
-  CorrectionFit<N> fit{.shape = fit_shape(samples, bands)};
+  CorrectionFit<N> fit{.shape = shape ? *shape : fit_shape(samples, bands)};
   std::array<std::vector<PlanarSums<N>>, 2> planar;  // of the halves at each place
   for (auto& of_half : planar) of_half.resize(places);
   SpreadSums<N> at_places{.planar = std::vector<PlanarSums<N>>(places), .of_halves = {}};
@@ -350,9 +353,10 @@ CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> 
   return fit;
 }
 
-#define LAMINA_INSTANTIATE(N)                                                         \
-  template CorrectionFit<N> fit_correction(const PlaceGraph&, std::span<const float>, \
-                                           std::vector<std::vector<WalkedSample<N>>>, int)
+#define LAMINA_INSTANTIATE(N)                                                              \
+  template CorrectionFit<N> fit_correction(const PlaceGraph&, std::span<const float>,      \
+                                           std::vector<std::vector<WalkedSample<N>>>, int, \
+                                           const std::optional<AngularShape<N>>&)
 LAMINA_INSTANTIATE(4);
 LAMINA_INSTANTIATE(8);
 LAMINA_INSTANTIATE(16);

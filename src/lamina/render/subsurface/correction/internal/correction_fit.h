@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,9 +41,11 @@ struct CorrectionFit {
 ///                 which width is best, and is not counted in `error_left`
 /// @param samples  [place][sample], an even number at each place, >= 2; halves are every other one
 /// @param bands    of all lanes that count, >= 1
+/// @param shape    that the ratios are to be over; none: the one that fits best
 template <int N>
 [[nodiscard]] CorrectionFit<N> fit_correction(const PlaceGraph& graph, std::span<const float> areas,
                                               std::vector<std::vector<WalkedSample<N>>> samples,
-                                              int bands);
+                                              int bands,
+                                              const std::optional<AngularShape<N>>& shape = {});
 
 }  // namespace lamina

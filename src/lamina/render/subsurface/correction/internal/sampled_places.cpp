@@ -20,6 +20,8 @@ constexpr float samples_of_footprint = 16.0f;
 /// Spacings from a place that is seen to what is seen there, and from a place that is of use: where
 /// pixels see the surface at a slant they are far apart on it.
 constexpr float reach_of_sight = 1.5f, reach_of_use = 4.0f;
+/// Steps of the graph around a place by which a fit is chosen there.
+constexpr int steps_of_choice = 8;
 constexpr std::size_t places_at_once = 16;
 
 /// The point that a number in [0, 1) stands for, by area.
@@ -243,14 +245,22 @@ auto SampledPlaces<N>::assess(const CorrectionFit<N>& fit, float exitance) const
 }
 
 template <int N>
-bool SampledPlaces<N>::Assessment::is_better_than(const Assessment& other) const {
-  double less = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < left_at.size(); ++i) {
-    const double less_there = other.left_at[i] - left_at[i];
-    less += less_there;
-    squares += less_there * less_there;
+std::vector<bool> SampledPlaces<N>::Assessment::is_better_than(const Assessment& other,
+                                                               const PlaceGraph& graph) const {
+  std::vector<float> less(left_at.size()), squares(left_at.size());
+  for (std::size_t i = 0; i < less.size(); ++i) {
+    less[i] = static_cast<float>(other.left_at[i] - left_at[i]);
+    squares[i] = less[i] * less[i];
   }
-  return less > 2.0 * std::sqrt(squares);
+  for (int step = 0; step < steps_of_choice; ++step) {
+    less = graph.spread(less);
+    squares = graph.spread(squares);
+  }
+  const auto places = static_cast<float>(PlaceGraph::places_reached(steps_of_choice));
+  std::vector<bool> result(less.size());
+  for (std::size_t i = 0; i < less.size(); ++i)
+    result[i] = less[i] > std::sqrt(squares[i] / places);
+  return result;
 }
 
 template class SampledPlaces<4>;

@@ -63,8 +63,9 @@ class SampledPlaces {
     double left = 0.0;
     std::vector<double> left_at;  ///< [place], of which that is the sum
 
-    /// Whether it leaves less than another, and not by chance: by two standard errors.
-    [[nodiscard]] bool is_better_than(const Assessment& other) const;
+    /// At which places it leaves less than another, by a standard error of what is around: [place].
+    [[nodiscard]] std::vector<bool> is_better_than(const Assessment& other,
+                                                   const PlaceGraph& graph) const;
   };
   [[nodiscard]] Assessment assess(const CorrectionFit<N>& fit, float exitance) const;
 
