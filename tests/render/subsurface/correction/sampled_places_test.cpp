@@ -247,6 +247,30 @@ TEST(SampledPlaces, JudgeTheFitToEachHalfByTheOther) {
   EXPECT_EQ(std::ranges::count(is_better, false), 0);
 }
 
+// Walks find even light where the planar method has narrow stripes of a third and of three: they
+// go.
+TEST(CorrectedTransport, TakesDetailAwayThatWalksDoNotFind) {
+  const auto striped = [](const Vec3f& at, float) {
+    return std::exp(std::log(3.0f) * std::sin(12.0f * at.y));
+  };
+  const auto noisy = [](const Vec3f&, float random) { return 1.0f + 2.0f * random; };
+  const LightByFormula planar(striped);
+  SampledSquare square(planar, planar);
+  CorrectedTransport<4> corrected(square.render_scene, 0, std::make_unique<LightByFormula>(striped),
+                                  std::make_unique<LightByFormula>(noisy));
+  ASSERT_TRUE(corrected.prepare(square.with));
+  PixelSamples random(1, 0, 0);
+  const float quarter = 0.5f * std::numbers::pi_v<float> / 12.0f;
+  for (const float y : {-quarter, quarter}) {
+    SurfacePoint point{};
+    point.position = {3.0f, y, 0.0f};
+    point.normal = point.smooth_normal = point.geometric_normal = {0.0f, 0.0f, 1.0f};
+    const Vec3f up{0.0f, 0.0f, 1.0f};
+    const ExitPoint exit{point, boundary_at(square.render_scene, point), 1.0f, up};
+    EXPECT_NEAR(corrected.leaving_radiance(exit, square.light, random)[0], 2.0f, 0.5f) << y;
+  }
+}
+
 /// A lamp seen straight through, beside an even light.
 class LampBehind final : public SubsurfaceMethod<4> {
  public:

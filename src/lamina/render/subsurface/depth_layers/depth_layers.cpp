@@ -15,7 +15,7 @@ namespace {
 constexpr float shortest_over_tolerance = 10.0f;
 // By so much of it a depth may be too large: where all of the surface is as far, as in the middle
 // of a ball, the exact one takes long. Surely below all boundaries of layers it matters less.
-constexpr float slack = 1e-3f, slack_below = 0.3f;
+constexpr float slack = 1e-3f, slack_below = 0.03f;
 
 }  // namespace
 
