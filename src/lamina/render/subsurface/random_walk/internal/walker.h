@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "lamina/surface/ray.h"
+
 #include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_media.h"
