@@ -7,6 +7,7 @@
 #include "lamina/core/random.h"
 #include "lamina/core/vec.h"
 #include "lamina/spectrum/band_values.h"
+#include "lamina/surface/ray.h"
 
 namespace lamina {
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "lamina/core/float_pi.h"
+#include "lamina/optics/henyey_greenstein.h"
 
 namespace lamina {
 namespace {
