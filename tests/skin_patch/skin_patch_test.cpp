@@ -7,14 +7,18 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <numeric>
 
 #include "lamina/image/image_file.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
+#include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/skin_maps/skin_features.h"
+#include "lamina/skin_patch/patch_gradient.h"
 #include "skin_patch/patch_files.h"
 
 namespace lamina {
@@ -80,6 +84,86 @@ TEST(SkinPatch, UniformSkinReflectsAsTheSlabDoes) {
       }
     }
   }
+}
+
+// Adding-doubling takes oblique light as it is; by the fraction that enters alone skin would be 4
+// to 12 % darker.
+TEST(SkinPatch, UniformSkinInObliqueLightReflectsAsTheSlabDoes) {
+  SkinPatch patch = uniform_patch(16);
+  double without = 0.0;
+  for (const double melanin : {0.01, 0.15})
+    for (const double degrees : {30.0, 60.0, 80.0}) {
+      patch.skin.skin.melanin = melanin;
+      patch.theta = degrees * std::numbers::pi / 180.0;
+      const SkinPatchResult result = render_skin_patch(patch);
+      for (std::size_t b = 0; b < 2; ++b) {
+        const LayerStack stack = skin_layer_stack(patch.skin.skin, patch.bands.wavelengths()[b]);
+        const double slab =
+            adding_doubling(stack, {.theta = patch.theta}).totals.diffuse_reflectance;
+        EXPECT_NEAR(result.bands[b].mean_reflectance, slab, 2e-3 * slab) << melanin << degrees;
+        const double by_entry = adding_doubling(stack).totals.diffuse_reflectance *
+                                entry_transmittance(stack, {.theta = patch.theta}) /
+                                entry_transmittance(stack, {});
+        without = std::max(without, 1.0 - by_entry / slab);
+      }
+    }
+  EXPECT_GT(without, 0.08);
+}
+
+// Wide halves of light and dark skin: far from their edge oblique light changes each by as much as
+// its slab, by adding-doubling and by photons.
+TEST(SkinPatch, ObliqueLightChangesHalvesOfSkinAsTheirSlabs) {
+  SkinPatch patch = uniform_patch(16);
+  patch.bands = BandSet({545.0});
+  patch.mm_per_texel = 2.0;
+  Image melanin = make_image(16, 16, {"Y"});
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) melanin.at(x, y)[0] = x < 8 ? 0.01f : 0.2f;
+  patch.skin.maps.push_back(
+      {.name = "melanin", .parameter = &SkinParameters::melanin, .values = melanin});
+  const Image normal = render_skin_patch(patch).image;
+  const Incidence oblique{.theta = std::numbers::pi / 3.0};
+  patch.theta = oblique.theta;
+  const Image image = render_skin_patch(patch).image;
+  for (const int x : {3, 11}) {
+    SkinParameters skin = patch.skin.skin;
+    skin.melanin = static_cast<double>(melanin.at(x, 0)[0]);
+    const LayerStack stack = skin_layer_stack(skin, 545.0);
+    const double slab = adding_doubling(stack).totals.diffuse_reflectance;
+    const double change = static_cast<double>(image.at(x, 8)[0] / normal.at(x, 8)[0]);
+    EXPECT_NEAR(change, adding_doubling(stack, oblique).totals.diffuse_reflectance / slab, 2e-3);
+    const MonteCarloResult photons =
+        trace_photons(stack, {.photons = 1'000'000, .seed = 5, .incidence = oblique});
+    EXPECT_NEAR(change, photons.diffuse_reflectance.value / slab,
+                4.0 * photons.diffuse_reflectance.standard_error / slab);
+    EXPECT_LT(photons.diffuse_reflectance.standard_error, 5e-4);
+  }
+}
+
+TEST_F(PatchFiles, GradientsInObliqueLightAreThoseOfDifferences) {
+  SkinPatch patch = uniform_patch(8);
+  patch.bands = BandSet({545.0});
+  patch.theta = 1.2;
+  Image melanin = make_image(8, 8, {"Y"});
+  for (int i = 0; i < 64; ++i)
+    melanin.pixels[static_cast<std::size_t>(i)] = 0.02f + 0.002f * static_cast<float>(i % 11);
+  patch.skin.maps.push_back(
+      {.name = "melanin", .parameter = &SkinParameters::melanin, .values = melanin});
+  const auto sum_of = [](const Plane& plane) {
+    return std::accumulate(plane.values.begin(), plane.values.end(), 0.0);
+  };
+  DifferentiableSkinPatch here(patch);
+  Plane ones = make_plane(8, 8, 1.0f);
+  const PatchGradient gradient = here.gradient({&ones, 1});
+  constexpr std::size_t texel = 27;
+  const auto moved = [&](float by) {
+    SkinPatch other = patch;
+    other.skin.maps[0].values.pixels[texel] += by;
+    return sum_of(DifferentiableSkinPatch(other).light()[0]);
+  };
+  const double difference = (moved(0.002f) - moved(-0.002f)) / 0.004;
+  EXPECT_NEAR(static_cast<double>(gradient.maps[0].values.values[texel]), difference,
+              0.01 * std::abs(difference));
 }
 
 // By diffusion, too: the same model, but for the junction, which is a sheet here. There it is a

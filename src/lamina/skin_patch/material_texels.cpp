@@ -286,6 +286,16 @@ std::vector<double> reference_absorptions(const BandTexels& texels) {
   return reference;
 }
 
+std::vector<double> typical_absorbances(const BandTexels& texels) {
+  std::vector<double> typical;
+  for (const std::vector<float>& sheet : texels.absorbance) {
+    double sum = 0.0;
+    for (const float value : sheet) sum += static_cast<double>(value);
+    typical.push_back(sum / static_cast<double>(sheet.size()));
+  }
+  return typical;
+}
+
 double typical_absorption(std::span<const float> sigma_a) {
   double sum = 0.0;
   for (const float value : sigma_a) sum += std::log(static_cast<double>(value));

@@ -59,6 +59,9 @@ struct BandTexels {
 /// What tables take as the absorption of each layer while others vary.
 [[nodiscard]] std::vector<double> reference_absorptions(const BandTexels& texels);
 
+/// The mean natural absorbance of each sheet, [layer - 1].
+[[nodiscard]] std::vector<double> typical_absorbances(const BandTexels& texels);
+
 /// The geometric mean of absorptions. Where they differ it is rounded to a fourth of a natural
 /// logarithm, so that similar maps share their tables.
 [[nodiscard]] double typical_absorption(std::span<const float> sigma_a);

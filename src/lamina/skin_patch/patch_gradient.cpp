@@ -10,6 +10,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/parallel_parts.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/scattering/heterogeneous/transport_gradient.h"
 
 namespace lamina {
@@ -56,7 +57,12 @@ std::array<double, 3> absorption(const SkinParameters& skin, const SkinSpectrum&
 struct DifferentiableSkinPatch::Model {
   struct Band {
     std::unique_ptr<DifferentiableTransport<float>> transport;
-    float entering = 0.0f;
+    std::vector<float> entering;  ///< [texel] or one
+    /// [layer][texel] derivative of the logarithm of `entering` by absorption; empty: 0
+    std::vector<std::vector<float>> log_entering_by_sigma_a;
+    [[nodiscard]] float entering_at(std::size_t texel) const {
+      return entering[entering.size() > 1 ? texel : 0];
+    }
   };
   SkinPatch patch;
   std::vector<Band> bands;
@@ -83,8 +89,18 @@ DifferentiableSkinPatch::DifferentiableSkinPatch(SkinPatch patch,
             cached_stack_tables(cache, mapped_stack(made_of.material, b, texels), p.totals,
                                 reference_absorptions(texels), {}, part_of(of_band, 0.0, 0.5));
         Model::Band& band = model_->bands[b];
-        band.entering = static_cast<float>(
-            entry_transmittance(layer_stack(made_of.material, b), {.theta = p.theta}));
+        const ObliqueLight oblique(mapped_stack(made_of.material, b, texels), texels.layers,
+                                   typical_absorbances(texels), p.theta);
+        const double entering =
+            entry_transmittance(layer_stack(made_of.material, b), {.theta = p.theta});
+        const std::size_t count = oblique.is_even() ? 1 : p.light.pixels.size();
+        for (std::size_t t = 0; t < count; ++t)
+          band.entering.push_back(static_cast<float>(entering * oblique.gain(t)));
+        for (std::size_t l = 0; l < texels.layers.size() && !oblique.is_even(); ++l) {
+          std::vector<float>& by = band.log_entering_by_sigma_a.emplace_back();
+          for (std::size_t t = 0; t < count; ++t)
+            by.push_back(static_cast<float>(oblique.log_gain_by_sigma_a(l, t)));
+        }
         TransportMaps<float> maps;
         std::vector<AbsorptionRange> ranges;
         for (const LayerTexels& layer : texels.layers) {
@@ -97,7 +113,8 @@ DifferentiableSkinPatch::DifferentiableSkinPatch(SkinPatch patch,
         for (const std::vector<float>& sheet : texels.absorbance)
           maps.absorbance.push_back(full_plane(sheet, p.width, p.height));
         maps.irradiance = full_plane(p.light.pixels, p.width, p.height);
-        for (float& value : maps.irradiance.values) value *= band.entering;
+        for (std::size_t t = 0; t < maps.irradiance.values.size(); ++t)
+          maps.irradiance.values[t] *= band.entering_at(t);
         band.transport = std::make_unique<DifferentiableTransport<float>>(
             tables, p.width, p.height, ranges, p.mm_per_texel,
             DifferentiableOptions{.transport = p.transport, .profile = p.profile});
@@ -130,7 +147,11 @@ PatchGradient DifferentiableSkinPatch::gradient(std::span<const Plane> by_light,
       model_->bands.size(),
       [&](std::size_t b) {
         Model::Band& band = model_->bands[b];
-        const TransportMaps<float> by_map = band.transport->gradient({.reflected = by_light[b]});
+        TransportMaps<float> by_map = band.transport->gradient({.reflected = by_light[b]});
+        for (std::size_t l = 0; l < band.log_entering_by_sigma_a.size(); ++l)
+          for (std::size_t t = 0; t < texels; ++t)
+            by_map.sigma_a[l].values[t] += by_map.irradiance.values[t] * p.light.pixels[t] *
+                                           band.entering_at(t) * band.log_entering_by_sigma_a[l][t];
         const double wavelength = p.bands.wavelengths()[b];
         const SkinSpectrum spectrum = skin_spectrum(wavelength);
         std::vector<std::vector<float>> parts(p.skin.maps.size(), std::vector<float>(texels));
@@ -160,7 +181,7 @@ PatchGradient DifferentiableSkinPatch::gradient(std::span<const Plane> by_light,
         for (std::size_t m = 0; m < parts.size(); ++m)
           for (std::size_t t = 0; t < texels; ++t) sum.maps[m].values.values[t] += parts[m][t];
         for (std::size_t t = 0; t < texels; ++t)
-          sum.light.values[t] += band.entering * by_map.irradiance.values[t];
+          sum.light.values[t] += band.entering_at(t) * by_map.irradiance.values[t];
       },
       progress);
   return sum;

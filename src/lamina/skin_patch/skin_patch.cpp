@@ -12,6 +12,7 @@
 #include "lamina/optics/layer_stack.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/spectrum/band_color.h"
 
 namespace lamina {
@@ -47,6 +48,15 @@ std::vector<float> entering_fractions(const Material& material, std::size_t band
         static_cast<float>(std::lerp(table[i], table[i + 1], place - static_cast<double>(i))));
   }
   return fractions;
+}
+
+/// Fractions that enter times the gain of oblique light, at each texel, or one.
+std::vector<float> with_gains(std::vector<float> entering, const ObliqueLight& oblique,
+                              std::size_t texels) {
+  if (!oblique.is_even() && entering.size() == 1) entering.resize(texels, entering[0]);
+  for (std::size_t i = 0; i < entering.size(); ++i)
+    entering[i] *= static_cast<float>(oblique.gain(oblique.is_even() ? 0 : i));
+  return entering;
 }
 
 /// Largest error of the tables at the states that a patch has.
@@ -191,14 +201,19 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
         tables, patch.width, patch.height, texels.layers, absorbance, patch.mm_per_texel,
         patch.profile, 5e-5, part_of(of_band, with_tables, with_layers));
     Plane light = arriving;
+    const ObliqueLight oblique(mapped_stack(material, b, texels), texels.layers,
+                               typical_absorbances(texels), patch.theta);
     const std::vector<float> entering =
-        entering_fractions(material, b, patch.theta, texels.layers[0].roughness);
+        with_gains(entering_fractions(material, b, patch.theta, texels.layers[0].roughness),
+                   oblique, light.values.size());
     for (std::size_t i = 0; i < light.values.size(); ++i)
       light.values[i] *= entering[entering.size() > 1 ? i : 0];
     const Progress going_on = part_of(of_band, with_layers, with_layers);
     TransportResult out = transport(layers, light, patch.transport, going_on);
     if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected, going_on);
     put_channel(result.image, b, out.reflected);
+    for (float& value : out.transmitted.values)
+      value *= static_cast<float>(oblique.transmission_over_reflection());
     if (lets_through) put_channel(result.image, first_transmitted + b, out.transmitted);
     const double leaving =
         std::accumulate(out.reflected.values.begin(), out.reflected.values.end(), 0.0);

@@ -11,6 +11,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {
@@ -142,13 +143,17 @@ void make_stacks(const PatchCapture& capture, const std::vector<std::vector<doub
   tables.entering.resize(bands);
   tables.sheet.resize(bands);
   parallel_for(bands, [&](std::size_t b) {
-    const BandTexels texels = band_texels(material, {}, 1, b);
+    BandTexels texels = band_texels(material, {}, 1, b);
+    const MappedStack stack = mapped_stack(material, b, texels);
     std::vector<double> typical;
-    for (const std::vector<float>& layer : absorptions_of(fits, tables, b))
+    for (const std::vector<float>& layer : absorptions_of(fits, tables, b)) {
+      texels.layers[typical.size()].sigma_a = {static_cast<float>(typical_absorption(layer))};
       typical.push_back(typical_absorption(layer));
-    tables.stacks[b] =
-        cached_stack_tables(cache, mapped_stack(material, b, texels), tables.model.totals, typical);
-    tables.entering[b] = entry_transmittance(layer_stack(material, b), {.theta = capture.theta});
+    }
+    tables.stacks[b] = cached_stack_tables(cache, stack, tables.model.totals, typical);
+    const ObliqueLight oblique(stack, texels.layers, typical_absorbances(texels), capture.theta);
+    tables.entering[b] =
+        entry_transmittance(layer_stack(material, b), {.theta = capture.theta}) * oblique.gain(0);
     tables.sheet[b] = static_cast<double>(texels.absorbance[0][0]);
   });
 }
