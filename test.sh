@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 source ./setup.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
+use_compiler_cache
 
 cmake --preset test
 cmake --build --preset test

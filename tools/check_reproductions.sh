@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 [ $# = 0 ] || [ "$*" = keep ] || { echo "usage: $0 [keep]" >&2; exit 2; }
 source ./setup.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
+use_compiler_cache
 cmake --preset test >/dev/null
 cmake --build --preset test --target lamina_command >/dev/null
 if [ $# = 1 ]; then

@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source ./setup.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}" "${sanitize_packages[@]}"
+use_compiler_cache
 export LAMINA_CACHE=off
 export TSAN_OPTIONS="suppressions=$PWD/tools/tsan_suppressions.txt halt_on_error=1"
 out=$(mktemp -d)
