@@ -93,6 +93,27 @@ TEST(McmlInput, TakesWhatMcmlTakes) {
   EXPECT_NE(complaint("1\n1\na\x01.mco A\n"), "");
 }
 
+// Files of old editors: with a mark of their encoding, with line ends of Macs or Windows, and
+// without the format of the output, all come to the layers of the plain file.
+TEST(McmlInput, TakesMarksLineEndsAndMissingFormats) {
+  const std::string plain = read(corpus / "mcml/good/g_one.mci");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = plain;
+    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+      text.replace(at, from.size(), to);
+    return text;
+  };
+  for (const std::string& text : {"\xef\xbb\xbf" + plain, with("\n", "\r"), with("\n", "\r\n"),
+                                  with("a.mco A", "a.mco"), with("a.mco A", "a.mco # A")}) {
+    const auto runs = parse_mcml(text, "x.mci");
+    ASSERT_EQ(runs.size(), 1u);
+    EXPECT_EQ(runs[0].output_file, "a.mco");
+    EXPECT_EQ(runs[0].layers[0].mua, 10.0);
+    EXPECT_EQ(runs[0].nr, 2);
+  }
+  EXPECT_EQ(complaint(with("0.1 0.1", "0.1 x")), complaint(with("0.1 0.1\n", "0.1 x\r")));
+}
+
 // Every file that starts like a good one and ends anywhere is refused, or taken whole.
 TEST(McmlInput, SurvivesTextCutAndSpoiltAnywhere) {
   const std::string text = read(corpus / "mcml/good/two_runs.mci");

@@ -28,14 +28,18 @@ std::string quoted(std::string_view text) {
 /// The data lines of a file, word by word.
 class Lines {
  public:
-  Lines(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+  Lines(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+    if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+  }
 
   /// Goes to the next line with data. @param what  names it, for when the file ends before.
   void next(const std::string& what) {
     while (!rest_.empty()) {
-      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      // Lines end as those of Unix, Windows or old Macs.
+      const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
       line_ = rest_.substr(0, end);
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      rest_.remove_prefix(end);
+      rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : rest_.empty() ? 0 : 1);
       ++number_;
       line_ = line_.substr(0, line_.find('#'));
       skip_blanks();
@@ -119,7 +123,9 @@ McmlRun parse_run(Lines& lines, const std::string& which) {
     if (static_cast<unsigned char>(c) < 32 || c == 127)
       lines.fail(which + ": the name of the output file must be of printable characters, but is " +
                  quoted(std::string_view(run.output_file)));
-  if (const std::string_view format = lines.word(); format != "A" && format != "a")
+  // Without a format it is text: many files leave it out.
+  if (const std::string_view format = lines.word();
+      !format.empty() && format != "A" && format != "a")
     lines.fail(which + ": the format of the output file must be A (text), but is " +
                quoted(format));
   lines.next(which + ": the number of photons");

@@ -34,7 +34,7 @@ struct McmlRun {
 
 /// Reads the text of an MCML 1.x input file (.mci): the version, the number of runs, the runs. A
 /// `#` starts a comment; words after the numbers of a line and all after the last run are passed
-/// over, as MCML does.
+/// over, as MCML does. The format of an output file may be missing, lines may end as on old Macs.
 ///
 /// @param name  the file, as messages name it.
 /// @throws InvalidInput `FILE:LINE: FIELD must ..., but is ...`.
