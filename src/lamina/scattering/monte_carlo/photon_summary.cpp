@@ -18,18 +18,31 @@ double lost_squares(double n, double sum) {
   return std::min(n * half, std::abs(sum) * std::sqrt(half));
 }
 
+/// CellSums over photons of what they left in some cells together, of which each met one at most.
+struct CellSums {
+  double first = 0.0, second = 0.0;
+};
+
+/// How many photons of equal weights have these sums.
+double photons_of(const CellSums& weights) {
+  return weights.second > 0.0 ? std::max(1.0, weights.first * weights.first / weights.second) : 1.0;
+}
+
+/// Squares of what k photons differ by, with those that few of them hide.
+/// @param whole  what one more would differ by if nothing were known of it
+double with_one_more(double squares, double whole, double k) {
+  return std::max(0.0, squares) * (1.0 + 1.0 / k) + (whole / k) * (whole / k);
+}
+
 /// Reads cells as means over photons.
 class Reader {
  public:
   explicit Reader(const PhotonCounts& counts)
       : counts_(counts), n_(static_cast<double>(counts.photons)) {}
 
-  /// Sums over photons of what they left in some cells together, of which each met one at most.
-  struct Sums {
-    double first = 0.0, second = 0.0;
-  };
-  [[nodiscard]] Sums sums(std::size_t first, std::size_t count = 1, std::size_t stride = 1) const {
-    Sums sums;
+  [[nodiscard]] CellSums sums(std::size_t first, std::size_t count = 1,
+                              std::size_t stride = 1) const {
+    CellSums sums;
     for (std::size_t i = 0; i < count; ++i) {
       sums.first += to_double(counts_.first[first + i * stride], photon::cell_scale);
       sums.second += to_double(counts_.second[first + i * stride], photon::cell_scale);
@@ -41,42 +54,46 @@ class Reader {
   /// Their mean. @param largest  what a photon leaves there at most.
   [[nodiscard]] Estimate mean(std::size_t first, std::size_t count = 1, std::size_t stride = 1,
                               double scale = 1.0, double largest = 1.0) const {
-    const Sums of = sums(first, count, stride);
+    const CellSums of = sums(first, count, stride);
     const Estimate mean = sample_mean(n_, of.first, of.second, largest);
     return {scale * mean.value, scale * mean.standard_error};
   }
 
   /// Amplitude and phase from the three sums of modulated light in some places together. Errors
-  /// are those of the two-dimensional mean, along it and across, as if one more photon had left.
+  /// are those of the two-dimensional mean, along it as if one more photon had left, and across.
   [[nodiscard]] Modulation modulation(std::size_t first, std::size_t count, std::size_t stride,
                                       double scale) const {
-    const Sums c = sums(first, count, stride), s = sums(first + 1, count, stride);
+    const CellSums c = sums(first, count, stride), s = sums(first + 1, count, stride);
     const double product = sums(first + 2, count, stride).first;
     const double length = std::hypot(c.first, s.first), squares = c.second + s.second;
     if (!(n_ > 0.0) || !(length > 0.0)) return {{0.0, scale / std::max(n_, 1.0)}, {0.0, pi}};
     const double one_more = std::pow(std::min(1.0, squares / length), 2.0);
-    const double cc = c.second - c.first * c.first / n_ + one_more,
-                 ss = s.second - s.first * s.first / n_ + one_more,
+    const double cc = c.second - c.first * c.first / n_, ss = s.second - s.first * s.first / n_,
                  cs = product - c.first * s.first / n_;
     const double x = c.first / length, y = s.first / length;
-    const double along = std::max(0.0, x * x * cc + y * y * ss + 2.0 * x * y * cs),
-                 across = std::max(0.0, y * y * cc + x * x * ss - 2.0 * x * y * cs);
+    const double phase = std::atan2(s.first, c.first);
+    const double along = std::max(0.0, x * x * cc + y * y * ss + 2.0 * x * y * cs) + one_more,
+                 across = with_one_more(y * y * cc + x * x * ss - 2.0 * x * y * cs,
+                                        std::sqrt(one_more) * std::abs(phase),
+                                        photons_of({length, squares}));
     return {{scale * length / n_, scale * std::sqrt(along) / n_},
-            {std::atan2(s.first, c.first), std::min(pi, std::sqrt(across) / length)}};
+            {phase, std::min(pi, std::sqrt(across) / length)}};
   }
 
   /// Mean over photons of a volume cell, whose error is known from the batches, which hold several
   /// parts of a photon. A single batch tells nothing: as if each photon had left all or nothing.
+  /// As in sample_mean, one more is added like those that there were, of their weight where all
+  /// came by chance, variance over mean; where there were none, of the largest.
   /// @param largest  what a photon leaves there at most.
   [[nodiscard]] Estimate volume_mean(std::size_t cell, double scale, double largest) const {
     const double sum = to_double(counts_.volume_first[cell], photon::volume_scale);
     const double squares = to_double(counts_.volume_second[cell], photon::volume_square_scale);
     const auto b = static_cast<double>(counts_.batches);
-    // Batches have equal sizes but for the last, which weighs as if it had.
     const double variance =
-        b > 1.0 ? std::max(0.0, squares - sum * sum / b) * b / (b - 1.0) : std::abs(sum) * largest;
+        b > 1.0 ? std::max(0.0, n_ * squares - sum * sum) / (b - 1.0) : std::abs(sum) * largest;
+    const double one_more = sum != 0.0 ? std::min(variance / std::abs(sum), largest) : largest;
     const double per_photon = scale / std::max(n_, 1.0);
-    return {per_photon * sum, per_photon * std::sqrt(variance + largest * largest)};
+    return {per_photon * sum, per_photon * std::sqrt(variance + one_more * one_more)};
   }
 
  private:
@@ -170,18 +187,19 @@ void read_bsdf(const PhotonCounts& counts, const Reader& reader, const PhotonLay
 }
 
 /// Mean path of the light of one side, each photon by its weight: a ratio R of two means, of w L
-/// and of w, whose errors are correlated. To first order its variance is that of w L - R w, as if
-/// one more photon had been off by R.
+/// and of w, whose errors are correlated. To first order its variance is that of w L - R w. Of k
+/// photons it counts as that of k - 1 differences, and one more is off by R / k.
 Estimate mean_path(const Reader& reader, std::size_t path, std::size_t light,
                    std::size_t weighted_path, double unit) {
-  const Reader::Sums paths = reader.sums(path), weights = reader.sums(light);
+  const CellSums paths = reader.sums(path), weights = reader.sums(light);
   if (!(weights.first > 0.0)) return {};
   const double ratio = paths.first / weights.first;
   const double scatter = paths.second - 2.0 * ratio * reader.sums(weighted_path).first +
                          ratio * ratio * weights.second;
-  const double one_more = ratio * weights.second / weights.first;
-  return {unit * ratio,
-          unit * std::sqrt(std::max(0.0, scatter) + one_more * one_more) / weights.first};
+  return {unit * ratio, unit *
+                            std::sqrt(with_one_more(scatter, ratio * weights.second / weights.first,
+                                                    photons_of(weights))) /
+                            weights.first};
 }
 
 void read_lengths(const PhotonCounts& counts, const Reader& reader, const PhotonLayout& layout,

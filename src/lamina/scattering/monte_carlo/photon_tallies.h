@@ -142,8 +142,9 @@ struct PhotonCounts {
   std::uint64_t batches = 0;
   std::uint64_t events = 0;            ///< scatterings and boundaries met
   std::vector<WideSum> first, second;  ///< [cell] sums of each photon's part and of its square
-  std::vector<WideSum> volume_first, volume_second;  ///< [volume cell] of each batch's part
-  bool was_stopped = false;  ///< by Ctrl-C or the clock before all photons were spent
+  std::vector<WideSum> volume_first;   ///< [volume cell] sums of each batch's part,
+  std::vector<WideSum> volume_second;  ///< and of its square over the photons of the batch
+  bool was_stopped = false;            ///< by Ctrl-C or the clock before all photons were spent
 };
 
 /// Whether counts that come from a file can be those of a run: their tallies are in range, there is

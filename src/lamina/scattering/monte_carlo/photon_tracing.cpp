@@ -40,8 +40,9 @@ void add_batch(const BatchSums& sums, std::uint64_t photons, PhotonCounts& count
   for (std::size_t i = 0; i < sums.volume.size(); ++i) {
     add(counts.volume_first[i], wide(sums.volume[i]));
     const double part = std::ldexp(static_cast<double>(sums.volume[i]), -photon::volume_scale);
+    const double square = part * part / static_cast<double>(photons);
     add(counts.volume_second[i],
-        wide(static_cast<Wide>(std::ldexp(part * part, photon::volume_square_scale))));
+        wide(static_cast<Wide>(std::ldexp(square, photon::volume_square_scale))));
   }
   counts.photons += photons;
   counts.batches += 1;
@@ -61,12 +62,12 @@ bool is_precise(const PhotonCounts& counts, double relative_error) {
 std::string name_run(const LayerStack& stack, const MonteCarloOptions& options) {
   PlainTextStream name;
   name.precision(17);
-  name << "photons " << options.photons << ", seed " << options.seed << ", incidence "
-       << (options.incidence.is_diffuse ? -1.0 : options.incidence.theta) << ", beam "
-       << static_cast<int>(options.beam.shape) << ' ' << options.beam.radius << ", max_events "
-       << options.max_events << ", roulette_weight " << options.roulette_weight << ", ior "
-       << stack.ior_above() << ' ' << stack.ior_below() << ", ground " << stack.ground().reflectance
-       << ' ' << stack.ground().top.roughness;
+  name << "squares per photon, photons " << options.photons << ", seed " << options.seed
+       << ", incidence " << (options.incidence.is_diffuse ? -1.0 : options.incidence.theta)
+       << ", beam " << static_cast<int>(options.beam.shape) << ' ' << options.beam.radius
+       << ", max_events " << options.max_events << ", roulette_weight " << options.roulette_weight
+       << ", ior " << stack.ior_above() << ' ' << stack.ior_below() << ", ground "
+       << stack.ground().reflectance << ' ' << stack.ground().top.roughness;
   for (const Layer& layer : stack.layers())
     name << ", layer " << layer.medium.sigma_a << ' ' << layer.medium.sigma_s << ' '
          << layer.medium.g << ' ' << layer.medium.ior << ' ' << layer.thickness << ' '
