@@ -10,6 +10,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/quadrature.h"
+#include "lamina/optics/fresnel.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/bessel.h"
@@ -134,6 +135,28 @@ TEST(ObliqueProfile, AgreesWithMonteCarloRingByRing) {
 }
 
 // Behind a clear layer without a boundary, what passes is shifted along the beam.
+// Below the surface the beam hardly turns any more, so that what leaves goes with what enters. At
+// 89.99999999 degrees the sine is 1: light scattered once was lost, a third of what is near the
+// beam was left, and R_1 / R_0 was .58 there, of 1.72. As R is nowhere negative, it is 2 at most.
+TEST(ObliqueProfile, GrazingLightGoesWithWhatEnters) {
+  const LayerStack half_space({layer(0.05, 5.0, 0.8, 1.4, infinite)});
+  const auto entering = [](double theta) { return 1.0 - fresnel(std::cos(theta), 1.4); };
+  const double near = 89.9 * degree, grazing = 89.99999999 * degree;
+  const ObliqueProfile one = oblique_profile({&half_space, 1}, near, {}, 2),
+                       other = oblique_profile({&half_space, 1}, grazing, {}, 2);
+  for (std::size_t i = 0; i < one.r.size(); ++i) {
+    if (one.r[i] > 6.0) break;
+    const double mean = one.reflectance_moments[2 * i], first = one.reflectance_moments[2 * i + 1];
+    EXPECT_NEAR(other.reflectance_moments[2 * i] / entering(grazing) / (mean / entering(near)), 1.0,
+                0.01)
+        << one.r[i];
+    EXPECT_NEAR(other.reflectance_moments[2 * i + 1] / other.reflectance_moments[2 * i],
+                first / mean, 0.01)
+        << one.r[i];
+    EXPECT_LE(std::abs(first), 2.0 * mean);
+  }
+}
+
 TEST(ObliqueProfile, AClearLayerBeforeItShiftsTheLightThatPasses) {
   constexpr double gap = 0.1, theta = 40.0 * degree;
   const std::vector<LayerStack> bare = {LayerStack({layer(0.5, 8.0, 0.3, 1.0, 0.3)})};

@@ -12,6 +12,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
+#include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/low_orders/straight_ray.h"
@@ -230,6 +231,17 @@ void set_estimates(ObliqueProfile& profile, std::size_t band, const detail::Prof
   }
 }
 
+/// Nearer to the surface the sine keeps no digits of the cosine. The way below hardly changes any
+/// more there, but what enters does.
+constexpr double least_cos = 1e-4;
+
+/// What enters of a beam over what enters of one that is not nearer to the surface than that.
+double share_of_entering(const LayerStack& stack, double theta, double nearest) {
+  const double eta = stack.layers()[0].medium.ior / stack.ior_above();
+  const double entering = 1.0 - fresnel(std::cos(nearest), eta);
+  return entering > 0.0 ? (1.0 - fresnel(std::cos(theta), eta)) / entering : 1.0;
+}
+
 void check(std::span<const LayerStack> stacks, double theta, int moments) {
   if (!(theta >= 0.0 && theta < 0.5 * pi))
     throw InvalidInput("incidence: must lie in [0, 90) degrees, but is " +
@@ -266,8 +278,15 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
     profile.total_reflectance.push_back(totals.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(totals.totals.transmittance);
   }
+  const double traced = std::min(theta, std::acos(least_cos));
+  const auto scale_to_beam = [&](std::size_t b) {
+    const double share = share_of_entering(stacks[b], theta, traced);
+    for (std::size_t side = 0; side < 2 && traced < theta; ++side)
+      for (std::size_t i = b; i < size * count * bands; i += bands)
+        moments_of(profile, side)[i] *= share;
+  };
   for (std::size_t b = 0; b < bands; ++b) {
-    const GridDirection beam = direction_in(stacks[b].ior_above(), theta);
+    const GridDirection beam = direction_in(stacks[b].ior_above(), traced);
     const auto part = [&](double begin, double end) {  // of this band
       return part_of(progress, (static_cast<double>(b) + begin) / static_cast<double>(bands),
                      (static_cast<double>(b) + end) / static_cast<double>(bands));
@@ -307,7 +326,10 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
       }
     }
     set_estimates(profile, b, mean.profile, mean.error);
-    if (profile.largest_error[b] <= accuracy) continue;
+    if (profile.largest_error[b] <= accuracy) {
+      scale_to_beam(b);
+      continue;
+    }
     const auto of_medium =
         single_moments(stacks[b], beam, Extinction::by_medium, profile.r, count, part(1.0, 1.0));
     const bool is_black = stacks[b].ground().reflectance == 0.0;
@@ -319,7 +341,7 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
       for (std::size_t i = 0; i < size; ++i)
         (known.curves.*curve_of(side))[i] = of_medium[side][i * count];
     const auto refined = detail::refine_by_photons(
-        stacks[b], {.theta = theta}, plan, mean, known,
+        stacks[b], {.theta = traced}, plan, mean, known,
         events_of_mean * detail::events_for(stacks[b], accuracy), part(1.0, 1.0));
     // What of higher moments is not scattered once keeps its ratio to the mean.
     for (std::size_t side = 0; side < 2; ++side)
@@ -336,6 +358,7 @@ ObliqueProfile oblique_profile(std::span<const LayerStack> stacks, double theta,
               is[m] + (of_radius[m * bands] - was[m]) * (is_alike ? after / before : 1.0);
       }
     set_estimates(profile, b, refined.profile, refined.error);
+    scale_to_beam(b);
   }
   return profile;
 }
