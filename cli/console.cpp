@@ -15,6 +15,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
+#include "lamina/core/zero_signs.h"
 #include "lamina/io/file_bytes.h"
 
 namespace lamina::cli {
@@ -125,7 +126,7 @@ void write_json(const JsonOutput& result, const CommonOptions& options) {
 }
 
 void print(const CommonOptions& options, std::string_view text) {
-  if (options.json != "-") write_output(printable(text, "\n\t"));
+  if (options.json != "-") write_output(printable(without_negative_zeros(text), "\n\t"));
 }
 
 void write_file(const std::string& path, std::string_view text) {
