@@ -96,7 +96,8 @@ std::string path_html(std::string_view path) { return "<code>" + html_escaped(pa
 
 std::string value_html(const FittedParameter& fitted) {
   if (fitted.is_at_bound)
-    return printf_text("%.5g", fitted.value) + " <span class=\"flag bad\">at its bound</span>";
+    return printf_text("%.5g", fitted.value) +
+           " <span class=\"flag bad\">not told, at its range</span>";
   if (!std::isfinite(fitted.standard_deviation))
     return printf_text("%.4g", fitted.value) + " <span class=\"flag bad\">not told</span>";
   const auto decimals = decimals_of(std::min(fitted.low_error, fitted.high_error));

@@ -71,7 +71,6 @@ JsonOutput series_json(const Measurement& measurement, const MeasurementFit& fit
 }
 
 std::string with_error(const FittedParameter& fitted) {
-  if (fitted.is_at_bound) return fmt::format("{:11.5g} at bound ", fitted.value);
   const double error = 0.5 * (fitted.low_error + fitted.high_error);
   if (!std::isfinite(error)) return fmt::format("{:11.5g} unknown  ", fitted.value);
   return fmt::format("{:11.5g} ±{:8.2g}", fitted.value, error);

@@ -34,7 +34,7 @@ class FittedNumber:
     high_error: float  #: and up
     standard_deviation: float  #: of its coordinate; inf where the data do not tell
     prior_share: float  #: that over the prior's; 0 without a prior
-    is_at_bound: bool  #: it is held there, and has no error
+    is_at_bound: bool  #: it ended at its range; its errors are inf: unknown
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Fit(Result):
         return np.array([n.value for n in self._of(parameter)]).squeeze()
 
     def error(self, parameter: str) -> Array:
-        """One standard deviation of a number: the mean of that down and that up."""
+        """One standard deviation of a number: the mean of that down and that up; inf where it is unknown."""
         return np.array([(n.low_error + n.high_error) / 2.0 for n in self._of(parameter)]).squeeze()
 
     def _draw(self, ax: Axes) -> None:
@@ -99,8 +99,10 @@ class Fit(Result):
         lines = [f"Fit of {self.name!r}: chi² {self.chi_squared:.4g} for {self.degrees_of_freedom:.0f} degrees of freedom"]
         for n in self.numbers:
             where = f" at {n.band}" if n.band else ""
-            bound = ", at its bound" if n.is_at_bound else ""
-            lines.append(f"  {n.parameter}{where}: {n.value:.5g} -{n.low_error:.2g} +{n.high_error:.2g}{bound}")
+            bound = ", at its range" if n.is_at_bound else ""
+            is_known = np.isfinite(n.standard_deviation)
+            error = f"-{n.low_error:.2g} +{n.high_error:.2g}" if is_known else f"unknown{bound}"
+            lines.append(f"  {n.parameter}{where}: {n.value:.5g} {error}")
         return "\n".join(lines + [f"  note: {note}" for note in self.notes])
 
 

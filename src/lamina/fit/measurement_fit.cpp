@@ -48,8 +48,10 @@ double largest_move(const std::vector<FitParameter>& parameters, const FitResult
     const double move = std::abs(fit_coordinate(parameters[u], fit.parameters[u].value) -
                                  fit_coordinate(parameters[u], from[u]));
     const double sd = fit.parameters[u].standard_deviation;
-    largest =
-        std::max(largest, move / std::max(small_move, std::isfinite(sd) ? small_share * sd : move));
+    const double share = std::isfinite(sd)               ? small_share * sd
+                         : fit.parameters[u].is_at_bound ? small_move
+                                                         : move;
+    largest = std::max(largest, move / std::max(small_move, share));
   }
   return largest;
 }

@@ -115,16 +115,19 @@ TEST(NonlinearFit, SaysThatItStoppedShortOfASolution) {
   EXPECT_TRUE(whole.notes.empty());
 }
 
-TEST(NonlinearFit, HoldsParametersAtTheirBounds) {
+// Held, a would leave b the error of a measurement that knows it, sqrt(1 / 5); free, as on paper.
+TEST(NonlinearFit, HoldsParametersAtTheirBoundsWhichAreUnknown) {
   const FitResult result = fit_parameters(
       {{.name = "a", .start = 2.0, .low = 1.0, .high = 5.0}, {.name = "b", .start = 0.0}},
       {.measured = {0.0, 1.0, 2.0}, .standard_deviation = {1.0, 1.0, 1.0}}, line);
   EXPECT_TRUE(result.parameters[0].is_at_bound);
   EXPECT_EQ(result.parameters[0].value, 1.0);
   EXPECT_NEAR(result.parameters[1].value, 0.4, 1e-8);  // of 0, 2 b = 0 1: (0 + 2) / 5
-  EXPECT_EQ(result.parameters[0].standard_deviation, 0.0);
-  EXPECT_NEAR(result.parameters[1].standard_deviation, std::sqrt(0.2), 1e-6);
-  EXPECT_EQ(notes_with(result, "a: held at its bound, 1"), 1);
+  for (const double error : {result.parameters[0].standard_deviation,
+                             result.parameters[0].low_error, result.parameters[0].high_error})
+    EXPECT_TRUE(std::isinf(error));
+  EXPECT_NEAR(result.parameters[1].standard_deviation, std::sqrt(0.5), 1e-6);
+  EXPECT_EQ(notes_with(result, "a: unknown, since it ended at its range, 1;"), 1);
 }
 
 TEST(NonlinearFit, TakesPriorsForWhatTheDataDoNotTell) {

@@ -53,7 +53,7 @@ struct FittedParameter {
   double low_error = 0.0, high_error = 0.0;  ///< from the value to one standard deviation
   double standard_deviation = 0.0;  ///< of the coordinate; infinite where the data do not tell
   double prior_share = 0.0;         ///< that over the prior's; 0 without a prior
-  bool is_at_bound = false;         ///< it is held there, and has no error
+  bool is_at_bound = false;         ///< it is held there, and its errors are infinite: unknown
 };
 
 struct FitResult {
@@ -78,7 +78,9 @@ inline constexpr double prior_share_of_note = 0.8, correlation_of_note = 0.95;
 ///
 /// Errors are those of the Gaussian about the solution: the inverse of half the second derivatives,
 /// with these taken from the first ones alone. Combinations of parameters that the prediction does
-/// not depend on are found, and named in the notes; their standard deviations are infinite.
+/// not depend on are found, and named in the notes; their standard deviations are infinite. So are
+/// those of parameters at a bound. Errors of others are with these free, as if the bound were not
+/// there: held, they would be those of a measurement that knew them.
 ///
 /// @throws InvalidInput naming what cannot be used: no parameters, errors that are not positive or
 ///         not as many as the data, a prior_correlation that is none, no prediction at the start;
