@@ -34,6 +34,69 @@ TEST(MeasurementFile, EveryBadFileIsRefusedInOneLineThatNamesTheFault) {
   EXPECT_GT(expect_refusals(inputs / "bad", refusal), 35U);
 }
 
+// What a spectrometer writes: of itself first, falling wavelengths, percent in the names, decimal
+// commas; and names of one's own.
+TEST(MeasurementFile, TakesFilesOfSpectrometers) {
+  const Measurement instrument = load_measurement(inputs / "good/instrument.json");
+  ASSERT_EQ(instrument.bands.size(), 3U);
+  EXPECT_EQ(instrument.bands.wavelengths()[0], 550.0);
+  ASSERT_EQ(instrument.series[0].points.size(), 6U);
+  EXPECT_EQ(instrument.series[0].points[0].band, 0U);
+  EXPECT_NEAR(instrument.series[0].points[0].value, 0.28, 1e-15);
+  EXPECT_NEAR(instrument.series[0].points[5].value, 0.42, 1e-15);
+  const Measurement named = load_measurement(inputs / "good/named.json");
+  ASSERT_EQ(named.series[0].points.size(), 4U);
+  EXPECT_EQ(named.series[0].points[3].value, 0.40);
+}
+
+// fx is one over the period, k is 2 pi times that.
+TEST(MeasurementFile, TakesFrequenciesOfPeriods) {
+  const Measurement periods = load_measurement(inputs / "good/periods.json");
+  EXPECT_EQ(periods.series[0].points[0].at, 0.0);
+  EXPECT_NEAR(periods.series[0].points[1].at, 0.314159265358979, 1e-14);
+}
+
+// M_R = r_std R / R_std and M_T = T / T_empty are the readings of reflectance_reading and
+// transmittance_reading; the order of numbers is that of iad's manual.
+TEST(MeasurementFile, TakesFilesOfIad) {
+  const Measurement read = load_measurement(inputs / "good/iad_sphere.json");
+  const MeasuredSeries& series = read.series[0];
+  ASSERT_EQ(series.points.size(), 6U);  // nothing unscattered was measured
+  EXPECT_EQ(series.beam_diameter, 2.0);
+  EXPECT_EQ(read.bands.wavelengths()[0], 550.0);
+  EXPECT_EQ(series.points[0].value, 0.28);
+  EXPECT_EQ(series.points[3].quantity, MeasuredQuantity::transmittance);
+  EXPECT_EQ(series.points[3].value, 0.37);
+  ASSERT_TRUE(series.points[0].sphere && series.points[3].sphere);
+  const IntegratingSphere &above = *series.points[0].sphere, &below = *series.points[3].sphere;
+  EXPECT_EQ(above.diameter, 100.0);
+  EXPECT_EQ(above.sample_port, 12.0);
+  EXPECT_EQ(above.entrance_port, 10.0);
+  EXPECT_EQ(above.detector_port, 8.0);
+  EXPECT_EQ(above.wall_reflectance, 0.97);
+  EXPECT_EQ(above.standard_reflectance, 0.99);
+  EXPECT_EQ(above.method, SphereMethod::substitution);
+  EXPECT_EQ(below.entrance_port, 0.0);
+  EXPECT_EQ(below.standard_reflectance, 0.97);  // the wall, opposite to the sample
+
+  const Measurement totals = load_measurement(inputs / "good/iad_totals.json");
+  ASSERT_EQ(totals.series[0].points.size(), 2U);
+  EXPECT_FALSE(totals.series[0].points[0].sphere);
+  EXPECT_EQ(totals.series[0].points[1].value, 0.42);
+  const auto message_of = [](const std::string& name) {
+    return refusal(inputs / ("bad/" + name + ".json"));
+  };
+  const std::string folder = (inputs / "bad/").string();
+  EXPECT_EQ(message_of("iad_two_spheres"),
+            folder +
+                "iad_two_spheres.rxt:2: the number of spheres must be 0 or 1, but is 2: light "
+                "that passes the sample between two spheres is not modelled");
+  EXPECT_EQ(message_of("iad_some_zero"),
+            folder +
+                "iad_some_zero.rxt:7: transmittance is 0 in some lines, which iad takes for "
+                "not measured, and not in others; write a file for each kind");
+}
+
 TEST(MeasurementFile, TakesInlineNumbers) {
   const Measurement measurement = load_measurement(inputs / "good/inline.json");
   ASSERT_EQ(measurement.series.size(), 1U);

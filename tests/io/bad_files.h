@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -34,7 +35,7 @@ std::size_t expect_refusals(const std::filesystem::path& folder, const MessageOf
     listed.insert(file);
     const std::filesystem::path path = folder / file;
     const std::string message = message_of(path);
-    const std::size_t table = text.find(".csv:");
+    const std::size_t table = std::min(text.find(".csv:"), text.find(".rxt:"));
     const bool is_of_table = table != std::string::npos && text.find(' ') > table;
     const std::string start = is_of_table ? (folder / text).string() : path.string() + ":" + text;
     EXPECT_TRUE(message.starts_with(start)) << "expected  " << start << "\ngot       " << message;

@@ -40,10 +40,44 @@ TEST(CsvTable, TakesCommasSemicolonsTabsQuotesAndComments) {
   EXPECT_FALSE(names.find_column("R"));
 }
 
+// As spectrometers write them: what they say of themselves first, blanks, tabs, decimal commas, a
+// separator at the end of each line, line ends of old Macs.
+TEST(CsvTable, TakesFilesOfInstruments) {
+  for (const char* text :
+       {"Sample 1,\r\nWavelength nm,R\r\n400,.5\r\n390,.6\r\n",
+        "Scan 7\n\nSpeed,600\nnm,R\n400,.5\n390,.6\n", "nm R\n400 .5\n390  .6\n",
+        "# x\nnm \t R\n 400 .5\n\t390\t.6\n", "nm;R\n400;0,5\n390;0,6\n",
+        "Gerät: A, B\nnm\tR\n400\t0,5\n390\t0,6\n", "nm R\n400,0 0,5\n390,0 0,6\n",
+        "nm,R,\n400,.5,\n390,.6,\n", "nm,R\r400,.5\r390,.6\r"}) {
+    const CsvTable table = parse(text);
+    ASSERT_EQ(table.rows(), 2U) << text;
+    ASSERT_EQ(table.columns().size(), 2U) << text;
+    EXPECT_EQ(table.columns()[1], "R") << text;
+    EXPECT_EQ(table.number(0, 0), 400.0) << text;
+    EXPECT_EQ(table.number(1, 1), 0.6) << text;
+  }
+  CsvTable falling = parse("nm,R\n400,.5\n390,.6\n380,.7\n");
+  falling.reverse_rows();
+  EXPECT_EQ(falling.number(0, 0), 380.0);
+  EXPECT_EQ(falling.number(2, 1), 0.5);
+  EXPECT_EQ(falling.number(1, 0), 390.0);
+}
+
+TEST(CsvTable, CellsOfTextAreReadBackAndAreNoFormulas) {
+  EXPECT_EQ(csv_cell("plain name.csv"), "plain name.csv");
+  EXPECT_EQ(csv_cell("-0.5"), "-0.5");
+  EXPECT_EQ(csv_cell("x\ny"), "x y");
+  for (const char* text : {"a,b", "say \"a\"", "=1+1", "@SUM(A1)", "+1+1", "-a", "a;b"}) {
+    const CsvTable table = parse("name,R\n" + csv_cell(text) + ",1\n");
+    const bool is_formula = std::string("=@+-").find(text[0]) != std::string::npos;
+    EXPECT_EQ(table.text(0, 0), (is_formula ? "'" : "") + std::string(text));
+  }
+}
+
 TEST(CsvTable, RefusesInOneLineThatNamesThePlaceAndTheValue) {
   EXPECT_EQ(refusal("nm,R\n400,37.2\n"), "t.csv:2: R must lie in [0, 1.2], but is 37.2");
   EXPECT_EQ(refusal("# a\n\nnm,R\n400,-1\n"), "t.csv:4: R must lie in [0, 1.2], but is -1");
-  EXPECT_EQ(refusal("nm;R\n400;0,5\n"),
+  EXPECT_EQ(refusal("nm;R\n400;0,5\n401;0.5\n"),
             "t.csv:2: R must lie in [0, 1.2], but is \"0,5\"; write a decimal point");
   EXPECT_EQ(refusal("nm,R\n400,0,5\n"),
             "t.csv:2: must hold 2 cells, one for each column, but holds 3; numbers are written "

@@ -14,10 +14,11 @@
 
 namespace lamina {
 
-/// A table in a text file: lines of cells, of which the first names the columns. Empty lines, and
-/// those that start with #, are passed over. Cells are parted by commas, semicolons or tabs,
-/// whichever the first line has; one in quotes may hold them. Numbers have a decimal point in every
-/// locale. What is wrong is said in one line:
+/// A table in a text file: lines of cells, of which the first names the columns, or the one before
+/// the first line of numbers where instruments say something of themselves before it. Empty lines,
+/// and those that start with #, are passed over. Cells are parted by commas, semicolons, tabs or
+/// blanks; one in quotes may hold them. Numbers have a decimal point, or all of a table a comma
+/// where no comma parts its cells. What is wrong is said in one line:
 ///
 ///   skin.csv:12: R must lie in [0, 1.2], but is 37.2
 class CsvTable {
@@ -40,6 +41,9 @@ class CsvTable {
   [[nodiscard]] double number(std::size_t row, std::size_t column,
                               const NumberRange& range = {}) const;
 
+  /// The rows from the last to the first.
+  void reverse_rows();
+
   /// Throws InvalidInput: `FILE:LINE: COLUMN MESSAGE`.
   [[noreturn]] void fail(std::size_t row, std::size_t column, std::string_view message) const;
 
@@ -49,6 +53,7 @@ class CsvTable {
   std::vector<std::string> columns_;
   std::vector<std::string> cells_;  ///< [row][column]
   std::vector<int> lines_;          ///< [row], counted from 1
+  char decimal_mark_ = '.';
 };
 
 /// @param name  the file that messages name.
@@ -59,5 +64,9 @@ class CsvTable {
 
 /// Reads a file. @throws FileError if it cannot be read; InvalidInput as parse_csv.
 [[nodiscard]] CsvTable load_csv(const std::filesystem::path& file, MemoryBudget& memory);
+
+/// A text as a cell of such a table with commas: in quotes where it needs them, without line ends,
+/// and behind an apostrophe where programs of spreadsheets would take it for a formula.
+[[nodiscard]] std::string csv_cell(std::string_view text);
 
 }  // namespace lamina

@@ -54,30 +54,44 @@ double interpolate(const SpectrumTable& table, double wavelength) {
   return (1.0 - t) * table.values[i - 1] + t * table.values[i];
 }
 
-std::vector<double> read_wavelengths(const CsvTable& table) {
-  const std::string& name = table.columns().front();
+void raise_wavelengths(CsvTable& table, std::size_t column) {
+  const auto is_number = [&](std::size_t row) {
+    const std::string& cell = table.text(row, column);
+    return !cell.empty() && cell.find_first_not_of("0123456789.,") == std::string::npos;
+  };
+  const std::size_t last = table.rows() - 1;
+  if (is_number(0) && is_number(last) && table.number(0, column) > table.number(last, column))
+    table.reverse_rows();
+}
+
+std::vector<double> read_wavelengths(const CsvTable& table, std::size_t column) {
+  const std::string& name = table.columns()[column];
   const auto unit = wavelength_unit(name);
-  if (!unit)
+  if (!unit && column == 0)
     throw InvalidInput(table.file() +
                        ": the first column must be wavelengths, with their unit in its name, as "
                        "wavelength_nm, but is " +
                        json_quoted(name));
+  if (!unit)
+    throw InvalidInput(table.file() + ": column " + json_quoted(name) +
+                       " must have the unit of its wavelengths in its name, as wavelength_nm");
   const NumberRange range =
       closed_interval(200.0 / *unit, 3000.0 / *unit, *unit == 1.0 ? "nm" : "um");
   std::vector<double> wavelengths;
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const double wavelength = *unit * table.number(row, 0, range);
+    const double wavelength = *unit * table.number(row, column, range);
     if (row > 0 && wavelength <= wavelengths.back())
-      table.fail(row, 0,
+      table.fail(row, column,
                  std::string("must be longer than the wavelength before it, but is ") +
-                     (wavelength == wavelengths.back() ? "the same, " : "") + table.text(row, 0));
+                     (wavelength == wavelengths.back() ? "the same, " : "") +
+                     table.text(row, column));
     wavelengths.push_back(wavelength);
   }
   return wavelengths;
 }
 
-SpectrumTable read_spectrum(const CsvTable& table, std::string_view column,
-                            const NumberRange& range) {
+SpectrumTable read_spectrum(CsvTable table, std::string_view column, const NumberRange& range) {
+  raise_wavelengths(table);
   SpectrumTable spectrum{.wavelengths = read_wavelengths(table), .values = {}};
   const std::size_t place = find_spectrum_column(table, column);
   for (std::size_t row = 0; row < table.rows(); ++row)

@@ -57,12 +57,13 @@ void check_sums(const MeasuredTable& table, const std::array<MeasuredColumn, 3>&
 }
 
 std::vector<std::string_view> keys_of(MeasurementKind kind) {
-  std::vector<std::string_view> keys = {"kind", "unit", "file", "sd", "relative_sd"};
+  std::vector<std::string_view> keys = {"kind", "unit", "file", "columns", "sd", "relative_sd"};
   for (const std::string_view column : measured_columns()) {
     if (is_timed_column(column)) continue;
-    const bool is_place = column == "k_per_mm" || column == "r_mm";
+    const bool is_frequency = column == "k_per_mm" || column == "fx_per_mm";
+    const bool is_place = is_frequency || column == "r_mm";
     const bool is_transmitted = column.find("transmittance") != std::string_view::npos;
-    if ((column == "k_per_mm" && kind != MeasurementKind::spatial_frequency) ||
+    if ((is_frequency && kind != MeasurementKind::spatial_frequency) ||
         (column == "r_mm" && kind != MeasurementKind::radial_profile) ||
         (is_transmitted && !is_place && kind == MeasurementKind::radial_profile) ||
         (column.starts_with("unscattered") && kind != MeasurementKind::totals))
@@ -72,6 +73,7 @@ std::vector<std::string_view> keys_of(MeasurementKind kind) {
   if (kind == MeasurementKind::totals) {
     keys.insert(keys.end(), {"incidence", "specular"});
     keys.insert(keys.end(), sphere_keys.begin(), sphere_keys.end());
+    keys.insert(keys.end(), iad_keys.begin(), iad_keys.end());
   }
   if (kind == MeasurementKind::spatial_frequency) keys.push_back("incidence");
   if (kind == MeasurementKind::radial_profile) keys.push_back("detector_width_mm");
@@ -97,7 +99,8 @@ DecodedSeries decode_series(const JsonInput& value) {
   if (const auto width = entry.optional("detector_width_mm"))
     series.detector_width = width->number(closed_interval(0.0, 1e3, "mm"));
 
-  const MeasuredTable table(entry);
+  MeasuredTable table(entry);
+  if (is_totals) table.raise_rows();
   std::array<MeasuredColumn, 3> columns;
   for (std::size_t q = 0; q < columns.size(); ++q) {
     const auto quantity = static_cast<MeasuredQuantity>(q);
@@ -110,9 +113,12 @@ DecodedSeries decode_series(const JsonInput& value) {
                                                                             : largest_fraction});
   }
   if (columns[0].values.empty() && columns[1].values.empty())
-    value.fail("must have \"reflectance\" or \"transmittance\", as columns of its file or arrays");
-  check_sums(table, columns,
-             is_totals && (entry.has("reflectance_sphere") || entry.has("transmittance_sphere")));
+    value.fail("must have \"reflectance\" or \"transmittance\", as columns of its file or arrays" +
+               table.other_columns("reflectance"));
+  if (table.iad() && !is_totals) entry.required("file").fail("of iad holds totals");
+  const bool has_spheres = entry.has("reflectance_sphere") || entry.has("transmittance_sphere") ||
+                           (table.iad() && table.iad()->spheres > 0);
+  check_sums(table, columns, is_totals && has_spheres);
   if (is_totals && !columns[0].values.empty())
     series.has_specular =
         entry.required("specular").choice<bool>({{"included", true}, {"excluded", false}});
@@ -121,12 +127,18 @@ DecodedSeries decode_series(const JsonInput& value) {
   if (is_totals) {
     wavelengths = table.ascending_wavelengths();
   } else {
-    const std::string place =
-        series.kind == MeasurementKind::spatial_frequency ? "k_per_mm" : "r_mm";
-    at = table.numbers(place, series.kind == MeasurementKind::spatial_frequency
-                                  ? closed_interval(0.0, 100.0, "1/mm")
-                                  : closed_interval(1e-3, 1e3, "mm"));
-    if (at.empty()) value.fail("must have \"" + place + "\", as a column of its file or an array");
+    const bool has_waves = series.kind == MeasurementKind::spatial_frequency;
+    const bool has_periods = has_waves && table.has("fx_per_mm");  // a period is 1 / fx
+    const std::string place = !has_waves ? "r_mm" : has_periods ? "fx_per_mm" : "k_per_mm";
+    if (has_periods && table.has("k_per_mm"))
+      value.fail("must have \"k_per_mm\" or \"fx_per_mm\", which is k / (2 pi), but has both");
+    const double unit_of_k = has_periods ? 2.0 * std::numbers::pi : 1.0;
+    at = table.numbers(place, has_waves ? closed_interval(0.0, 100.0 / unit_of_k, "1/mm")
+                                        : closed_interval(1e-3, 1e3, "mm"));
+    if (at.empty())
+      value.fail("must have \"" + place + "\", as a column of its file or an array" +
+                 table.other_columns(place));
+    for (double& each : at) each *= unit_of_k;
     wavelengths = table.numbers("wavelength_nm", closed_interval(200.0, 3000.0, "nm"));
     for (std::size_t row = 0; row < at.size(); ++row)
       for (std::size_t other = 0; other < row; ++other)
@@ -151,7 +163,14 @@ DecodedSeries decode_series(const JsonInput& value) {
                                .standard_deviation = columns[q].standard_deviations[row]});
       if (!wavelengths.empty()) decoded.wavelengths.push_back(wavelengths[row]);
     }
-  if (is_totals) decode_spheres(entry, table.rows(), series);
+  if (!is_totals) return decoded;
+  if (table.iad()) {
+    take_iad_spheres(entry, table, series);
+    return decoded;
+  }
+  for (const std::string_view key : iad_keys)
+    if (const auto given = entry.optional(key)) given->fail("is of a file of iad, .rxt");
+  decode_spheres(entry, table.rows(), series);
   return decoded;
 }
 

@@ -80,4 +80,50 @@ void decode_spheres(const JsonObject& entry, std::size_t rows, MeasuredSeries& s
     beam->refuse("must not exceed the sample's port, " + number_text(smallest_port) + " mm");
 }
 
+void take_iad_spheres(const JsonObject& entry, const MeasuredTable& table, MeasuredSeries& series) {
+  const IadFile& iad = *table.iad();
+  for (const std::string_view key : sphere_keys)
+    if (const auto given = entry.optional(key)) given->fail("stands in the file of iad");
+  if (const JsonInput unit = entry.required("unit"); unit.string() != "fraction")
+    unit.refuse("must be \"fraction\" for a file of iad");
+  if (iad.spheres == 0) {
+    for (const std::string_view key : iad_keys)
+      if (const auto given = entry.optional(key))
+        given->fail("is of spheres, but the file has none");
+    return;
+  }
+  const auto method = entry.required("method").choice<SphereMethod>();
+  const bool has_baffle = entry.required("baffle").boolean();
+  if (series.incidence.is_diffuse)
+    entry.required("incidence").refuse("must be \"normal\" or degrees with a sphere");
+  const NumberRange share = open_interval(0.0, 1.0);
+  const std::vector<double> above = table.numbers("r_w", share),
+                            below = table.has("t_w") ? table.numbers("t_w", share) : above,
+                            standards = table.numbers(
+                                "r_std", {.low = 0.0, .high = 1.0, .includes_low = false});
+  for (MeasuredPoint& point : series.points) {
+    if (point.quantity == MeasuredQuantity::unscattered_transmittance) continue;
+    const bool is_reflected = point.quantity == MeasuredQuantity::reflectance;
+    IntegratingSphere sphere = is_reflected ? iad.above : iad.below;
+    const std::vector<double>& walls = is_reflected ? above : below;
+    if (!walls.empty()) sphere.wall_reflectance = walls[point.band];
+    if (!is_reflected) sphere.standard_reflectance = sphere.wall_reflectance;
+    if (is_reflected && !standards.empty()) sphere.standard_reflectance = standards[point.band];
+    sphere.method = method;
+    sphere.has_baffle = has_baffle;
+    try {
+      check_sphere(sphere);
+    } catch (const InvalidInput& error) {
+      entry.required("file").fail(std::string(is_reflected ? "reflectance" : "transmittance") +
+                                  " sphere: " + error.what());
+    }
+    point.sphere = sphere;
+    if (iad.beam_diameter > sphere.sample_port)
+      entry.required("file").fail("the beam must not exceed the sample's port, " +
+                                  number_text(sphere.sample_port) + " mm, but is " +
+                                  number_text(iad.beam_diameter));
+  }
+  series.beam_diameter = iad.beam_diameter;
+}
+
 }  // namespace lamina::fit_detail

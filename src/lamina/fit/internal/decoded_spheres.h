@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "lamina/fit/internal/measured_table.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/io/json_input.h"
 
@@ -19,5 +20,11 @@ inline constexpr std::array<std::string_view, 3> sphere_keys = {
 /// @param series  with all points, whose bands are their rows
 /// @throws InvalidInput naming file, line and field.
 void decode_spheres(const JsonObject& entry, std::size_t rows, MeasuredSeries& series);
+
+/// The keys of an entry that say of a file of iad what is not in it.
+inline constexpr std::array<std::string_view, 2> iad_keys = {"method", "baffle"};
+
+/// The same from a file of iad, whose spheres and beam these are.
+void take_iad_spheres(const JsonObject& entry, const MeasuredTable& table, MeasuredSeries& series);
 
 }  // namespace lamina::fit_detail

@@ -162,7 +162,7 @@ DecodedSeries decode_timed_series(const JsonInput& value, MeasurementKind kind) 
   const bool is_time = kind == MeasurementKind::time_resolved;
   std::vector<std::string_view> keys = {"kind",        "unit",          "file", "sd",
                                         "relative_sd", "wavelength_nm", "r_mm", "detector_width_mm",
-                                        "photons"};
+                                        "photons",     "columns"};
   if (is_time)
     keys.insert(keys.end(),
                 {"t_ps", "reflectance", "reflectance_sd", "instrument_response", "bin_width_ps"});

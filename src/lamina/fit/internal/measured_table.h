@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "lamina/fit/internal/iad_file.h"
 #include "lamina/io/csv_table.h"
 #include "lamina/io/json_input.h"
 
@@ -29,15 +32,30 @@ class MeasuredTable {
   [[nodiscard]] std::vector<double> numbers(std::string_view column,
                                             const NumberRange& range) const;
 
+  /// Turns the rows of a file round whose wavelengths fall.
+  void raise_rows();
+
   /// [row] [nm], ascending; empty without wavelengths.
   [[nodiscard]] std::vector<double> ascending_wavelengths() const;
+
+  /// The file of iad that holds the rows, or none.
+  [[nodiscard]] const std::optional<IadFile>& iad() const { return iad_; }
+
+  /// What columns a file has that were not taken, and how to take them; empty without a file.
+  [[nodiscard]] std::string other_columns(std::string_view wanted) const;
 
   /// Throws InvalidInput that names the place and the column.
   [[noreturn]] void fail(std::size_t row, std::string_view column,
                          const std::string& message) const;
 
  private:
+  /// The place of a column in the file, by the name that "columns" has for it or its own.
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view column) const;
+  void check_names(const JsonInput& columns);
+
   JsonObject entry_;
+  std::map<std::string, std::string, std::less<>> names_;  ///< of columns in the file
+  std::optional<IadFile> iad_;
   std::optional<CsvTable> csv_;
   std::size_t rows_ = 0;
 };
