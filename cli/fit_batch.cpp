@@ -7,8 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "fit_report.h"
@@ -20,7 +22,9 @@
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/io/csv_table.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/files_read.h"
 #include "lamina/io/folder_names.h"
+#include "lamina/spectrum/spectrum_table.h"
 #include "shard_option.h"
 
 namespace lamina::cli {
@@ -66,13 +70,14 @@ void attempt(FittedFile& file, const Work& work) {
 /// measurement.
 struct BatchSample {
   std::string name;
+  fs::path file;                                       ///< that it comes from
   std::function<std::vector<std::string>()> settings;  ///< throws what is wrong with it
 };
 
 std::vector<BatchSample> samples_of_folder(const std::string& folder) {
   std::vector<BatchSample> samples;
   for (const fs::path& path : csv_files(folder))
-    samples.push_back({path.filename().string(), [path] {
+    samples.push_back({path.filename().string(), path, [path] {
                          return std::vector{"measured[0].file=" +
                                             json_quoted(fs::absolute(path).string())};
                        }});
@@ -81,8 +86,10 @@ std::vector<BatchSample> samples_of_folder(const std::string& folder) {
 
 /// Each column of a table but its wavelengths: a spectrum of reflectance.
 std::vector<BatchSample> samples_of_table(const std::string& file, MemoryBudget memory) {
-  const auto table = std::make_shared<const CsvTable>(load_csv(file, memory));
-  const std::size_t wavelengths = table->column("wavelength_nm");
+  CsvTable loaded = load_csv(file, memory);
+  const std::size_t wavelengths = loaded.column("wavelength_nm");
+  raise_wavelengths(loaded, wavelengths);
+  const auto table = std::make_shared<const CsvTable>(std::move(loaded));
   const auto list = [table](std::size_t column) {
     std::string text;
     for (std::size_t row = 0; row < table->rows(); ++row)
@@ -92,7 +99,7 @@ std::vector<BatchSample> samples_of_table(const std::string& file, MemoryBudget 
   std::vector<BatchSample> samples;
   for (std::size_t column = 0; column < table->columns().size(); ++column)
     if (column != wavelengths)
-      samples.push_back({table->columns()[column], [=] {
+      samples.push_back({table->columns()[column], file, [=] {
                            return std::vector{std::string("measured[0].file=null"),
                                               "measured[0].wavelength_nm=" + list(wavelengths),
                                               "measured[0].reflectance=" + list(column)};
@@ -132,9 +139,8 @@ FittedSample sample_of(const FittedFile& file) {
   for (const FittedNumber& number : file.fit->numbers) {
     const FittedParameter& fitted = number.fitted;
     const double error = 0.5 * (fitted.low_error + fitted.high_error);
-    const bool has_error = std::isfinite(error) && !fitted.is_at_bound;
     sample.numbers.push_back(
-        {number.name, fitted.value, has_error ? std::optional(error) : std::nullopt});
+        {number.name, fitted.value, std::isfinite(error) ? std::optional(error) : std::nullopt});
   }
   return sample;
 }
@@ -152,13 +158,35 @@ FittedBatch batch_of(const std::vector<FittedFile>& files) {
   return batch;
 }
 
-/// A number that shards of one batch have in common.
-std::uint64_t key_of(const FitBatch& batch, const std::vector<BatchSample>& samples) {
+std::uint64_t hash_of(const fs::path& file, MemoryBudget memory) {
+  Hash hash;
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) hash.add_text(read_file_bytes(file, memory));
+  return hash.value();
+}
+
+/// A number that shards of one batch have in common: of the call, and of all files that any of them
+/// reads, wherever these are.
+std::uint64_t key_of(const FitBatch& batch, const CommonOptions& common,
+                     const std::vector<BatchSample>& samples) {
   Hash hash;
   for (const std::string& word : words_of_shards(words_of_call())) hash.add_text(word);
-  MemoryBudget memory;
-  if (!is_device(batch.measurement)) hash.add_text(read_file_bytes(batch.measurement, memory));
-  for (const BatchSample& sample : samples) hash.add_text(sample.name);
+  std::map<fs::path, std::uint64_t> of_samples;
+  for (const BatchSample& sample : samples) {
+    hash.add_text(sample.name);
+    if (!of_samples.contains(sample.file))
+      of_samples[sample.file] = hash_of(sample.file, common.memory);
+    hash.add(of_samples[sample.file]);
+  }
+  // Samples share all files but their own; one that is wrong may be refused before all are read.
+  std::set<std::uint64_t> shared;
+  for (const BatchSample& sample : samples) {
+    const FilesRead reading;
+    const bool is_whole = load_sample(batch, common, sample).measurement.has_value();
+    for (const FileState& file : reading.files()) shared.insert(hash_of(file.file, common.memory));
+    if (is_whole) break;
+  }
+  for (const std::uint64_t content : shared) hash.add(content);
   return hash.value();
 }
 
@@ -184,7 +212,7 @@ void run_fit_batch(const FitBatch& batch, const CommonOptions& common) {
   std::vector<BatchSample> samples = find_samples(batch, common.memory);
   FitShard part{.shard = batch.shard.value_or(Shard()), .version = LAMINA_VERSION};
   if (batch.shard) {
-    part.key = key_of(batch, samples);
+    part.key = key_of(batch, common, samples);
     part.command = words_of_shards(words_of_call());
     const IndexRange range = range_of(part.shard, static_cast<std::int64_t>(samples.size()));
     samples = {samples.begin() + range.begin, samples.begin() + range.end};

@@ -13,18 +13,12 @@
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
 #include "lamina/core/number_text.h"
+#include "lamina/io/csv_table.h"
 #include "lamina/io/json_input.h"
 #include "shard_option.h"
 
 namespace lamina::cli {
 namespace {
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 /// A row for each sample, a value and an error for each number that any of them has.
 std::string csv_table(const std::vector<FittedSample>& samples) {
@@ -33,11 +27,11 @@ std::string csv_table(const std::vector<FittedSample>& samples) {
     for (const FittedSample::Number& number : sample.numbers)
       if (std::ranges::count(names, number.name) == 0) names.push_back(number.name);
   std::string text = "file,chi_squared,degrees_of_freedom,has_converged";
-  for (const std::string& name : names) text += "," + cell(name) + "," + cell(name + " sd");
+  for (const std::string& name : names) text += "," + csv_cell(name) + "," + csv_cell(name + " sd");
   for (const FittedSample& sample : samples) {
     std::map<std::string, const FittedSample::Number*> found;
     for (const FittedSample::Number& number : sample.numbers) found[number.name] = &number;
-    text += fmt::format("\n{},{},{},{}", cell(sample.name), number_text(sample.chi_squared),
+    text += fmt::format("\n{},{},{},{}", csv_cell(sample.name), number_text(sample.chi_squared),
                         sample.degrees_of_freedom, sample.has_converged ? 1 : 0);
     for (const std::string& name : names) {
       const auto number = found.find(name);

@@ -48,7 +48,7 @@ void report_batch(const FittedBatch& batch, const std::string& command, const st
 struct FitShard {
   Shard shard;
   std::string version;               ///< of lamina
-  std::uint64_t key = 0;             ///< of the measurement, the samples' names and the options
+  std::uint64_t key = 0;             ///< of all files that the batch reads, names and options
   std::vector<std::string> command;  ///< makes a shard once --shard and --json are added
   FittedBatch batch;
 };

@@ -3,6 +3,7 @@
 
 usage: fit_command_test.py LAMINA ROOT
 """
+import csv
 import json
 import os
 import pathlib
@@ -62,6 +63,16 @@ class RoundTrip(unittest.TestCase):
         points = found["measured"][0]["points"]
         self.assertEqual(len(points), 15)
         self.assertEqual(len(found["correlations"]), 5)
+
+    def test_numbers_at_their_range_are_unknown(self):
+        narrow = ["fit", EXAMPLES / "liquid.json", "--set", "free[0].high=0.008", "--set", "free[0].start=0.004"]
+        found = json_of(*narrow)
+        absorption = found["free"][0]
+        self.assertEqual(absorption["is_at_bound"], [True] * 5)
+        for key in ("low_error", "high_error", "standard_deviation"):
+            self.assertEqual(absorption[key], [None] * 5)
+        self.assertIn("unknown, since it ended at its range, 0.008", " ".join(found["notes"]))
+        self.assertRegex(run(*narrow).stdout, r"450 +0\.008 unknown")
 
     def test_text_has_numbers_errors_and_notes(self):
         text = run("fit", EXAMPLES / "liquid.json").stdout
@@ -154,6 +165,18 @@ class Batch(unittest.TestCase):
             found = json_of("fit", EXAMPLES / "liquid.json", "--batch", "spectra", cwd=folder)
             self.assertEqual([fit["file"] for fit in found["fits"]], ["a.csv", "b.csv"])
 
+    def test_table_has_a_row_for_each_file_whatever_its_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            spectra = pathlib.Path(folder, "spectra")
+            spectra.mkdir()
+            for name in ("=1+1", "x\ny", "a,b"):
+                (spectra / f"{name}.csv").write_text((EXAMPLES / "cuvette.csv").read_text())
+            result = run("fit", EXAMPLES / "liquid.json", "--batch", "spectra", "-o", "found.csv", cwd=folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(pathlib.Path(folder, "found.csv"), newline="") as table:
+                names = [row[0] for row in csv.reader(table)]
+            self.assertEqual(sorted(names), sorted(["file", "'=1+1.csv", "x y.csv", "a,b.csv"]))
+
     def test_of_nothing_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             result = run("fit", EXAMPLES / "liquid.json", "--batch", folder, "-o", "found.csv", cwd=folder)
@@ -225,6 +248,12 @@ class Shards(unittest.TestCase):
             self.assertIn(old, sound)
             (self.folder / "0.json").write_text(sound.replace(old, new, 1))
             self.assertRefused("0.json: is damaged", "merge", "0.json", "1.json")
+
+    def test_of_data_that_changed_between_them_are_refused(self):
+        sample = self.folder / "spectra" / "a.csv"
+        sample.write_text(sample.read_text().replace("50.63", "40.63"))
+        self.run_here(*self.batch, "--shard", "1/3", "--json", "1.json")
+        self.assertRefused("1.json: must be of the measurement", "merge", "0.json", "1.json", "2.json")
 
     def test_need_a_batch_and_leave_the_whole_to_the_merge(self):
         self.assertRefused("--shard: is for samples of --batch", "fit", EXAMPLES / "liquid.json", "--shard", "0/2")

@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/csv_table.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
 #include "lamina/reproduction/expression.h"
@@ -162,29 +163,24 @@ Plot make_plot(const ReproductionItem& item, const Results& results) {
 /// The curves of a plot, the rows of a table and the checks as numbers: the same on every run, so
 /// without columns of seconds.
 std::string numbers_csv(const ReproductionResult& result) {
-  const auto quoted = [](std::string text) {
-    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2)
-      text.insert(at, 1, '"');
-    return '"' + text + '"';
-  };
   std::string csv = "what,name,x,y,error\n";
   for (std::size_t i = 0; i < result.numbers.size(); ++i)
-    csv += "number," + quoted(result.item.numbers[i].text) + ",," +
+    csv += "number," + csv_cell(result.item.numbers[i].text) + ",," +
            number_text(result.numbers[i].value) + ",\n";
   for (std::size_t i = 0; i < result.features.size(); ++i)
     if (result.features[i].measure)
-      csv += "feature," + quoted(result.item.features[i].text) + ",," +
+      csv += "feature," + csv_cell(result.item.features[i].text) + ",," +
              number_text(*result.features[i].measure) + ",\n";
   for (const auto& row : result.cells)
     for (std::size_t column = 1; column < row.size(); ++column) {
       if (result.item.table.columns[column].find("seconds") != std::string::npos) continue;
-      csv += "table," + quoted(row[0] + ", " + result.item.table.columns[column]) + ",," +
-             row[column] + ",\n";
+      csv += "table," + csv_cell(row[0] + ", " + result.item.table.columns[column]) + ",," +
+             csv_cell(row[column]) + ",\n";
     }
   for (std::size_t p = 0; p < result.plot.panels.size(); ++p)
     for (const PlotCurve& curve : result.plot.panels[p].curves)
       for (std::size_t i = 0; i < curve.x.size(); ++i)
-        csv += "panel " + std::to_string(p + 1) + "," + quoted(curve.name) + "," +
+        csv += "panel " + std::to_string(p + 1) + "," + csv_cell(curve.name) + "," +
                number_text(curve.x[i]) + "," + number_text(curve.y[i]) + "," +
                (curve.error.empty() ? "" : number_text(curve.error[i])) + "\n";
   return csv;
