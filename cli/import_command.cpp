@@ -44,6 +44,7 @@ void run_import(const ImportOptions& options) {
   json["sigma_s"] = layer.sigma_s;
   json["g"] = what.g;
   json["ior"] = what.ior;
+  json["color"] = imported.definition;
   json["misfit"] = misfit_json(imported.misfits);
   json["notes"] = imported.notes;
   write_json(json, options.common);
@@ -61,6 +62,7 @@ void run_import(const ImportOptions& options) {
       rms.push_back(misfit.reflectance.spread->profile_rms);
     row("profile rms", rms);
   }
+  text += "color " + imported.definition + "\n";
   for (const std::string& note : imported.notes) text += "note: " + note + "\n";
   print(options.common, text);
 }

@@ -63,7 +63,7 @@ class Import(unittest.TestCase):
         root = xml.etree.ElementTree.parse(self.folder / "a.mtlx").getroot()
         inputs = {i.get("name"): i.get("value").split(", ") for i in root[0]}
         scale = float(inputs["subsurface_radius"][0])
-        done("import", "--from", "openpbr", "--color", *inputs["subsurface_color"], "--radius", *inputs["subsurface_radius_scale"],
+        result = done("import", "--from", "openpbr", "--color", *inputs["subsurface_color"], "--radius", *inputs["subsurface_radius_scale"],
              "--scale", scale, "--g", *inputs["subsurface_scatter_anisotropy"], "--ior", *inputs["specular_ior"], "--roughness",
              *inputs["specular_roughness"], "-o", self.folder / "b.json")
         layer = json.loads((self.folder / "b.json").read_text())["layers"][0]
@@ -71,7 +71,8 @@ class Import(unittest.TestCase):
         layers = (original.get("material") or original)["layers"][0]
         for key in ("sigma_a", "sigma_s"):
             for obtained, wanted in zip(layer[key], layers[key]):
-                self.assertAlmostEqual(obtained / wanted, 1, delta=2e-3)  # six digits of the formula
+                self.assertAlmostEqual(obtained / wanted, 1, delta=2e-3)
+        self.assertIn("by the definition of OpenPBR 1.1.1", result.stdout)
 
     def test_wrong_use_is_one_line(self):
         good = ["--from", "openpbr", "--color", ".5", "--radius", "1", "-o", self.folder / "m.json"]

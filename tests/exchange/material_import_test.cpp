@@ -32,6 +32,16 @@ TEST(MaterialImport, OpenPbrIsItsMedium) {
   EXPECT_EQ(layer.top.roughness, 0.3 * 0.3);
 }
 
+TEST(MaterialImport, OpenPbrShowsItsColorByTheDefinition) {
+  const std::array<double, 3> color = {0.799, 0.485, 0.347};
+  const ImportedMaterial imported = import_material({.color = color, .ior = 1.4, .roughness = 0.0});
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto totals = adding_doubling(layer_stack(imported.material, c), {}).totals;
+    EXPECT_NEAR(totals.diffuse_reflectance / (1.0 - totals.specular_reflectance), color[c], 1e-3);
+  }
+  EXPECT_NE(imported.definition.find("OpenPBR 1.1.1"), std::string::npos);
+}
+
 TEST(MaterialImport, ArnoldsColorComesOutBelowTheSurface) {
   const ImportedMaterial imported = import_material(
       {.source = ImportSource::arnold, .color = {0.8, 0.4, 0.1}, .ior = 1.4, .roughness = 0.0});
@@ -72,6 +82,7 @@ TEST(MaterialImport, WhatCannotBeIsRefusedByName) {
   };
   EXPECT_EQ(message({.color = {0.5, 1.5, 0.5}}), "color G must lie in [0, 1], but is 1.5");
   EXPECT_NE(message({.radius = {1.0, 1.0, 0.0}}).find("radius B"), std::string::npos);
+  EXPECT_NE(message({.radius = {1.0, 1.0, 0.0}}).find("matte"), std::string::npos);
   EXPECT_NE(message({.g = 0.95}).find("g must lie"), std::string::npos);
   EXPECT_NE(message({.ior = std::numeric_limits<double>::quiet_NaN()}).find("ior"),
             std::string::npos);

@@ -35,6 +35,61 @@ TEST(MaterialX, InputsAreValuesOrImages) {
   EXPECT_FALSE(materials[1].has_specular);
 }
 
+FileMaterial surface_of(const std::string& kind, const std::string& inputs) {
+  const std::string text = "<materialx version=\"1.39\"><" + kind +
+                           " name=\"s\" type=\"surfaceshader\">" + inputs + "</" + kind +
+                           "><surfacematerial name=\"m\" type=\"material\"><input "
+                           "name=\"surfaceshader\" nodename=\"s\"/></surfacematerial></materialx>";
+  return parse_materialx(text, "a.mtlx").at(0);
+}
+
+std::string input(const std::string& name, const std::string& value) {
+  return "<input name=\"" + name + "\" value=\"" + value + "\"/>";
+}
+
+TEST(MaterialX, SubsurfaceIsByTheRuleOfItsFormat) {
+  const FileMaterial openpbr =
+      surface_of("open_pbr_surface",
+                 input("subsurface_weight", "1") + input("subsurface_scatter_anisotropy", "0.3"));
+  EXPECT_EQ(openpbr.multiscatter_definition, SubsurfaceColor::openpbr);
+  EXPECT_EQ(openpbr.multiscatter_color, (std::array{0.8, 0.8, 0.8}));
+  EXPECT_EQ(openpbr.scatter_anisotropy, 0.3);
+  const FileMaterial standard = surface_of("standard_surface", input("subsurface", "1"));
+  EXPECT_EQ(standard.multiscatter_definition, SubsurfaceColor::standard_surface);
+  EXPECT_EQ(standard.multiscatter_color, (std::array{1.0, 1.0, 1.0}));
+}
+
+TEST(MaterialX, SubsurfaceThatDoesNotTravelIsMatte) {
+  for (const auto& [kind, weight, zero] :
+       {std::tuple{"open_pbr_surface", "subsurface_weight", "subsurface_radius"},
+        std::tuple{"standard_surface", "subsurface", "subsurface_scale"}}) {
+    const std::string color = input(weight, "1") + input("subsurface_color", "0.5, 0.4, 0.3");
+    const FileMaterial matte = surface_of(kind, color + input(zero, "0"));
+    EXPECT_FALSE(matte.multiscatter_color);
+    EXPECT_EQ(matte.attenuation_distance, 0.0);
+    EXPECT_EQ(matte.base_color, (std::array{0.5, 0.4, 0.3}));
+  }
+  const FileMaterial one_channel = surface_of(
+      "standard_surface", input("subsurface", "1") + input("subsurface_radius", "1, 0, 0.5"));
+  EXPECT_EQ(one_channel.attenuation_distance, 1e-3);
+}
+
+TEST(MaterialX, ThinWallsPassTheirSubsurfaceColor) {
+  const std::string color = input("subsurface_color", "0.5, 0.4, 0.3");
+  const FileMaterial openpbr =
+      surface_of("open_pbr_surface", color + input("subsurface_weight", "1") +
+                                         input("geometry_thin_walled", "true") +
+                                         input("subsurface_scatter_anisotropy", "0.2"));
+  EXPECT_EQ(openpbr.diffuse_transmission, 0.6);
+  EXPECT_EQ(openpbr.base_color, openpbr.diffuse_transmission_color);
+  const FileMaterial standard = surface_of(
+      "standard_surface", color + input("subsurface", "0.25") + input("thin_walled", "true") +
+                              input("base_color", "0.1, 0.2, 0.3"));
+  EXPECT_EQ(standard.diffuse_transmission, 0.25);
+  EXPECT_EQ(standard.diffuse_transmission_color, (std::array{0.5, 0.4, 0.3}));
+  EXPECT_EQ(standard.base_color, (std::array{0.1, 0.2, 0.3}));
+}
+
 TEST(MaterialX, FaultsAreNamedWithTheirLine) {
   for (const auto& [text, says] :
        {std::pair{"", "is cut off"}, std::pair{"text", "is cut off"},

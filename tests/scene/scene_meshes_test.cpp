@@ -15,6 +15,7 @@
 #include "lamina/io/json_input.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/reflectance/material_totals.h"
+#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/file_materials.h"
 #include "lamina/scene/internal/scene_file.h"
 #include "lamina/scene/scene.h"
@@ -220,9 +221,10 @@ TEST(FileMaterials, AreWhatTheyComeNearestTo) {
   FileMaterial textured{.has_specular = false};
   textured.base_color_texture = FileTexture{.map = "a.png", .uv_set = 0, .repeat_u = 2};
   textured.has_cutouts = true;
-  EXPECT_EQ(json_of(textured),
-            R"({"diffuse":{"map":"a.png","repeat":[2.0,1.0],"encoding":"srgb","value":[1.0,1.0,1.0]},)"
-            R"("opacity":{"map":"a.png","repeat":[2.0,1.0],"encoding":"srgb"}})");
+  EXPECT_EQ(
+      json_of(textured),
+      R"({"diffuse":{"map":"a.png","repeat":[2.0,1.0],"encoding":"srgb","value":[1.0,1.0,1.0]},)"
+      R"("opacity":{"map":"a.png","repeat":[2.0,1.0],"encoding":"srgb"}})");
   textured.base_color_texture->uv_set = 1;
   EXPECT_EQ(json_of(textured), R"({"diffuse":[1.0,1.0,1.0]})");
 }
@@ -261,6 +263,34 @@ TEST(FileMaterials, VolumesAttenuateAndHaveTheirColorOfMultipleScattering) {
                 0.015)
         << c;
   }
+}
+
+// Colors and light by the definition of OpenPBR 1.1.1, in Rec. 709: what returns of even light
+// below a surface of index 1.4 is that of the slab solver.
+TEST(FileMaterials, SubsurfaceOfOpenPbrShowsItsColor) {
+  FileMaterial skin{.ior = 1.4};
+  skin.thickness = 1.0;
+  skin.attenuation_distance = 0.1;
+  skin.attenuation_color = {0.5, 0.4, 0.3};
+  skin.multiscatter_color = std::array{0.799, 0.485, 0.347};
+  skin.multiscatter_definition = SubsurfaceColor::openpbr;
+  skin.scatter_anisotropy = 0.4;
+  const Material layers = layers_of(skin, "subsurface");
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(layers.layers[0].g[c], 0.4);
+    const auto totals = adding_doubling(layer_stack(layers, c), {}).totals;
+    EXPECT_NEAR(totals.diffuse_reflectance / (1.0 - totals.specular_reflectance),
+                (*skin.multiscatter_color)[c], 1e-3);
+  }
+}
+
+TEST(FileMaterials, SubsurfaceWithoutSpecularHasNoBoundary) {
+  FileMaterial wax{.ior = 1.5, .has_specular = false};
+  wax.thickness = 1.0;
+  wax.attenuation_distance = 0.1;
+  wax.attenuation_color = {0.5, 0.4, 0.3};
+  wax.multiscatter_color = std::array{0.5, 0.5, 0.5};
+  EXPECT_EQ(layers_of(wax, "subsurface").layers[0].ior[0], 1.0);
 }
 
 }  // namespace

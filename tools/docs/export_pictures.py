@@ -143,8 +143,9 @@ def openpbr(exported, side):
     if value["geometry_thin_walled"] == "true":
         return Spread(obtained(exported, side), None)
     color, g = numbers(value["subsurface_color"]), float(value["subsurface_scatter_anisotropy"])
-    s = 4.09712 + 4.20863 * color - np.sqrt(9.59217 + 41.6808 * color + 17.7126 * color**2)  # as OpenPBR prints it
-    albedo = (1.0 - s * s) / (1.0 - g * s * s)
+    ior, alpha = float(value["specular_ior"]), float(value["specular_roughness"]) ** 2
+    albedo = np.array([lamina.invert(c, ior=ior, g=g, roughness=alpha, distribution="ggx", definition="openpbr").albedo
+                       for c in color], float).ravel()
     path = float(value["subsurface_radius"]) * numbers(value["subsurface_radius_scale"])
     return spread_of_medium((1.0 - albedo) / path, albedo / path, g, float(value["specular_ior"]), side)
 

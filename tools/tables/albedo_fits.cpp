@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/exchange/internal/renderer_albedos.h"
+#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/plot/plot.h"
 
 namespace {

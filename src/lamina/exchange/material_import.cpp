@@ -8,7 +8,8 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/exchange/internal/renderer_albedos.h"
+#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
+#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/optics/fresnel.h"
 
@@ -28,6 +29,10 @@ void check(const ImportedParameters& p) {
   constexpr double shortest = 1e-9, longest = 1e9;
   for (std::size_t c = 0; c < channels; ++c) {
     require(p.color[c], 0.0, 1.0, std::string("color ") + channel_names[c]);
+    if (p.radius[c] == 0.0)
+      throw InvalidInput(std::string("radius ") + channel_names[c] +
+                         " must be > 0, but is 0: light that does not travel is that of a matte "
+                         "surface, \"diffuse\" in a scene");
     require(p.radius[c], shortest, longest, std::string("radius ") + channel_names[c]);
   }
   require(p.scale, shortest, longest, "scale");
@@ -96,6 +101,15 @@ Walk walk_of(const ImportedParameters& p, std::size_t channel) {
   return walk;
 }
 
+std::string definition_of(const ImportedParameters& p) {
+  if (p.source == ImportSource::openpbr)
+    return std::string(definition_text(SubsurfaceColor::openpbr));
+  if (p.source == ImportSource::arnold)
+    return std::string(definition_text(SubsurfaceColor::standard_surface));
+  return "by Cycles: the albedo of single scattering by its formula, of a walk below a boundary "
+         "that does not refract";
+}
+
 std::string source_text(const ImportedParameters& p) {
   std::string text = "lamina import --from " + std::string(name_of(p.source));
   if (p.source == ImportSource::principled) text += " --blender " + std::string(name_of(p.blender));
@@ -121,7 +135,7 @@ ImportedMaterial import_material(const ImportedParameters& p, const Progress& pr
   if (p.source == ImportSource::openpbr) {
     const HalfSpaceLook look{.ior = p.ior, .g = p.g, .top = top};
     for (std::size_t c = 0; c < channels; ++c)
-      media[c] = medium_of(look, van_de_hulst_albedo(p.color[c], p.g),
+      media[c] = medium_of(look, subsurface_albedo(SubsurfaceColor::openpbr, p.color[c], look),
                            p.radius[c] * p.scale * p.mm_per_unit);
   } else {
     const HalfSpaceLook matched{
@@ -146,6 +160,7 @@ ImportedMaterial import_material(const ImportedParameters& p, const Progress& pr
     if (p.source == ImportSource::arnold)
       result.notes.emplace_back("Arnold's inversion of the color is not published");
   }
+  result.definition = definition_of(p);
   result.material = half_space_material(media, top);
   result.material.name = "imported";
   result.material.source = source_text(p);

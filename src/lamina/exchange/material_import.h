@@ -14,9 +14,9 @@ namespace lamina {
 
 /// Whose parameters a material is made from.
 enum class ImportSource {
-  openpbr,     ///< OpenPBR 1.1.1: subsurface color and radius, by the formula that it prints
+  openpbr,     ///< OpenPBR 1.1.1: subsurface color and radius, by the definition in its text
   principled,  ///< Blender's Principled BSDF: by the walk of Cycles
-  arnold       ///< Arnold's standard_surface, its color taken as what comes out
+  arnold       ///< Arnold's standard_surface: its color by the definition, below its walk
 };
 
 template <>
@@ -55,12 +55,14 @@ struct ImportedMaterial {
   Material material;  ///< a half-space of R, G and B under a refracting boundary of GGX facets
   /// How far the light of the material is from that of the walk that the other program makes.
   std::vector<ChannelMisfit> misfits;
+  std::string definition;  ///< by what rule the color is one
   std::vector<std::string> notes;
 };
 
 /// The material that looks like one of another renderer.
 ///
-/// OpenPBR's medium lies below the boundary of its index: its numbers are taken. Walks of the
+/// OpenPBR's medium lies below the boundary of its index: its albedo is that with which the color
+/// comes out (SubsurfaceColor), and its radius is the mean free path. Walks of the
 /// others are below a boundary that does not refract; for these the medium below a refracting one
 /// is found that returns as much light and whose profile is nearest, by radiative transfer.
 ///

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "lamina/exchange/albedo_inversion/subsurface_color.h"
+
 namespace lamina {
 
 /// An image that a material of a mesh file names, as a scene file would: a path relative to the
@@ -32,8 +34,10 @@ struct FileMaterial {
   double thickness = 0.0;     ///< of a volume; 0: a thin wall
   std::array<double, 3> attenuation_color{1, 1, 1};
   double attenuation_distance = 0.0;  ///< [unit of the file]; 0: the volume is clear
-  /// Albedo of what scatters many times inside a volume (KHR_materials_volume_scatter).
+  /// Color of what scatters many times inside a volume, and by whose definition it is one.
   std::optional<std::array<double, 3>> multiscatter_color;
+  SubsurfaceColor multiscatter_definition = SubsurfaceColor::khr_scatter;
+  double scatter_anisotropy = 0.0;    ///< mean cosine g
   double diffuse_transmission = 0.0;  ///< share of what the base scatters that leaves behind
   std::array<double, 3> diffuse_transmission_color{1, 1, 1};
   double opacity = 1.0;      ///< where the alpha mode is not opaque

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/io/json_output.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/reflectance/material_totals.h"
@@ -55,15 +56,6 @@ SheetCoefficients sheet_of(double reflectance, double transmittance) {
     found = kubelka_munk(r_asked, t_asked);
   }
   return found;
-}
-
-/// The albedo of single scattering of a half-space that looks that bright, isotropic.
-/// Source: [KullaConty2017], as KHR_materials_volume_scatter has it.
-double single_scattering_albedo(double multiple) {
-  const double rho = std::clamp(multiple, 0.0, 0.999);
-  const double s =
-      4.09712 + 4.20863 * rho - std::sqrt(9.59217 + 41.6808 * rho + 17.7126 * rho * rho);
-  return std::clamp(1.0 - s * s, 0.0, 0.9999);
 }
 
 JsonOutput file_of_layer(const JsonOutput& layer) {
@@ -191,6 +183,12 @@ class SceneMaterialWriter {
   void write_volume(JsonOutput& scene) {
     const FileMaterial& m = material_;
     const Color albedo = m.multiscatter_color.value_or(m.diffuse_transmission_color);
+    // The boundary's roughness is the coat's, which shapes what is mirrored.
+    const HalfSpaceLook look{.ior = boundary_ior(),
+                             .g = std::clamp(m.scatter_anisotropy, -0.99, 0.99)};
+    const auto scattered = [&](std::size_t c) {
+      return subsurface_albedo(m.multiscatter_definition, albedo[c], look);
+    };
     const auto sigma_t = [&](std::size_t c) {
       return -std::log(std::clamp(m.attenuation_color[c], 1e-4, 0.9999)) /
              (m.attenuation_distance * mm_per_unit_);
@@ -198,15 +196,19 @@ class SceneMaterialWriter {
     JsonOutput layer = JsonOutput::object();
     layer["name"] = "inside";
     layer["thickness"] = "infinite";
-    layer["sigma_a"] = each_of(
-        [&](std::size_t c) { return sigma_t(c) * (1.0 - single_scattering_albedo(albedo[c])); });
-    layer["sigma_s"] =
-        each_of([&](std::size_t c) { return sigma_t(c) * single_scattering_albedo(albedo[c]); });
-    layer["g"] = 0.0;
-    layer["ior"] = std::clamp(m.ior, 1.0, 4.0);
+    layer["sigma_a"] = each_of([&](std::size_t c) { return sigma_t(c) * (1.0 - scattered(c)); });
+    layer["sigma_s"] = each_of([&](std::size_t c) { return sigma_t(c) * scattered(c); });
+    layer["g"] = look.g;
+    layer["ior"] = look.ior;
     scene["subsurface"] = file_of_layer(layer);
+    scene["subsurface"]["source"] = definition_text(m.multiscatter_definition);
     write_coat(scene);
     if (!is_white()) ignore("base color: the volume has its own");
+  }
+
+  /// That of the surface, which does not reflect where its format says so.
+  [[nodiscard]] double boundary_ior() const {
+    return material_.has_specular ? std::clamp(material_.ior, 1.0, 4.0) : 1.0;
   }
 
   void write_sheet(JsonOutput& scene) {

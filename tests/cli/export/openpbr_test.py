@@ -4,7 +4,6 @@
 usage: openpbr_test.py LAMINA ROOT
 """
 import json
-import math
 import os
 import unittest
 
@@ -13,20 +12,20 @@ from format_readers import openpbr_inputs
 
 
 class OpenPbr(Folder):
-    def test_the_printed_inversion_makes_the_medium_that_returns_the_light(self):
+    def test_the_definition_makes_the_medium_that_returns_the_light(self):
         result, files = export(self.folder, "donner_jensen_skin", "openpbr", "--mm-per-unit", 10)
         inputs = openpbr_inputs(files["donner_jensen_skin.mtlx"])
         (g,), (radius,) = inputs["subsurface_scatter_anisotropy"], inputs["subsurface_radius"]
         sigma_a, sigma_s = [], []
-        for color, scale in zip(inputs["subsurface_color"], inputs["subsurface_radius_scale"]):
-            # OpenPBR 1.1.1, section Subsurface.
-            s = 4.09712 + 4.20863 * color - math.sqrt(9.59217 + 41.6808 * color + 17.7126 * color ** 2)
-            albedo = (1 - s * s) / (1 - g * s * s)
+        inverted = json.loads(run("invert", "--color", *inputs["subsurface_color"], "--ior", *inputs["specular_ior"], "--g", g,
+                                  "--definition", "openpbr", "--json", "-").stdout)
+        for albedo, scale in zip(inverted["albedo"], inputs["subsurface_radius_scale"]):
             sigma_s.append(albedo / (10 * radius * scale))
             sigma_a.append((1 - albedo) / (10 * radius * scale))
         total, _ = diffuse_total(self.folder, sigma_a, sigma_s, g, *inputs["specular_ior"])
         for value, misfit in zip(total, result["exports"][0]["misfit"]):
-            self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=3e-4)  # six digits of the formula
+            self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=3e-4)
+        self.assertIn("by the definition of OpenPBR 1.1.1", files["donner_jensen_skin.mtlx"])
 
     def test_skins_have_radii_of_their_own_and_the_same_name_by_materialx(self):
         found = []

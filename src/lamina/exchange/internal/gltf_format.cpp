@@ -7,10 +7,10 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
-#include "lamina/exchange/internal/renderer_albedos.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/optics/fresnel.h"
 

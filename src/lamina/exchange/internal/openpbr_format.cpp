@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "lamina/core/number_text.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
+#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
+#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
-#include "lamina/exchange/internal/renderer_albedos.h"
 #include "lamina/optics/fresnel.h"
 
 // Names and meanings: [OpenPBR] 1.1.1 and the node open_pbr_surface of MaterialX 1.39.
@@ -40,14 +40,11 @@ class Inputs {
   std::string text_;
 };
 
-/// The colors that the media have by OpenPBR's definition, if the table of half-spaces has them.
-std::vector<double> colors_by_definition(const HomogeneousFit& fit, double eta) {
-  if (!(lowest_look_ior <= eta && eta <= highest_look_ior && lowest_look_g <= fit.g() &&
-        fit.g() <= highest_look_g))
-    return {};
-  const HalfSpaceColor look({.ior = eta, .g = fit.g(), .top = fit.top});
+/// The colors that media have by a rule.
+template <class Rule>
+std::vector<double> colors_of(const HomogeneousFit& fit, const Rule& rule) {
   std::vector<double> colors;
-  for (const Medium& medium : fit.media) colors.push_back(look.color(albedo(medium)));
+  for (const Medium& medium : fit.media) colors.push_back(rule(albedo(medium)));
   return colors;
 }
 
@@ -58,14 +55,12 @@ std::string colors_text(const std::vector<double>& colors) {
 }
 
 /// The medium below the surface.
-void add_medium(Inputs& to, const HomogeneousFit& fit, double mm_per_unit) {
+void add_medium(Inputs& to, const HomogeneousFit& fit, const std::vector<double>& colors,
+                double mm_per_unit) {
   double longest = 0.0;
   for (const Medium& medium : fit.media) longest = std::max(longest, mfp(medium));
-  std::vector<double> colors, scales;
-  for (const Medium& medium : fit.media) {
-    colors.push_back(van_de_hulst_color(albedo(medium), fit.g()));
-    scales.push_back(mfp(medium) / longest);
-  }
+  std::vector<double> scales;
+  for (const Medium& medium : fit.media) scales.push_back(mfp(medium) / longest);
   to.add("subsurface_color", colors);
   to.add("subsurface_radius", longest / mm_per_unit);
   to.add("subsurface_radius_scale", scales);
@@ -102,16 +97,19 @@ ExportedMaterial write_openpbr(const ExportInput& input) {
     inputs.add("subsurface_color", sheet.colors);
     inputs.add("subsurface_scatter_anisotropy", sheet.forward);
   } else {
-    add_medium(inputs, fit, mm_per_unit);
+    const HalfSpaceLook look{.ior = eta, .g = fit.g(), .top = fit.top};
+    const std::vector<double> colors = colors_of(
+        fit, [&](double of) { return subsurface_color(SubsurfaceColor::openpbr, of, look); });
+    const std::vector<double> printed =
+        colors_of(fit, [&](double of) { return van_de_hulst_color(of, fit.g()); });
+    add_medium(inputs, fit, colors, mm_per_unit);
     lines.push_back("subsurface_radius times its scale is the mean free path, in scene units of " +
                     number_text(mm_per_unit) + " mm");
-    lines.emplace_back(
-        "subsurface_color is that from which the formula that OpenPBR 1.1.1 prints makes the "
-        "albedo of the medium");
-    if (const std::vector<double> colors = colors_by_definition(fit, eta); !colors.empty())
-      lines.push_back("by the definition in its text the medium has the color " +
-                      colors_text(colors) +
-                      ": for a renderer that inverts the definition, use that");
+    lines.push_back("subsurface_color " + std::string(definition_text(SubsurfaceColor::openpbr)));
+    lines.push_back(
+        "a renderer that makes the albedo by the formula that OpenPBR 1.1.1 prints as an example, "
+        "which ignores the boundary, wants the color " +
+        colors_text(printed));
   }
   inputs.add_flag("geometry_thin_walled", fit.is_thin());
   for (const std::string& line : misfit_lines(result.misfits)) lines.push_back(line);

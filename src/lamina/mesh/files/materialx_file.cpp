@@ -21,8 +21,8 @@ using Color = std::array<double, 3>;
 /// The names that the three surfaces have for one thing.
 struct SurfaceNames {
   std::string_view base, base_color, roughness, ior, metallic, transmission, subsurface,
-      subsurface_color, subsurface_radius, subsurface_scale, emission, emission_color, specular,
-      opacity;
+      subsurface_color, subsurface_radius, subsurface_scale, subsurface_anisotropy, thin_walled,
+      emission, emission_color, specular, opacity;
 };
 
 std::optional<SurfaceNames> names_of_surface(std::string_view kind) {
@@ -37,6 +37,8 @@ std::optional<SurfaceNames> names_of_surface(std::string_view kind) {
                         .subsurface_color = "subsurface_color",
                         .subsurface_radius = "subsurface_radius_scale",
                         .subsurface_scale = "subsurface_radius",
+                        .subsurface_anisotropy = "subsurface_scatter_anisotropy",
+                        .thin_walled = "geometry_thin_walled",
                         .emission = "emission_luminance",
                         .emission_color = "emission_color",
                         .specular = "specular_weight",
@@ -52,6 +54,8 @@ std::optional<SurfaceNames> names_of_surface(std::string_view kind) {
                         .subsurface_color = "subsurface_color",
                         .subsurface_radius = "subsurface_radius",
                         .subsurface_scale = "subsurface_scale",
+                        .subsurface_anisotropy = "subsurface_anisotropy",
+                        .thin_walled = "thin_walled",
                         .emission = "emission",
                         .emission_color = "emission_color",
                         .specular = "specular",
@@ -67,6 +71,8 @@ std::optional<SurfaceNames> names_of_surface(std::string_view kind) {
                         .subsurface_color = {},
                         .subsurface_radius = {},
                         .subsurface_scale = {},
+                        .subsurface_anisotropy = {},
+                        .thin_walled = {},
                         .emission = {},
                         .emission_color = "emissive",
                         .specular = "specular",
@@ -243,26 +249,92 @@ class MaterialXReader {
     const Color emitted = color(surface, names.emission_color,
                                 names.emission.empty() ? Color{0, 0, 0} : Color{1, 1, 1});
     for (std::size_t c = 0; c < 3; ++c) material.emission[c] = emission * emitted[c];
-    if (number(surface, names.subsurface, 0.0) >= 0.5) {
-      material.multiscatter_color = color(surface, names.subsurface_color, {0.8, 0.8, 0.8});
-      const Color radius = color(surface, names.subsurface_radius, defaults.subsurface_radius, 1e6);
-      const double scale = number(surface, names.subsurface_scale, 1.0, 1e6);
-      const double least = std::max(scale * std::min({radius[0], radius[1], radius[2]}), 1e-6);
-      material.thickness = 1.0;
-      material.attenuation_distance = least;
-      for (std::size_t c = 0; c < 3; ++c)
-        material.attenuation_color[c] = std::exp(-least / std::max(scale * radius[c], 1e-6));
-      material.base_color = {1, 1, 1};  // that of the surface beside it
-      material.base_color_texture.reset();
-    }
-    const std::set<std::string_view> taken = {
-        names.base,     names.base_color,        names.roughness,        names.ior,
-        names.metallic, names.transmission,      names.subsurface,       names.subsurface_color,
-        names.emission, names.subsurface_radius, names.subsurface_scale, names.emission_color,
-        names.specular, names.opacity,           "geometry_normal",      "normal"};
+    if (const double share = number(surface, names.subsurface, 0.0); is_thin(surface, names))
+      read_thin_subsurface(surface, names, share, material);
+    else if (share >= 0.5)
+      read_subsurface(surface, names, material);
+    const std::set<std::string_view> taken = {names.base,
+                                              names.base_color,
+                                              names.roughness,
+                                              names.ior,
+                                              names.metallic,
+                                              names.transmission,
+                                              names.subsurface,
+                                              names.subsurface_color,
+                                              names.emission,
+                                              names.subsurface_radius,
+                                              names.subsurface_scale,
+                                              names.emission_color,
+                                              names.specular,
+                                              names.opacity,
+                                              names.thin_walled,
+                                              names.subsurface_anisotropy,
+                                              "geometry_normal",
+                                              "normal"};
     for (const XmlElement& child : surface.children)
       if (child.name == "input" && !taken.contains(child.attribute("name")))
         ignored_.insert(std::string(child.attribute("name")));
+  }
+
+  [[nodiscard]] static bool is_thin(const XmlElement& surface, const SurfaceNames& names) {
+    const XmlElement* input = input_of(surface, names.thin_walled);
+    return input && input->attribute("value") == "true";
+  }
+
+  static Color default_scattered(const XmlElement& surface) {
+    return surface.name == "open_pbr_surface" ? Color{0.8, 0.8, 0.8} : Color{1, 1, 1};
+  }
+
+  double anisotropy(const XmlElement& surface, const SurfaceNames& names) {
+    const XmlElement* input = input_of(surface, names.subsurface_anisotropy);
+    const std::vector<double> v = input ? numbers(*input) : std::vector<double>{};
+    return v.empty() ? 0.0 : std::clamp(v[0], -1.0, 1.0);
+  }
+
+  /// A wall without thickness. OpenPBR parts its light between the sides by the anisotropy, both of
+  /// one color; Standard Surface lets its subsurface color through.
+  void read_thin_subsurface(const XmlElement& surface, const SurfaceNames& names, double share,
+                            FileMaterial& material) {
+    if (share <= 0.0) return;
+    const Color scattered = color(surface, names.subsurface_color, default_scattered(surface));
+    material.diffuse_transmission_color = scattered;
+    if (surface.name != "open_pbr_surface") {
+      material.diffuse_transmission = share;
+    } else if (share >= 0.5) {
+      material.diffuse_transmission = 0.5 * (1.0 + anisotropy(surface, names));
+      material.base_color = scattered;
+      material.base_color_texture.reset();
+    }
+  }
+
+  /// The medium of a closed body, or a matte surface where light does not travel: the limit of
+  /// both formats.
+  void read_subsurface(const XmlElement& surface, const SurfaceNames& names,
+                       FileMaterial& material) {
+    const bool is_openpbr = surface.name == "open_pbr_surface";
+    const SurfaceDefaults defaults = defaults_of(surface.name);
+    const Color scattered = color(surface, names.subsurface_color, default_scattered(surface));
+    const Color radius = color(surface, names.subsurface_radius, defaults.subsurface_radius, 1e6);
+    const double scale = number(surface, names.subsurface_scale, 1.0, 1e6);
+    const double longest = scale * std::max({radius[0], radius[1], radius[2]});
+    material.base_color_texture.reset();
+    if (longest == 0.0) {
+      material.base_color = scattered;
+      return;
+    }
+    // A channel that does not travel beside others that do: at a thousandth of theirs it does not
+    // show that it travels.
+    const auto length = [&](std::size_t c) { return std::max(scale * radius[c], 1e-3 * longest); };
+    const double least = std::min({length(0), length(1), length(2)});
+    material.multiscatter_color = scattered;
+    material.multiscatter_definition =
+        is_openpbr ? SubsurfaceColor::openpbr : SubsurfaceColor::standard_surface;
+    material.scatter_anisotropy = anisotropy(surface, names);
+    material.thickness = 1.0;
+    material.attenuation_distance = least;
+    for (std::size_t c = 0; c < 3; ++c)
+      material.attenuation_color[c] = std::exp(-least / length(c));
+    material.base_color = {1, 1, 1};  // that of the surface beside it
   }
 
   const XmlElement& root_;

@@ -91,9 +91,11 @@ class MaterialReader {
       material.attenuation_color = color(extension, "attenuationColor", {1, 1, 1});
       ignore_texture("thicknessTexture");
     } else if (name == "KHR_materials_volume_scatter" || name == "KHR_materials_scatter") {
-      material.multiscatter_color = color(extension, "multiscatterColor", {0, 0, 0});
-      if (number(extension, "scatterAnisotropy", 0.0, -1.0, 1.0) != 0.0)
-        ignore(name + ".scatterAnisotropy");
+      // The drafts have two names for it.
+      const auto with = color(extension, "multiscatterColor", {0, 0, 0});
+      material.multiscatter_color = color(extension, "multiscatterColorFactor", with);
+      material.scatter_anisotropy = number(extension, "scatterAnisotropy", 0.0, -1.0, 1.0);
+      ignore_texture("multiscatterColorTexture");
     } else if (name == "KHR_materials_diffuse_transmission") {
       material.diffuse_transmission = number(extension, "diffuseTransmissionFactor", 0.0);
       material.diffuse_transmission_color =

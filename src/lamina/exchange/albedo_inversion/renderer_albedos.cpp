@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/exchange/internal/renderer_albedos.h"
+#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 
 #include <algorithm>
 #include <cassert>
