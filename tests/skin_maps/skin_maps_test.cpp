@@ -13,6 +13,8 @@
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/json_input.h"
+#include "lamina/materials/leaf.h"
+#include "lamina/skin_maps/material_maps.h"
 #include "lamina/skin_maps/skin_features.h"
 
 namespace lamina {
@@ -74,6 +76,39 @@ TEST_F(SkinMapFiles, AreClampedToTheRangeWithACount) {
   EXPECT_EQ(maps.maps[0].values.pixels, (std::vector<float>{0.0f, 0.2f, 0.5f, 0.5f}));
   ASSERT_EQ(maps.warnings.size(), 1u);
   EXPECT_EQ(maps.warnings[0], "skin.melanin: 3 of 4 texels lie outside [0, 0.5] and were clamped");
+}
+
+// float(0.05) lies above 0.05: a map that is clamped to its range is taken.
+TEST_F(SkinMapFiles, OfEveryNumberAreTakenAtBothEndsOfItsRange) {
+  save("low.exr", {-1e9f, -1e9f, -1e9f});
+  save("high.exr", {1e9f, 1e9f, 1e9f});
+  std::vector<std::string> skin, leaf;
+  for (const SkinParameterRange& range : skin_parameter_ranges()) skin.emplace_back(range.name);
+  for (const LeafParameterRange& range : leaf_parameter_ranges()) leaf.emplace_back(range.name);
+  skin.emplace_back("oiliness");
+  for (const auto& [recipe, names] : {std::pair{"skin", skin}, std::pair{"leaf", leaf}})
+    for (const std::string& name : names)
+      for (const char* file : {"low.exr", "high.exr"}) {
+        const std::string map = "\"" + name + R"(": {"map": ")" + file + "\"}";
+        const bool is_fold = recipe == std::string("skin") && name != "dermis_thickness";
+        const std::string text =
+            R"({"lamina": "material", "version": 1, "length_unit": "mm", "ior_below": 1, ")" +
+            std::string(recipe) + "\": {" + map + (is_fold ? R"(, "dermis_thickness": 2)" : "") +
+            "}}";
+        const JsonDocument document = parse_json(text, (folder_ / "m.json").string());
+        try {
+          const MappedMaterial mapped = decode_mapped_material(document.root());
+          ASSERT_EQ(mapped.maps.size(), 1u) << name;
+          EXPECT_FALSE(mapped.warnings.empty()) << name;
+          const MaterialMap& of = mapped.maps[0];
+          for (const float value : of.values.pixels) {
+            EXPECT_GE(static_cast<double>(value), of.number.low) << name;
+            EXPECT_LE(static_cast<double>(value), of.number.high) << name;
+          }
+        } catch (const InvalidInput& error) {
+          ADD_FAILURE() << name << ": " << error.what();
+        }
+      }
 }
 
 TEST_F(SkinMapFiles, AreRefusedWithTheFieldAndTheReason) {

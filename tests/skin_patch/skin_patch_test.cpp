@@ -311,6 +311,21 @@ TEST_F(PatchFiles, CutLightToWindowsAndStripes) {
   EXPECT_NEAR(total(R"({"stripes": {"period": 1.0, "width": 0.3, "angle": 30}})"), 960.0, 15.0);
 }
 
+TEST_F(PatchFiles, BouncesMayDifferByBand) {
+  const std::string of_two =
+      R"("mm_per_pixel": 0.1, "width": 8, "height": 8, "skin": {}, "bands": [450, 650], )";
+  const SkinPatch patch = load(of_two + R"("transport": {"interlayer_bounces": [1, 4]})");
+  const SkinPatchResult result = render_skin_patch(patch);
+  EXPECT_EQ(result.bands[0].interlayer_bounces, 1);
+  EXPECT_EQ(result.bands[1].interlayer_bounces, 4);
+  EXPECT_NE(
+      message_of(of_two + R"("transport": {"interlayer_bounces": [1]})").find("interlayer_bounces"),
+      std::string::npos);
+  EXPECT_NE(message_of(of_two + R"("transport": {"interlayer_bounces": [1, 2.5]})")
+                .find("interlayer_bounces[1]"),
+            std::string::npos);
+}
+
 TEST_F(PatchFiles, AreRefusedInOneLineThatSaysWhere) {
   const std::string size = R"("mm_per_pixel": 0.1, "width": 8, "height": 8, )";
   EXPECT_NE(message_of(R"("skin": {})").find("mm_per_pixel"), std::string::npos);

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "lamina/core/error.h"
+#include "lamina/core/float_within.h"
 #include "lamina/core/number_text.h"
 #include "lamina/image/image_file.h"
 #include "lamina/image/map_description.h"
@@ -63,9 +64,8 @@ void clamp(const MappableNumber& number, Image& values, std::vector<std::string>
   const auto low = static_cast<float>(number.low), high = static_cast<float>(number.high);
   std::size_t count = 0;
   for (float& value : values.pixels) {
-    if (low <= value && value <= high) continue;
-    value = std::clamp(value, low, high);
-    ++count;
+    if (!(low <= value && value <= high)) ++count;
+    value = float_within(static_cast<double>(value), number.low, number.high);
   }
   if (count == 0) return;
   PlainTextStream text;
@@ -89,7 +89,9 @@ std::vector<double> means_of(const MaterialMap& map) {
   for (std::size_t i = 0; i < map.values.pixels.size(); ++i)
     means[i % channels] += static_cast<double>(map.values.pixels[i]);
   for (double& mean : means)
-    mean *= static_cast<double>(channels) / static_cast<double>(map.values.pixels.size());
+    mean = std::clamp(
+        mean * static_cast<double>(channels) / static_cast<double>(map.values.pixels.size()),
+        map.number.low, map.number.high);  // for sums are rounded, too
   return means;
 }
 

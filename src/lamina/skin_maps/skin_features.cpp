@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lamina/core/float_within.h"
 #include "lamina/core/random.h"
 #include "lamina/core/smooth_step.h"
 #include "lamina/image/bilinear.h"
@@ -228,8 +229,8 @@ float clamped_number(SkinParameters& skin, const SkinMap& map) {
   const auto ranges = skin_parameter_ranges();
   const auto range = std::ranges::find(ranges, map.parameter, &SkinParameterRange::value);
   const bool is_ink = range == ranges.end();
-  return static_cast<float>(std::clamp(mapped_number(skin, map), is_ink ? 0.0 : range->low,
-                                       is_ink ? largest_absorbance : range->high));
+  return float_within(mapped_number(skin, map), is_ink ? 0.0 : range->low,
+                      is_ink ? largest_absorbance : range->high);
 }
 
 std::vector<SkinMap> varying_numbers(std::span<SkinParameters> skin) {

@@ -209,7 +209,9 @@ SkinPatchResult render_skin_patch(const SkinPatch& patch, const std::optional<Di
     for (std::size_t i = 0; i < light.values.size(); ++i)
       light.values[i] *= entering[entering.size() > 1 ? i : 0];
     const Progress going_on = part_of(of_band, with_layers, with_layers);
-    TransportResult out = transport(layers, light, patch.transport, going_on);
+    TransportOptions options = patch.transport;
+    if (!patch.interlayer_bounces.empty()) options.interlayer_bounces = patch.interlayer_bounces[b];
+    TransportResult out = transport(layers, light, options, going_on);
     if (!patch.albedo.pixels.empty()) texture(patch, b, layers, entering, out.reflected, going_on);
     put_channel(result.image, b, out.reflected);
     for (float& value : out.transmitted.values)

@@ -32,6 +32,7 @@ struct SkinPatch {
   double theta = 0.0;  ///< angle of incidence [rad], in [0, pi/2)
   OperatorTotals totals = OperatorTotals::radiative_transfer_profile;
   TransportOptions transport;
+  std::vector<int> interlayer_bounces;  ///< [band]; empty: those of `transport`
   ProfileAt profile = ProfileAt::both;
   /// [y][x] by band, of the patch's size: a texture of the reflectances that skin is to have in
   /// even light. What leaves is multiplied by them over those that it has. Empty: none

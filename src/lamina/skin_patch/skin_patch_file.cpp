@@ -114,8 +114,14 @@ void decode_transport(const JsonInput& value, SkinPatch& patch) {
   const JsonObject object =
       value.object({"interlayer_bounces", "local_closure", "energy_threshold", "profile"});
   TransportOptions& options = patch.transport;
-  if (const auto bounces = object.optional("interlayer_bounces"))
-    options.interlayer_bounces = static_cast<int>(bounces->integer(1, 100));
+  constexpr int most_bounces = 100;
+  if (const auto bounces = object.optional("interlayer_bounces")) {
+    if (bounces->is_array())
+      for (const JsonInput& of_band : bounces->array(patch.bands.size(), patch.bands.size()))
+        patch.interlayer_bounces.push_back(static_cast<int>(of_band.integer(1, most_bounces)));
+    else
+      options.interlayer_bounces = static_cast<int>(bounces->integer(1, most_bounces));
+  }
   if (const auto threshold = object.optional("energy_threshold")) {
     if (object.has("interlayer_bounces"))
       threshold->fail("\"interlayer_bounces\" says already when to end the series");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/float_within.h"
 #include "lamina/core/parallel.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/surface/map_range.h"
@@ -22,7 +23,8 @@ std::pair<float, float> limits(const LayerMap& map) {
       const SkinParameterRange& range = skin_parameter_ranges()[map.part];
       // Without absorption the junction is no layer, but the number of layers must stay.
       const bool is_junction = range.value == &SkinParameters::junction_absorption;
-      return {is_junction ? 1e-6f : static_cast<float>(range.low), static_cast<float>(range.high)};
+      return {is_junction ? 1e-6f : float_within(range.low, range.low, range.high),
+              float_within(range.high, range.low, range.high)};
     }
     case Quantity::fraction:
       return {0.0f, 1.0f};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lamina/core/error.h"
+#include "lamina/core/float_within.h"
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel_chunks.h"
 #include "lamina/image/resample.h"
@@ -75,7 +76,7 @@ float clamped(const SkinNumber& number, double value, std::atomic<std::size_t>& 
   const auto& [low, high] = std::pair(number.coordinate.low, number.coordinate.high);
   constexpr double rounding = 1e-6;
   if (value < low - rounding * (high - low) || value > high + rounding * (high - low)) ++count;
-  return static_cast<float>(std::clamp(value, low, high));
+  return float_within(value, low, high);
 }
 
 /// The value of a coordinate, which may lie out of the range.
