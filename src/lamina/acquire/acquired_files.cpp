@@ -71,6 +71,10 @@ JsonOutput skin_json(const AcquiredSkin& skin, const Capture& capture) {
 
 namespace {
 
+/// Microfacet alpha of the surface of skin, so that lamps do not show in it as in a mirror: one
+/// lobe for a face is about .3 wide [DEonLuebke2007], after the measurements of [Weyrich2006].
+constexpr double skin_roughness = 0.32;
+
 /// The piece of skin as a rectangle on a table, in mm, with a lamp to its left.
 JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
   const double width = skin.width * mm_per_pixel, height = skin.height * mm_per_pixel;
@@ -90,7 +94,8 @@ JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
       {"film", {{"width", 512}, {"height", 512}}},
       {"materials",
        {{"skin",
-         {{"subsurface", "material.json"}, {"coat", {{"ior", 1.44}, {"roughness", 0.32}}}}}}},
+         {{"subsurface", "material.json"},
+          {"coat", {{"ior", 1.44}, {"roughness", skin_roughness}}}}}}},
       {"meshes",
        JsonOutput::array(
            {{{"shape", "rectangle"}, {"width", width}, {"height", height}, {"material", "skin"}}})},
@@ -135,6 +140,7 @@ AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                          {"version", 1},
                          {"name", capture.name},
                          {"length_unit", "mm"},
+                         {"surface", {{"roughness", skin_roughness}}},
                          {"skin", recipe}});
   if (capture.mm_per_pixel) {
     files.patch = folder / "patch.json";
