@@ -13,7 +13,7 @@ void add_bsdf_command(CLI::App& app) {
   const Command command(app, "bsdf",
                         "Where light from one direction is scattered to: BRDF and BTDF.");
   command.add_option("MATERIAL", options->material, "a file, or the name of a built-in material");
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
   command.add_option("--model", options->model, "in place of a material: rough_transmission")
       .one_of({"rough_transmission"});
   command.add_option("--method", options->method,
@@ -87,8 +87,8 @@ void add_bsdf_command(CLI::App& app) {
     if (options->material.empty() == options->model.empty())
       throw InvalidInput("bsdf: either a MATERIAL or --model is required");
     const bool is_material = options->model.empty();
-    const std::vector<std::string> of_materials = {"--bands",   "--accuracy", "--step",
-                                                   "--cosines", "--azimuths", "--orders"};
+    const std::vector<std::string> of_materials = {
+        "--bands", "--set", "--accuracy", "--step", "--cosines", "--azimuths", "--orders"};
     const std::vector<std::string> of_the_model = {"--eta", "--smoothness", "--visibility",
                                                    "--realizations"};
     for (const std::string& name : is_material ? of_the_model : of_materials)

@@ -244,7 +244,7 @@ void run_material_bsdf(const BsdfOptions& options) {
     throw InvalidInput(
         fmt::format("--theta-i must lie in [0, 90) degrees, but is {}", options.theta_i_deg));
   const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   const Angles angles = make_angles(options.step_deg);
   if (options.compare) return compare_methods(options, material, angles);
   const NamedBsdf result = solve(options, material, angles, method);

@@ -282,7 +282,7 @@ void run_monte_carlo_bsdf(const BsdfOptions& options) {
         "--azimuths: must be even, one half on each side of the plane of incidence, but is {}",
         options.azimuths));
   const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   const Cells cells{static_cast<std::size_t>(options.cosines),
                     static_cast<std::size_t>(options.azimuths / 2)};
   std::vector<BandResult> bands;

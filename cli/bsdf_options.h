@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lamina/optics/rough/rough_surface_scattering.h"
 #include "monte_carlo_method.h"
@@ -11,10 +12,11 @@ namespace lamina::cli {
 /// What the user asked of `lamina bsdf`. Each model reads its own part.
 struct BsdfOptions {
   CommonOptions common;
-  std::string material;  ///< file or built-in; "" if a model is asked for
-  std::string bands;     ///< of --bands
-  std::string model;     ///< "rough_transmission" or ""
-  std::string method;    ///< of the model; "" for its default
+  std::string material;               ///< file or built-in; "" if a model is asked for
+  std::string bands;                  ///< of --bands
+  std::vector<std::string> settings;  ///< of --set
+  std::string model;                  ///< "rough_transmission" or ""
+  std::string method;                 ///< of the model; "" for its default
   double theta_i_deg = 30.0;
   MonteCarloEffort effort;  ///< of the random methods
   std::string plot;         ///< SVG file or ""

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/core/memory_budget.h"
+#include "lamina/core/whole_number_text.h"
 #include "lamina/io/nearest_name.h"
 
 namespace lamina::cli {
@@ -29,6 +31,23 @@ template <typename T>
 struct NumberIn<std::optional<T>> : NumberIn<T> {};
 template <typename T>
 struct NumberIn<std::vector<T>> : NumberIn<T> {};
+
+template <std::signed_integral Whole>
+std::string whole_text(Whole value) {
+  return whole_number_text(std::int64_t{value});
+}
+template <std::unsigned_integral Whole>
+std::string whole_text(Whole value) {
+  return whole_number_text(std::uint64_t{value});
+}
+
+/// An end of a range as help and messages show it.
+std::string bound_text(double bound) {
+  constexpr double exact = 0x1p53;  // doubles up to here are whole numbers of their own
+  if (bound == std::floor(bound) && std::abs(bound) <= exact)
+    return whole_text(static_cast<std::int64_t>(bound));
+  return fmt::format("{}", bound);
+}
 
 /// Makes plain digits of a whole number, which may be given as 1e6. Returns what is wrong with it.
 template <typename Whole>
@@ -47,8 +66,8 @@ std::string check_whole(std::string& given) {
   const bool fits = std::abs(number) <= exact && number >= static_cast<double>(Limits::min()) &&
                     number <= static_cast<double>(Limits::max());
   if (read.ec != std::errc() || read.ptr != end || !fits || number != std::floor(number))
-    return fmt::format("must be a whole number in [{}, {}], but is {}", Limits::min(),
-                       Limits::max(), given);
+    return fmt::format("must be a whole number in [{}, {}], but is {}", whole_text(Limits::min()),
+                       whole_text(Limits::max()), given);
   given = fmt::format("{}", static_cast<Whole>(number));
   return {};
 }
@@ -88,14 +107,15 @@ Option Option::delimiter(char c) const { return Option(option_->delimiter(c)); }
 Option Option::expected(int count) const { return Option(option_->expected(count)); }
 
 Option Option::range(double low, double high) const {
-  const std::string interval = fmt::format("in [{}, {}]", low, high);
+  const std::string interval = fmt::format("in [{}, {}]", bound_text(low), bound_text(high));
+  const std::string in_help = fmt::format("in [{}, {}]", low, high);
   const auto check = [=](const std::string& given) {
     double value;
     if (CLI::detail::lexical_cast(given, value) && value >= low && value <= high)
       return std::string();
     return fmt::format("must be {}, but is {}", interval, given);
   };
-  return Option(option_->check(check, interval));
+  return Option(option_->check(check, in_help));
 }
 
 Option Option::repeated() const { return Option(option_->allow_extra_args(false)); }

@@ -52,11 +52,11 @@ void add_common_options(const Command& command, CommonOptions& options) {
 }
 
 void add_settings_option(const Command& command, std::vector<std::string>& settings,
-                         const std::string& file) {
+                         const std::string& file, const std::string& example) {
   command
       .add_option("--set", settings,
-                  "changes a value of the " + file +
-                      ": a path in it, such as camera.look_at or lights[0].scale, and JSON or a "
+                  "changes a value of the " + file + ": a path in it, such as " + example +
+                      ", and JSON or a "
                       "bare string; null removes, list[+] adds an element. As often as needed")
       .type_name("KEY=VALUE")
       .repeated();

@@ -27,7 +27,8 @@ void add_common_options(const Command& command, CommonOptions& options);
 
 /// Adds --set KEY=VALUE, which changes values of the `file` that a command reads.
 void add_settings_option(const Command& command, std::vector<std::string>& settings,
-                         const std::string& file);
+                         const std::string& file,
+                         const std::string& example = "camera.look_at or lights[0].scale");
 
 /// Whether this is a device or pipe, such as /dev/null.
 [[nodiscard]] bool is_device(const std::string& file);

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct ExportCommandOptions {
   CommonOptions common;
   std::string material, bands, output;
+  std::vector<std::string> settings;  ///< of --set
   std::vector<std::string> formats;
   std::string mesh;      ///< a GLB, or empty
   std::string channels;  ///< empty: what each format has best
@@ -145,7 +146,7 @@ std::string misfit_text(const std::vector<ChannelMisfit>& misfits) {
 void run_export(const ExportCommandOptions& options) {
   const std::vector<const ExportFormat*> formats = chosen_formats(options.formats);
   const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   ExportOptions what = options.what;
   if (!options.channels.empty()) what.channels = find_enum_value<ExportChannels>(options.channels);
   if (!options.mesh.empty()) {
@@ -215,7 +216,7 @@ void add_export_command(CLI::App& app) {
           "the file, with others of the format beside it, or a folder; otherwise this folder, "
           "and files are called as the material")
       .type_name("PATH");
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
   command
       .add_option("--channels", options->channels,
                   "rgb or bands, instead of what the format has best: a spectral material becomes "

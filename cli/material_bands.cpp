@@ -5,8 +5,10 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 
+#include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/materials/material_file.h"
 
@@ -62,16 +64,25 @@ std::vector<double> parse_bands(const std::string& text) {
 
 }  // namespace
 
-void add_bands_option(const Command& command, std::string& bands) {
+void add_material_options(const Command& command, std::string& bands,
+                          std::vector<std::string>& settings) {
   command
       .add_option("--bands", bands,
                   "wavelengths in place of those of the file: first:last:step, or a list [nm]")
       .type_name("NM");
+  add_settings_option(command, settings, "material", "skin.melanin or layers[0].thickness");
 }
 
-Material find_material_at(const std::string& name_or_path, const std::string& bands,
-                          const MemoryBudget& memory) {
-  return find_sampled_material(name_or_path, parse_bands(bands), memory);
+Material find_unnamed_material_at(const MaterialChoice& choice, const MemoryBudget& memory) {
+  return find_sampled_material(choice.name, parse_bands(choice.bands), memory, choice.settings);
+}
+
+Material find_material_at(const MaterialChoice& choice, const MemoryBudget& memory) {
+  Material material = find_unnamed_material_at(choice, memory);
+  if (material.name.empty())
+    material.name =
+        choice.name == "-" ? "material" : std::filesystem::path(choice.name).stem().string();
+  return material;
 }
 
 JsonOutput bands_json(const BandSet& bands) {

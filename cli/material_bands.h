@@ -14,13 +14,25 @@ namespace lamina::cli {
 /// The "bands" of a JSON result: "R", "G", "B", or wavelengths in nm.
 [[nodiscard]] JsonOutput bands_json(const BandSet& bands);
 
-/// Adds --bands, other wavelengths than those of the file.
-void add_bands_option(const Command& command, std::string& bands);
+/// A material with what the command line changes of it.
+struct MaterialChoice {
+  std::string name;                   ///< built-in, or a file
+  std::string bands;                  ///< of --bands: other wavelengths than those of the file
+  std::vector<std::string> settings;  ///< of --set
+};
 
-/// The material with its numbers at the wavelengths that --bands says, or at its own if that is
-/// empty. @throws as find_material.
-[[nodiscard]] Material find_material_at(const std::string& name_or_path, const std::string& bands,
-                                        const MemoryBudget& memory);
+/// Adds --bands and --set.
+void add_material_options(const Command& command, std::string& bands,
+                          std::vector<std::string>& settings);
+
+/// The material with its numbers at the wavelengths of its bands, or at its own if there are none.
+/// One without a name has that of its file, for titles and messages.
+/// @throws as find_material; InvalidInput that starts with `--set KEY`
+[[nodiscard]] Material find_material_at(const MaterialChoice& choice, const MemoryBudget& memory);
+
+/// The same, without a name where its file gives none.
+[[nodiscard]] Material find_unnamed_material_at(const MaterialChoice& choice,
+                                                const MemoryBudget& memory);
 
 /// A table as an array of rows.
 /// @param table  [row][column]

@@ -21,6 +21,7 @@ namespace {
 struct MaterialsOptions {
   CommonOptions common;
   std::string name, bands, swatch;
+  std::vector<std::string> settings;  ///< of --set
 };
 
 std::string bands_text(const BandSet& bands) {
@@ -53,13 +54,14 @@ void list_materials(const CommonOptions& options) {
   print(options, text);
 }
 
-void show_material(const std::string& name, const std::string& bands,
-                   const CommonOptions& options) {
-  const Material material = find_material_at(name, bands, options.memory);
+void show_material(const MaterialChoice& choice, const CommonOptions& options) {
+  const std::string& name = choice.name;
+  const Material material = find_unnamed_material_at(choice, options.memory);
   const auto& names = builtin_material_names();
   const bool is_builtin = std::ranges::find(names, name) != names.end();
-  const std::string text =
-      is_builtin && bands.empty() ? builtin_material_text(name) : format_material(material);
+  const std::string text = is_builtin && choice.bands.empty() && choice.settings.empty()
+                               ? builtin_material_text(name)
+                               : format_material(material);
   JsonOutput result = make_result("materials");
   result["material"] = JsonOutput(parse_json(text, name).root());
   write_json(result, options);
@@ -76,7 +78,7 @@ void add_materials_command(CLI::App& app) {
                   "a built-in material, or a file to check and print in mm; without it, all "
                   "built-in materials are listed")
       .type_name("NAME");
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
 #ifdef LAMINA_RENDER
   command
       .add_output_file("--swatch", options->swatch,
@@ -91,11 +93,14 @@ void add_materials_command(CLI::App& app) {
   command.callback([options] {
     if (options->name.empty() && !options->bands.empty())
       throw InvalidInput("--bands: must be left out without a material");
+    if (options->name.empty() && !options->settings.empty())
+      throw InvalidInput("--set: must be left out without a material");
     if (options->name.empty() && !options->swatch.empty())
       throw InvalidInput("--swatch: must be left out without a material");
 #ifdef LAMINA_RENDER
     if (!options->swatch.empty()) {
-      save_swatch(find_material_at(options->name, options->bands, options->common.memory),
+      save_swatch(find_material_at({options->name, options->bands, options->settings},
+                                   options->common.memory),
                   options->swatch);
       return;
     }
@@ -103,7 +108,7 @@ void add_materials_command(CLI::App& app) {
     if (options->name.empty())
       list_materials(options->common);
     else
-      show_material(options->name, options->bands, options->common);
+      show_material({options->name, options->bands, options->settings}, options->common);
   });
 }
 

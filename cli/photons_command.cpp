@@ -87,7 +87,7 @@ void check_options(const Command& command, const PhotonsOptions& options) {
   };
   if (is_mcml(options))
     for (const char* name : {"--tally", "--incidence", "--beam", "--detector", "--direction",
-                             "--frequency", "--bands", "--check"})
+                             "--frequency", "--bands", "--set", "--check"})
       refuse(name, "must be left out for a .mci file, which says what to count");
   else
     refuse("--output", "is for the .mco files of a .mci file; --json writes all other results");
@@ -119,7 +119,8 @@ void check_options(const Command& command, const PhotonsOptions& options) {
 
 /// The material, once all that is asked for of it can be done.
 Material load_checked(const PhotonsOptions& options) {
-  Material material = find_material_at(options.material, options.bands, options.common.memory);
+  Material material =
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   const PhotonTallies tallies = read_options(options, 0).tallies;
   require_readable(
       options, checked_product("the sums of all bands",
@@ -174,7 +175,7 @@ void add_photons_command(CLI::App& app) {
       .add_option("material", options->material, "built-in material, material file or MCML's .mci")
       .required()
       .type_name("MATERIAL|FILE.mci");
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
   add_effort_options(command, options->effort);
   command.add_option("--shard", options->shard, "do part I of N; `lamina merge` adds the parts")
       .type_name("I/N");

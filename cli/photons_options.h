@@ -15,6 +15,7 @@ namespace lamina::cli {
 struct PhotonsOptions {
   CommonOptions common;
   std::string material, bands;
+  std::vector<std::string> settings;  ///< of --set
   MonteCarloEffort effort;
   std::string shard = "0/1";
   std::string incidence = "normal";

@@ -32,6 +32,7 @@ namespace {
 struct ProfileOptions {
   CommonOptions common;
   std::string material, bands, method, plot;
+  std::vector<std::string> settings;  ///< of --set
   bool compare = false;
   std::string domain = "radius";
   bool has_derivatives = false;  ///< of responses at spatial frequencies
@@ -327,7 +328,7 @@ void require_radiative_transfer_for_illumination(const ProfileOptions& options) 
 
 void run_profile(const ProfileOptions& options) {
   const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   require_radiative_transfer_for_illumination(options);
   const JsonOutput head = {{"material", material.name},
@@ -394,7 +395,7 @@ void add_profile_command(CLI::App& app) {
   command.add_option("material", options->material, "a material file or a built-in material")
       .type_name("MATERIAL")
       .required();
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
   std::vector<std::string> names;
   for (const ProfileMethod& method : profile_methods()) names.push_back(method.name);
   options->method = names[0];

@@ -29,6 +29,7 @@ namespace {
 struct SlabOptions {
   CommonOptions common;
   std::string material, bands, method, incidence = "normal";
+  std::vector<std::string> settings;  ///< of --set
   AddingDoublingOptions adding_doubling;
   Interreflections interreflections = Interreflections::all;  ///< of diffusion
   std::int64_t compared_photons = 0;                          ///< of --compare; 0 if not asked for
@@ -154,7 +155,7 @@ std::string slab_text(const Material& material, const SlabResult& result) {
 void run_slab(const SlabOptions& options) {
   const Incidence incidence = parse_incidence(options.incidence);
   const Material material =
-      find_material_at(options.material, options.bands, options.common.memory);
+      find_material_at({options.material, options.bands, options.settings}, options.common.memory);
   const std::vector<LayerStack> stacks = layer_stacks(material);
   if (options.compared_photons > 0)
     return run_slab_comparison(material, stacks, incidence, options.compared_photons,
@@ -199,7 +200,7 @@ void add_slab_command(CLI::App& app) {
   command.add_option("material", options->material, "a material file or a built-in material")
       .type_name("MATERIAL")
       .required();
-  add_bands_option(command, options->bands);
+  add_material_options(command, options->bands, options->settings);
   std::vector<std::string> names;
   for (const SlabMethod& method : slab_methods()) names.push_back(method.name);
   options->method = names[0];

@@ -25,6 +25,19 @@ def number_text(value: float) -> str:
     return f"{value:.12g}"
 
 
+def whole_text(value: int) -> str:
+    """A whole number as a person reads it in a range: from a million on 1e9, 2^24 or 2^64 - 1 where it is one of these."""
+    if value < 0:
+        return "-" + whole_text(-value)
+    digits = str(value).rstrip("0")
+    if value >= 10**6 and len(digits) == 1:
+        return f"{digits}e{len(str(value)) - 1}"
+    for power, tail in ((value, ""), (value + 1, " - 1")):
+        if value >= 10**6 and power & (power - 1) == 0:
+            return f"2^{power.bit_length() - 1}{tail}"
+    return str(value)
+
+
 def refuse(name: str, must: str, value: object) -> InvalidInput:
     """What to raise: `name: must be ..., but is ...`."""
     text = shown(value) if not isinstance(value, float) else number_text(value)
@@ -112,7 +125,7 @@ def number(
 
 def whole(name: str, value: object, low: int, high: int) -> int:
     """A whole number in a range; 1e6 is one."""
-    must = f"be a whole number in [{number_text(low)}, {number_text(high)}]"
+    must = f"be a whole number in [{whole_text(low)}, {whole_text(high)}]"
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
         raise refuse(name, must, value)
     result = as_float(name, must, value)

@@ -46,6 +46,44 @@ class Help(unittest.TestCase):
                 self.assertIn("--json", result.stdout, command)
 
 
+class ChangesOfMaterials(unittest.TestCase):
+    """A built-in material with changes is one thing, however it is asked for."""
+
+    def test_set_and_base_are_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "darker.json")
+            with open(file, "w") as out:
+                out.write('{"lamina": "material", "base": "skin_type_2", "skin": {"melanin": 0.1}}')
+            for command, key in (("slab", "diffuse_reflectance"), ("materials", "material")):
+                by_option = json_of(command, "skin_type_2", "--set", "skin.melanin=.1", "--bands", "500,600")
+                self.assertEqual(by_option[key], json_of(command, file, "--bands", "500,600")[key], command)
+            for command in ("profile", "bsdf", "photons", "export"):
+                self.assertIn("--set KEY=VALUE", run(command, "--help").stdout, command)
+            light = json_of("slab", "skin_type_2", "--bands", "500,600")["diffuse_reflectance"]
+            dark = json_of("slab", file, "--bands", "500,600")["diffuse_reflectance"]
+            self.assertLess(dark[0], 0.5 * light[0])
+
+    def test_wrong_ones_are_named_where_they_stand(self):
+        result = run("slab", "skin_type_2", "--set", "skin.melanin=.9")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--set skin.melanin: skin.melanin must lie in [0, 0.5], but is 0.9", result.stderr)
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "m.json")
+            with open(file, "w") as out:
+                out.write('{"lamina": "material",\n "base": "skin_typ_2"}')
+            result = run("slab", file)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn('m.json:2: base: there is no built-in material and no file "skin_typ_2"; did you mean "skin_type_', result.stderr)
+
+    def test_a_material_without_a_name_has_that_of_its_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "my_board.json")
+            with open(file, "w") as out:
+                out.write('{"lamina": "material", "version": 1, "length_unit": "mm", "bands": "rgb", '
+                          '"layers": [{"sigma_a": 1, "sigma_s": 9, "g": 0, "ior": 1.4, "thickness": "infinite"}]}')
+            self.assertEqual(json_of("slab", file)["material"], "my_board")
+
+
 class WrongUse(unittest.TestCase):
     def check(self, args, *words):
         result = run(*args)
@@ -66,6 +104,22 @@ class WrongUse(unittest.TestCase):
         self.check(["profile", "donner_jensen_skin", "--radii", "-3"], "-3")
         self.check(["render", "no_such_scene.json"], "no_such_scene.json")
         self.check(["materials", "jad"], "jade")
+
+    def test_says_what_a_file_of_another_kind_is_and_who_takes_it(self):
+        commands = {"render": ("scene", []), "info": ("scene", []), "patch": ("patch", []), "maps": ("maps", []), "fit": ("measurement", []),
+                    "acquire": ("capture", ["-o", "x"]), "slab": ("material", []), "profile": ("material", []), "bsdf": ("material", []),
+                    "photons": ("material", []), "materials": ("material", []), "export": ("material", ["--to", "table"]),
+                    "reproduce": ("reproduction", [])}
+        takers = {"scene": "lamina render", "material": "lamina slab", "patch": "lamina patch", "maps": "lamina maps", "capture": "lamina acquire",
+                  "measurement": "lamina fit", "job": "lamina submit", "population": "lamina edit"}
+        with tempfile.TemporaryDirectory() as folder:
+            for kind, taker in takers.items():
+                file = os.path.join(folder, kind + ".json")
+                with open(file, "w") as out:
+                    json.dump({"lamina": kind, "version": 1}, out)
+                for command, (takes, options) in commands.items():
+                    if takes != kind:
+                        self.check([command, file, *options], f'must be "{takes}"', f'but is "{kind}": ', taker)
 
     def test_names_the_new_name_of_a_method(self):
         for command, before, now in (("slab", "adding_doubling", "radiative_transfer"), ("slab", "exact", "radiative_transfer"),

@@ -147,6 +147,41 @@ TEST_F(JsonChanges, SettingsChangeOneValue) {
             R"({"lights":[{"scale":2}]})");
 }
 
+TEST_F(JsonChanges, NumbersOfSettingsMayBeginOrEndWithTheirPoint) {
+  write("a.json", "{}");
+  EXPECT_EQ(read("a.json", {"a=.5", "b=-.25", "c=[.5, 2., \".5\"]", "d={\"scale\": .5}"}),
+            R"({"a":0.5,"b":-0.25,"c":[0.5,2.0,".5"],"d":{"scale":0.5}})");
+  EXPECT_EQ(read("a.json", {"a=v.5", "b=./.5/x.png", "c=."}),
+            R"({"a":"v.5","b":"./.5/x.png","c":"."})");
+}
+
+TEST_F(JsonChanges, KeysBelowANameMakeItTheBase) {
+  write("a.json", R"({"material":"jade","list":["jade"]})");
+  EXPECT_EQ(read("a.json", {"material.name=b", "list=null"}),
+            R"({"material":{"base":"jade","name":"b"}})");
+  EXPECT_EQ(read("a.json", {"list[0].surface.roughness=.1"}),
+            R"({"material":"jade","list":[{"base":"jade","surface":{"roughness":0.1}}]})");
+  write("text.json", "\"jade\"");
+  EXPECT_TRUE(error("text.json", {"a=1"}).ends_with("which has no keys"));
+}
+
+TEST_F(JsonChanges, ANameOfAMaterialStaysAsItsBase) {
+  write("a.json", R"({"lamina":"material","base":"jade","name":"b"})");
+  EXPECT_EQ(read("a.json"), R"({"lamina":"material","base":"jade","name":"b"})");
+  EXPECT_EQ(read("a.json", {"surface=null"}),
+            R"({"lamina":"material","base":"jade","name":"b","surface":null})");
+  write("b.json", R"({"lamina":"material","base":"a.json","name":"c"})");
+  EXPECT_EQ(read("b.json"), R"({"lamina":"material","base":"jade","name":"c"})");
+  write("c.json", R"({"lamina":"scene","base":"jade"})");
+  EXPECT_NE(error("c.json").find("jade"), std::string::npos);
+  const JsonDocument changes = load_json(folder_ / "a.json");
+  const JsonDocument whole =
+      laid_over(R"({"lamina":"material","name":"x","layers":[1]})", "jade", changes.root());
+  EXPECT_EQ(JsonOutput(whole.root()).text(), R"({"lamina":"material","name":"b","layers":[1]})");
+  EXPECT_TRUE(whole.root().peek("name")->where().ends_with("a.json:1: name"));
+  EXPECT_EQ(whole.root().peek("layers")->where(), "jade:1: layers");
+}
+
 TEST_F(JsonChanges, SettingsThatAreWrongAreNamed) {
   write("a.json", R"({"camera":{"fov":3},"lights":[{"scale":1}]})");
   EXPECT_EQ(error("a.json", {"lights[1].scale=3"}),

@@ -86,6 +86,21 @@ TEST(JsonInput, SaysWhereANumberIsOutOfRange) {
             "head.json:1: the file must be an array, but is an object");
 }
 
+TEST(JsonInput, WhatIsNoNumberIsCalledThatWithTheRangeBesideIt) {
+  const JsonDocument document = parse_json("[\"0.1\", null, 16777217, -1]", "f.json");
+  const std::vector<JsonInput> values = document.root().array();
+  EXPECT_EQ(message_of([&] { (void)values[0].number(closed_interval(0.0, 0.5)); }),
+            "f.json:1: [0] must be a number in [0, 0.5], but is \"0.1\"");
+  EXPECT_EQ(message_of([&] { (void)values[1].number(at_least(0.0, "1/mm")); }),
+            "f.json:1: [1] must be a number >= 0 [1/mm], but is null");
+  EXPECT_EQ(message_of([&] { (void)values[1].number(open_interval(0.0, 180.0, "deg")); }),
+            "f.json:1: [1] must be a number in (0, 180) deg, but is null");
+  EXPECT_EQ(message_of([&] { (void)values[2].integer(1, 1 << 24); }),
+            "f.json:1: [2] must be a whole number in [1, 2^24], but is 16777217");
+  EXPECT_EQ(message_of([&] { (void)values[3].integer(0, std::int64_t{1} << 53); }),
+            "f.json:1: [3] must be a whole number in [0, 2^53], but is -1");
+}
+
 TEST(JsonInput, RangesHoldTheirEndsAsTheySay) {
   const JsonDocument document = parse_json("[0, 1]", "f.json");
   const JsonInput zero = document.root().array()[0], one = document.root().array()[1];
@@ -136,8 +151,10 @@ TEST(JsonInput, FileOfAnotherKindOrVersionIsCalledThat) {
   EXPECT_EQ(open(R"({"$schema": "s.json", "lamina": "material", "version": 1})"), "");
   EXPECT_EQ(open(R"({"$schema": 3, "lamina": "material", "version": 1})"),
             "f:1: $schema must be a string, but is 3");
-  EXPECT_EQ(open(R"({"lamina": "scene", "camera": 1})"),
-            "f:1: lamina must be \"material\", but is \"scene\"");
+  EXPECT_EQ(
+      open(R"({"lamina": "scene", "camera": 1})"),
+      "f:1: lamina must be \"material\", but is \"scene\": a scene, which lamina render and info "
+      "take");
   EXPECT_EQ(open(R"({"lamina": "material", "version": 2})"), "f:1: version must be 1, but is 2");
   EXPECT_EQ(open(R"({"lamina": "material"})"), "f:1: \"version\" is required, but missing");
   EXPECT_EQ(open(R"({})"), "f:1: \"lamina\" is required, but missing");

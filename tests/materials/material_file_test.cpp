@@ -270,5 +270,27 @@ TEST(MaterialPage, ListsEveryBuiltinMaterial) {
     EXPECT_NE(text.find("`" + material.name + "`"), std::string::npos) << material.name;
 }
 
+TEST(MaterialFile, ABuiltInMaterialMayBeTheBase) {
+  const Material made = parse_material(
+      R"({"base": "skin_type_2", "skin": {"melanin": 0.1}, "surface": {"roughness": 0.3}})", "m");
+  const Material builtin = find_material("skin_type_2");
+  ASSERT_TRUE(made.skin && builtin.skin);
+  EXPECT_EQ(made.skin->skin.melanin, 0.1);
+  EXPECT_EQ(made.skin->skin.hemoglobin_dermis, builtin.skin->skin.hemoglobin_dermis);
+  EXPECT_EQ(made.layers.front().top.roughness, 0.3);
+  EXPECT_EQ(made.name, "skin_type_2");
+  // The ones that are tables have a text, too; null removes a key of it.
+  const Material jade =
+      parse_material(R"({"lamina": "material", "base": "jade", "name": "b", "source": null})", "m");
+  EXPECT_EQ(jade.name, "b");
+  EXPECT_EQ(jade.source, "");
+  EXPECT_EQ(message_of([] { (void)parse_material("{\n\"base\": \"jad\"}", "m"); }),
+            "m:2: base: there is no built-in material and no file \"jad\"; did you mean \"jade\"?");
+  EXPECT_EQ(message_of([] {
+              (void)parse_material("{\"base\": \"skin_type_2\",\n\"skin\": {\"melanin\": 3}}", "m");
+            }),
+            "m:2: skin.melanin must lie in [0, 0.5], but is 3");
+}
+
 }  // namespace
 }  // namespace lamina

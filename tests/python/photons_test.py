@@ -72,7 +72,7 @@ def test_results_show_themselves() -> None:
 
 WRONG: list[tuple[dict[str, Any], str]] = [
     ({"r": 5}, "r: must be (count, width), but is 5"),
-    ({"r": (0, 1)}, "r[0]: must be a whole number in [1, 10000000]"),
+    ({"r": (0, 1)}, "r[0]: must be a whole number in [1, 1e7]"),
     ({"r": (5, -1)}, "r[1]: must be in (0, 1000000000] mm"),
     ({"r": (10**7, 1.0), "depth": (10**7, 1.0)}, "memory"),
     ({"depth": (5, 1)}, "depth: goes with r"),

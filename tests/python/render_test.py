@@ -159,7 +159,7 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({**BALL, "meshes": [{"shape": "sphere", "material": "jad"}]}, {}, "jad"),
     ({**BALL, "film": {"width": -1, "height": 4}}, {}, "film.width"),
     ({**BALL, "lights": [{"type": "environment", "radiance": float("nan")}]}, {}, "must be a finite number"),
-    (BALL, {"samples": 0}, "samples: must be a whole number in [1, 16777216], but is 0"),
+    (BALL, {"samples": 0}, "samples: must be a whole number in [1, 2^24], but is 0"),
     (BALL, {"width": 1.5}, "width: must be a whole number"),
     (BALL, {"method": "prob"}, 'did you mean "probe"'),
     (BALL, {"changes": {"film.widht": 3}}, "widht"),

@@ -28,6 +28,7 @@ using fit_detail::DecodedSeries;
 MeasuredMaterial decode_measured_material(const JsonInput& value, const std::string& file) {
   if (value.is_object()) {
     (void)decode_material(value);  // so that messages have the lines of this file
+    if (value.peek("base")) return {JsonOutput(material_with_base(value).root()).text(), file};
     return {JsonOutput(value).text(), file};
   }
   const std::string name = value.string();

@@ -8,7 +8,9 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/whole_number_text.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/internal/file_kinds.h"
 #include "lamina/io/internal/json_changes.h"
 #include "lamina/io/internal/json_tree.h"
 #include "lamina/io/internal/range_rule.h"
@@ -63,6 +65,12 @@ std::string rule_of(const NumberRange& range) {
          (range.unit.empty() ? "" : " " + std::string(range.unit));
 }
 
+std::string number_rule_of(const NumberRange& range) {
+  const std::string rule = rule_of(range), must = "must be ", lie = "must lie ";
+  if (std::isinf(range.low) && std::isinf(range.high)) return rule;
+  return must + "a number " + rule.substr(rule.starts_with(lie) ? lie.size() : must.size());
+}
+
 }  // namespace input_detail
 
 bool JsonInput::is_null() const { return tree_->nodes[node_].kind == Kind::null; }
@@ -75,7 +83,8 @@ bool JsonInput::is_object() const { return tree_->nodes[node_].kind == Kind::obj
 
 double JsonInput::number(const NumberRange& range) const {
   const double value = tree_->nodes[node_].number;
-  if (!is_number() || !input_detail::contains(range, value)) refuse(input_detail::rule_of(range));
+  if (!is_number()) refuse(input_detail::number_rule_of(range));
+  if (!input_detail::contains(range, value)) refuse(input_detail::rule_of(range));
   return value;
 }
 
@@ -84,7 +93,8 @@ std::int64_t JsonInput::integer(std::int64_t low, std::int64_t high) const {
   const double value = tree_->nodes[node_].number;
   if (!is_number() || value != std::floor(value) || value < static_cast<double>(low) ||
       value > static_cast<double>(high))
-    refuse("must be a whole number in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
+    refuse("must be a whole number in [" + whole_number_text(low) + ", " + whole_number_text(high) +
+           "]");
   return static_cast<std::int64_t>(value);
 }
 
@@ -165,7 +175,9 @@ JsonObject JsonInput::file_object(std::string_view kind, int version,
                                   std::initializer_list<std::string_view> keys) const {
   const std::string given_kind = JsonObject(*this).required("lamina").string();
   if (given_kind != kind)
-    JsonObject(*this).required("lamina").refuse("must be \"" + std::string(kind) + "\"");
+    JsonObject(*this).required("lamina").say("must be \"" + std::string(kind) + "\", but is " +
+                                             in_quotes(given_kind) +
+                                             input_detail::use_of_kind(given_kind));
   const JsonInput given_version = JsonObject(*this).required("version");
   if (!given_version.is_number() || given_version.number() != version)
     given_version.refuse("must be " + std::to_string(version));
@@ -235,6 +247,13 @@ JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& m
   json_detail::resolve_bases(tree);
   for (const std::string& setting : settings) json_detail::apply_setting(tree, setting);
   return {nullptr, std::make_unique<const Tree>(std::move(tree))};
+}
+
+JsonDocument laid_over(std::string_view text, std::string name, const JsonInput& object) {
+  Tree base = json_detail::parse_tree(text, std::move(name), *object.tree_->memory);
+  json_detail::resolve_bases(base);
+  json_detail::lay_over(base, *object.tree_, object.node_);
+  return {nullptr, std::make_unique<const Tree>(std::move(base))};
 }
 
 JsonDocument parse_json(std::string_view text, std::string name) {

@@ -59,6 +59,7 @@ struct NumberRange {
   return {.low = low, .high = high, .includes_low = false, .includes_high = false, .unit = unit};
 }
 
+class JsonDocument;
 class JsonObject;
 
 namespace json_detail {
@@ -159,6 +160,7 @@ class JsonInput {
  private:
   friend class JsonDocument;
   friend class JsonObject;
+  friend JsonDocument laid_over(std::string_view text, std::string name, const JsonInput& object);
   JsonInput(const json_detail::Tree& tree, std::uint32_t node) : tree_(&tree), node_(node) {}
   [[nodiscard]] std::string described() const;
   [[noreturn]] void say(const std::string& text) const;
@@ -201,6 +203,7 @@ class JsonDocument {
   friend JsonDocument parse_json(std::string_view text, std::string name);
   friend JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory,
                                  std::span<const std::string> settings);
+  friend JsonDocument laid_over(std::string_view text, std::string name, const JsonInput& object);
   JsonDocument(std::unique_ptr<MemoryBudget> own_memory,
                std::unique_ptr<const json_detail::Tree> tree);
   std::unique_ptr<MemoryBudget> own_memory_;  ///< unless it is someone else's
@@ -219,7 +222,8 @@ inline constexpr std::size_t json_max_bases = 8;
 ///
 /// An object that has "lamina" may have "base": a file of the same kind, over which it is laid.
 /// Objects are merged key by key, null removes a key, all else replaces what the base has. Messages
-/// and relative paths go by the file that says a value.
+/// and relative paths go by the file that says a value. The base of a material may be a name, which
+/// whoever decodes materials looks up: such a "base" stays.
 ///
 /// @param text  UTF-8.
 /// @param name  the file that messages name and that paths in it are relative to.
@@ -234,6 +238,13 @@ inline constexpr std::size_t json_max_bases = 8;
 [[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name);
 [[nodiscard]] JsonDocument parse_json(std::string_view text, std::string name, MemoryBudget& memory,
                                       std::span<const std::string> settings = {});
+
+/// The text of a base with an object laid over it, as over the file that its "base" names.
+/// @param name    what messages call the text; paths in it are relative to it
+/// @param object  must not outlive the document that it is in, nor shall the result
+/// @throws as parse_json
+[[nodiscard]] JsonDocument laid_over(std::string_view text, std::string name,
+                                     const JsonInput& object);
 
 /// Reads a JSON file (or a pipe), or standard input if it is "-".
 /// @throws FileError if it cannot be read; InvalidInput as parse_json.

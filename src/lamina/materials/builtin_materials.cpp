@@ -68,17 +68,18 @@ Material find_material(const std::string& name_or_path, MemoryBudget memory) {
 }
 
 Material find_sampled_material(const std::string& name_or_path, std::span<const double> wavelengths,
-                               MemoryBudget memory) {
+                               MemoryBudget memory, std::span<const std::string> settings) {
   if (const auto material = find_builtin(name_or_path)) {
-    if (wavelengths.empty()) return *material;
-    const JsonDocument document = parse_json(builtin_material_text(name_or_path), name_or_path);
+    if (wavelengths.empty() && settings.empty()) return *material;
+    const JsonDocument document =
+        parse_json(builtin_material_text(name_or_path), name_or_path, memory, settings);
     return decode_material(document.root(), {}, wavelengths);
   }
   std::error_code ignored;
   const bool looks_like_a_file =
       name_or_path == "-" || name_or_path.find_first_of("./\\") != std::string::npos;
   if (looks_like_a_file || std::filesystem::exists(name_or_path, ignored))
-    return decode_material(load_json(name_or_path, memory).root(), {}, wavelengths);
+    return decode_material(load_json(name_or_path, memory, settings).root(), {}, wavelengths);
   throw InvalidInput("there is no built-in material and no file \"" + name_or_path + "\"" +
                      nearest_builtin(name_or_path));
 }

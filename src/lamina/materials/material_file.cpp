@@ -6,6 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lamina/io/file_bytes.h"
+#include "lamina/io/nearest_name.h"
+#include "lamina/materials/builtin_texts.h"
+
 namespace lamina {
 namespace {
 
@@ -92,8 +96,24 @@ void decode_below(const JsonObject& file, const Context& context, Material& mate
 
 }  // namespace
 
+JsonDocument material_with_base(const JsonInput& object) {
+  const JsonInput base = *object.peek("base");
+  const std::string name = base.string();
+  const auto& names = builtin_material_names();
+  if (std::ranges::find(names, name) != names.end())
+    return laid_over(builtin_material_text(name), name, object);
+  const std::filesystem::path file = base.file_path();
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored))
+    base.fail("there is no built-in material and no file \"" + name + "\"" +
+              did_you_mean(name, names));
+  return laid_over(read_stream_bytes(file, base.memory().left), file.string(), object);
+}
+
 Material decode_material(const JsonInput& root, const MaterialMaps& maps,
                          std::span<const double> wavelengths) {
+  if (root.is_object() && root.peek("base"))
+    return decode_material(material_with_base(root).root(), maps, wavelengths);
   const JsonObject file = root.file_object(
       "material", 1,
       {"name", "source", "length_unit", "bands", "ior_above", "ior_below", "surface", "ground",

@@ -22,11 +22,17 @@ namespace lamina {
 [[nodiscard]] Material decode_material(const JsonInput& root, const MaterialMaps& maps = {},
                                        std::span<const double> wavelengths = {});
 
+/// The material that an object changes, which has "base", with the object laid over it.
+/// @throws InvalidInput if "base" is neither a built-in material nor a file; FileError
+[[nodiscard]] JsonDocument material_with_base(const JsonInput& object);
+
 /// As find_material, at these wavelengths [nm] in place of the bands of its file; empty: at those.
+/// @param settings  changes, as parse_json takes them
 /// @throws as find_material; InvalidInput if the material has arrays of numbers for its own bands.
 [[nodiscard]] Material find_sampled_material(const std::string& name_or_path,
                                              std::span<const double> wavelengths,
-                                             MemoryBudget memory = {});
+                                             MemoryBudget memory = {},
+                                             std::span<const std::string> settings = {});
 
 }  // namespace lamina
 

@@ -138,12 +138,23 @@ Tree base_of(const Tree& tree, std::uint32_t value, Chain& chain) {
   return base;
 }
 
+/// Whether a base is no file, but the name of a material.
+bool is_named_material(const Tree& tree, std::uint32_t kind, std::uint32_t name) {
+  const auto is_text = [&](std::uint32_t node) { return tree.nodes[node].kind == Kind::string; };
+  if (!is_text(kind) || !is_text(name) || tree.texts[tree.nodes[kind].text] != "material")
+    return false;
+  const std::string& text = tree.texts[tree.nodes[name].text];
+  std::error_code ignored;
+  return text.find_first_of("./\\") == std::string::npos &&
+         !std::filesystem::exists(file_path(tree, name), ignored);
+}
+
 void resolve_bases(Tree& tree, Chain& chain) {
   for (auto object = last_node(tree) + 1; object-- > 0;) {  // what is inside comes first
     if (tree.nodes[object].kind != Kind::object) continue;
     const std::uint32_t kind = find_child(tree, object, "lamina");
     const std::uint32_t name = find_child(tree, object, "base");
-    if (kind == none || name == none) continue;
+    if (kind == none || name == none || is_named_material(tree, kind, name)) continue;
     Tree base = base_of(tree, name, chain);
     const std::uint32_t base_kind =
         base.nodes[0].kind == Kind::object ? find_child(base, 0, "lamina") : none;
@@ -225,11 +236,33 @@ class Steps {
   std::string_view left_;
 };
 
-/// JSON, or else a bare string.
+/// The text with zeros where people leave them out beside a point: `[.3, -.5, 2.]`. Strings stay.
+std::string with_zeros(const std::string& text) {
+  const auto is_digit = [&](std::size_t i) {
+    return i < text.size() && '0' <= text[i] && text[i] <= '9';
+  };
+  std::string result;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"' && (i == 0 || text[i - 1] != '\\')) is_quoted = !is_quoted;
+    const bool is_point = text[i] == '.' && !is_quoted;
+    if (is_point && !(i > 0 && is_digit(i - 1)) && is_digit(i + 1)) result += '0';
+    result += text[i];
+    if (is_point && i > 0 && is_digit(i - 1) && !is_digit(i + 1)) result += '0';
+  }
+  return result;
+}
+
+/// JSON, in which numbers may begin or end with their point, or else a bare string.
 Tree parse_value(const std::string& text, const std::string& name, MemoryBudget& memory) {
-  try {
-    return parse_tree(text, name, memory);
-  } catch (const InvalidInput&) {
+  for (const std::string& spelled : {text, with_zeros(text)}) {
+    try {
+      return parse_tree(spelled, name, memory);
+    } catch (const InvalidInput&) {
+      continue;
+    }
+  }
+  {
     Tree tree{.sources = {{.name = name}}, .nodes = {}, .texts = {}, .memory = &memory};
     add_node(tree, {.text = add_text(tree, text), .kind = Kind::string});
     return tree;
@@ -244,6 +277,16 @@ void resolve_bases(Tree& tree) {
   resolve_bases(tree, chain);
 }
 
+void lay_over(Tree& base, const Tree& from, std::uint32_t object) {
+  const auto source = static_cast<std::uint32_t>(base.sources.size());
+  base.sources.insert(base.sources.end(), from.sources.begin(), from.sources.end());
+  Tree changes{.sources = from.sources, .nodes = {}, .texts = {}, .memory = from.memory};
+  const std::uint32_t own = add_copy(changes, from, object, 0);
+  if (const std::uint32_t name = find_child(changes, own, "base"); name != none)
+    remove(changes, name);
+  merge(base, 0, changes, own, source);
+}
+
 void apply_setting(Tree& tree, const std::string& setting) {
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -255,6 +298,8 @@ void apply_setting(Tree& tree, const std::string& setting) {
   const auto source = static_cast<std::uint32_t>(tree.sources.size());
   tree.sources.push_back(value.sources[0]);
   Steps steps(tree, key);
+  const bool is_removed = value.nodes[0].kind == Kind::null;
+  bool has_base = false;  // which is known where it is laid under: null goes on until then
   std::uint32_t at = 0;
   std::string owner = "the file";
   do {
@@ -262,8 +307,9 @@ void apply_setting(Tree& tree, const std::string& setting) {
     if (tree.nodes[at].kind == Kind::object) {
       const std::string step = steps.key(at);
       next = find_child(tree, at, step);
+      has_base = has_base || find_child(tree, at, "base") != none;
       if (next == none) {
-        if (value.nodes[0].kind == Kind::null)
+        if (is_removed && !has_base)
           steps.fail("there is nothing to remove" + did_you_mean(step, keys_of(tree, at)));
         add_node(tree, {.source = source, .kind = Kind::object});
         next = last_node(tree);
@@ -278,13 +324,24 @@ void apply_setting(Tree& tree, const std::string& setting) {
       }
       for (next = tree.nodes[at].first_child; left > 0; --left)
         next = tree.nodes[next].next_sibling;
+    } else if (tree.nodes[at].kind == Kind::string && at != 0) {
+      add_node(
+          tree,
+          {.line = tree.nodes[at].line, .source = tree.nodes[at].source, .kind = Kind::object});
+      const std::uint32_t object = last_node(tree);
+      replace(tree, at, object);
+      tree.nodes[at].key = add_text(tree, "base");
+      tree.nodes[at].next_sibling = none;
+      append(tree, object, at);
+      next = object;
+      owner = path(tree, object);
     } else {
       steps.fail(owner + " is " + described(tree, at) + ", which has no keys");
     }
     at = next;
     owner = path(tree, at);
   } while (!steps.is_done());
-  if (value.nodes[0].kind == Kind::null)
+  if (is_removed && !has_base)
     remove(tree, at);
   else
     replace(tree, at, add_copy(tree, value, 0, source));

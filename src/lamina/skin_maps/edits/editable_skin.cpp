@@ -70,7 +70,7 @@ bool names_an_image(const JsonInput& value) {
 JsonOutput rest_of(const JsonInput& root, std::vector<std::string>& warnings) {
   JsonOutput rest = JsonOutput::object();
   for (const auto& [key, value] : root.entries()) {
-    if (key == "skin" || key == "$schema" || key == "base") continue;
+    if (key == "skin" || key == "$schema") continue;
     if (key == "albedo" || names_an_image(value)) {
       warnings.push_back(value.where() + ": names an image, and is left out of the edited file");
       continue;
