@@ -279,6 +279,50 @@ TEST(TransferProfile, AgreesWithMonteCarloRingByRing) {
   }
 }
 
+// Near the beam nearly all light is scattered once, in the top layer, however thin: photons of
+// rings of a thousandth of a millimetre, and the law that no profile lies below light scattered
+// once.
+TEST(TransferProfile, SeesThinLayersNearTheBeam) {
+  const LayerStack thin_over_dense(
+      {layer(0.0155, 0.2936, 0.0, 1.148, 0.0349), layer(0.2517, 7.5855, 0.0, 1.074, infinite)}, 1.0,
+      1.074);
+  const LayerStack dense_over_thin(
+      {layer(0.05, 9.0, 0.3, 1.4, 0.3), layer(0.01, 0.4, 0.0, 1.33, 0.02),
+       layer(0.2, 12.0, 0.5, 1.4, infinite)},
+      1.0, 1.4);
+  for (const LayerStack& stack : {thin_over_dense, dense_over_thin}) {
+    const TransferProfile exact =
+        transfer_profile(std::array{stack}, {.first = 5e-4, .last = 20.0, .size = 160});
+    const auto once = detail::make_once_scattered(
+        stack, detail::make_grid_stack(stack, 8, std::vector{direction_in(1.0, 0.0)}));
+    for (const double r : exact.profile.r) {
+      if (r > 0.1) break;
+      EXPECT_GT(reflectance_profile(exact.profile, r, 0),
+                0.99 * detail::single_scattering_profile(once, r).reflectance)
+          << r;
+    }
+  }
+  // Waves that end before the top layer shows are 9 to 20 % low in these rings.
+  const TransferProfile exact =
+      transfer_profile(std::array{thin_over_dense}, {.first = 1e-3, .last = 100.0, .size = 256});
+  MonteCarloOptions options{.photons = 4'000'000, .seed = 5};
+  options.tallies.r = {.count = 8, .width = 0.002};
+  const MonteCarloResult photons = trace_photons(thin_over_dense, options);
+  const Quadrature rule = gauss_legendre(8, 0.0, 1.0);
+  for (std::size_t i = 1; i < 7; ++i) {
+    const double inner = 0.002 * static_cast<double>(i);
+    double mean = 0.0;
+    for (std::size_t q = 0; q < 8; ++q) {
+      const double r = inner + 0.002 * rule.nodes[q];
+      mean += rule.weights[q] * 2.0 * r / (2.0 * inner + 0.002) *
+              reflectance_profile(exact.profile, r, 0);
+    }
+    const Estimate& ring = photons.radial.reflection[i];
+    EXPECT_NEAR(mean, ring.value, 3.5 * ring.standard_error + 0.01 * mean) << i;
+    EXPECT_LT(ring.standard_error, 0.025 * mean);
+  }
+}
+
 // Plates throw rings of light far out, which waves do not resolve.
 TEST(TransferProfile, PhotonsSeeTheRingsOfClearPlates) {
   for (const char* name : {"cover glass", "air gap"}) {

@@ -16,9 +16,9 @@ constexpr double beam_per_sigma_t = 8.0;
 constexpr double highest_by_thickness = 12.0;  ///< times the thickness of a scattering slab
 constexpr double most_per_sigma_t = 250.0;
 constexpr double least_per_sigma_t = 8e-4;  ///< of the grid's scale, by the layer's own sigma_t
-constexpr double tail_start = 0.35;  ///< fraction of the highest frequency from which to fit
-constexpr double handover = 0.6;     ///< where both forms count alike
-constexpr double bend = 0.25;        ///< k0 over the highest frequency
+constexpr double tail_start = 0.35;         ///< fraction of the highest frequency from which to fit
+constexpr double handover = 0.6;            ///< where both forms count alike
+constexpr double bend = 0.25;               ///< k0 over the highest frequency
 
 double inner(const Spectrum& spectrum, double k) {
   const FrequencyGrid& grid = spectrum.grid;
@@ -71,6 +71,17 @@ double densest_layer(const GridStack& stack) {
   return densest;
 }
 
+/// Whether a layer scatters less than once across and touches one that is denser by half or more:
+/// light of that one then falls with frequency by the thickness of this one, as exp(-k thickness).
+bool is_thin_before_denser(const GridStack& stack, std::size_t l) {
+  const GridLayer& layer = stack.layers[l];
+  const auto is_denser = [&](std::size_t other) {
+    return stack.layers[other].sigma_s > 0.0 && stack.layers[other].sigma_t > 1.5 * layer.sigma_t;
+  };
+  return layer.sigma_t * layer.thickness < 1.0 &&
+         ((l > 0 && is_denser(l - 1)) || (l + 1 < stack.layers.size() && is_denser(l + 1)));
+}
+
 void place_frequencies(FrequencyGrid& grid, int count) {
   grid.k.clear();
   const double widest = std::asinh(grid.highest / grid.scale);
@@ -92,6 +103,10 @@ double beam_frequencies_per_sigma_t(const GridStack& stack) {
       thickness += layer.thickness;
       densest = std::max(densest, layer.sigma_t);
     }
+    // One that lets through what a denser one under or over it scatters parts that from its face.
+    if (goes_on && is_thin_before_denser(stack, l))
+      highest = std::max(highest,
+                         std::min(highest_by_thickness / layer.thickness, most_per_sigma_t * all));
     if (densest > 0.0 && (!goes_on || l + 1 == stack.layers.size())) {
       highest =
           std::max(highest, std::min(highest_by_thickness / thickness, most_per_sigma_t * densest));
