@@ -16,8 +16,8 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/core/memory_budget.h"
-#include "lamina/core/whole_number_text.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/whole_number_text.h"
 
 namespace lamina::cli {
 namespace {

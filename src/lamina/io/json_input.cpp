@@ -8,13 +8,13 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/core/whole_number_text.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/internal/file_kinds.h"
 #include "lamina/io/internal/json_changes.h"
 #include "lamina/io/internal/json_tree.h"
 #include "lamina/io/internal/range_rule.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/whole_number_text.h"
 
 namespace lamina {
 namespace {

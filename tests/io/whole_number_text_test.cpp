@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/core/whole_number_text.h"
+#include "lamina/io/whole_number_text.h"
 
 #include <gtest/gtest.h>
 
