@@ -265,11 +265,9 @@ void add_render_command(CLI::App& app) {
       .type_name("N")
       .range(0, 1000);
   command
-      .add_option(
-          "--method", options->method,
-          "of light below surfaces: auto, one of the others by what the scene needs and what "
-          "it costs; " +
-              describe_methods(subsurface_methods()))
+      .add_option("--method", options->method,
+                  "of light below surfaces: auto, one of the others by what the scene needs; " +
+                      describe_methods(subsurface_methods()))
       .type_name("NAME");
   command
       .add_option("--compare", options->compared,

@@ -52,9 +52,9 @@ for name in leaves bust rough_plate; do
 done
 
 # A method that is left open is chosen, one that is named is not; what it takes is said before.
-expect 0 'lamina: method probe (' "$scenes/arm.json" "${small[@]}" --profile diffusion -o open.exr --json open.json
-grep -qE 'method probe \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
-for key in '"method": "probe"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
+expect 0 'lamina: method hierarchy (' "$scenes/arm.json" "${small[@]}" --profile diffusion -o open.exr --json open.json
+grep -qE 'method hierarchy \(.*\): about [0-9.]+ CPU-s' output || fail "no choice and cost: $(cat output)"
+for key in '"method": "hierarchy"' '"method_chosen_because"' '"expected_cpu_seconds"'; do
   grep -q "$key" open.json || fail "no $key in the JSON"
 done
 expect 0 'lamina: method hierarchy: about ' "$scenes/arm.json" "${small[@]}" --profile diffusion -o named.exr --method hierarchy --json named.json

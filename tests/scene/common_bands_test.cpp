@@ -26,9 +26,7 @@ Scene scene_of(const std::string& name, const std::string& other, Method method)
   Scene scene;
   scene.camera = camera_above(20.0);
   scene.film = {.width = 16, .height = 16};
-  scene.render = {.method = method,
-                  .profile = quick_profile(method),
-                  .samples_per_pixel = 16};
+  scene.render = {.method = method, .profile = quick_profile(method), .samples_per_pixel = 16};
   scene.render.max_bounces = 0;
   scene.render.hierarchy = {.spacing = 0.6f, .irradiance_samples = 2};
   scene.materials = {translucent(name)};
@@ -138,7 +136,8 @@ TEST(CommonBands, LoadingASceneSaysWhatBecameOfEachMaterial) {
     "camera": {"position": [0, 0, 9], "look_at": [0, 0, 0]},
     "materials": {"ring": {"subsurface": "jade"}, "ear": {"subsurface": "skin_type_3"},
                   "card": {"thin": "paper"}},
-    "meshes": [{"shape": "sphere", "material": "ear"}],
+    "meshes": [{"shape": "sphere", "material": "ear"}, {"shape": "sphere", "material": "ring"},
+               {"shape": "rectangle", "width": 1, "height": 1, "material": "card"}],
     "lights": [{"type": "environment", "radiance": 1}]})";
   const Scene scene = load_scene(folder / "scene.json");
   ASSERT_EQ(scene.warnings.size(), scene.band_changes.size());

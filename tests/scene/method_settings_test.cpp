@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,7 @@
 
 #include "lamina/io/json_input.h"
 #include "lamina/reflectance/material_totals.h"
+#include "lamina/render/planning/method_choice.h"
 #include "lamina/render/render.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/subsurface_methods.h"
@@ -125,7 +127,7 @@ std::string scene_text(const std::string& material, const std::string& render, M
     if (settings.find('"' + key + '"') == std::string::npos)
       settings += (settings.empty() ? "" : ", ") + ('"' + key + "\": ") + value;
   };
-  if (method->uses_profile) add("profile", R"("diffusion")");  // at once
+  if (!method.is_open() && method->uses_profile) add("profile", R"("diffusion")");  // at once
   add("samples_per_pixel", "4");
   add("max_bounces", "2");
   add("hierarchy", R"({"spacing_mm": 0.5, "irradiance_samples": 4})");
@@ -329,6 +331,74 @@ TEST(MethodSettings, ThePageOfScenesSaysWhatHonoursAKey) {
   };
   expect_row(material_settings);
   expect_row(render_settings);
+}
+
+/// What a scene asks for by keys that only some methods honour, and the methods that honour all.
+std::string asked_of(const Scene& scene) {
+  std::string text;
+  for (const AskedSetting& one : asked_settings(scene)) text += one.path + ' ';
+  return text;
+}
+bool scene_refuses_coverings(const Scene& scene) {
+  const auto refused = refusal(scene, Method::automatic);
+  return refused && refused->find("takes the surface as bare") != std::string::npos;
+}
+std::size_t count_of_able(const Scene& scene) {
+  return static_cast<std::size_t>(std::ranges::count_if(subsurface_methods(), [&](Method method) {
+    return std::ranges::all_of(asked_settings(scene), [&](const AskedSetting& one) {
+      return method->honours_key(one.key);
+    });
+  }));
+}
+
+// Every key that only some methods honour steers the choice, by itself and beside every other one:
+// to a method that honours both, or to a message that names both.
+TEST(MethodSettings, KeysThatFewHonourSteerTheChoice) {
+  const auto expect_honoured = [](const Scene& scene) {
+    if (count_of_able(scene) == 0) {
+      const std::string message = message_of([&] { (void)choose_method(scene, {}); });
+      EXPECT_NE(message.find(": no method honours it beside "), std::string::npos)
+          << asked_of(scene) << message;
+      EXPECT_NE(message.find("scene.json:"), std::string::npos) << message;
+      return;
+    }
+    try {
+      const Method chosen = choose_method(scene, {}).method;
+      for (const AskedSetting& one : asked_settings(scene))
+        EXPECT_TRUE(chosen->honours_key(one.key)) << chosen.name() << ": " << asked_of(scene);
+    } catch (const Error& error) {
+      ADD_FAILURE() << asked_of(scene) << ": " << error.what();
+    }
+  };
+  std::set<std::string> asked;
+  const auto check = [&](const std::string& material, const std::string& settings) {
+    const Scene scene = scene_of(material, settings, Method::automatic);
+    for (const AskedSetting& one : asked_settings(scene)) asked.insert(std::string(one.key));
+    // Corrected light is of bare surfaces.
+    if (!scene_refuses_coverings(scene)) expect_honoured(scene);
+  };
+  for (const Sample& of_material : material_samples()) {
+    check(of_material.with, "");
+    for (const Sample& of_render : render_samples()) check(of_material.with, of_render.with);
+  }
+  for (const Sample& a : render_samples())
+    for (const Sample& b : render_samples())
+      if (a.key < b.key && (a.with + b.with).find("samples_per_pixel") == std::string::npos)
+        check(wax, a.with + (a.with.empty() || b.with.empty() ? "" : ", ") + b.with);
+  for (const MaterialSetting& setting : material_settings)
+    EXPECT_TRUE(asked.contains(std::string(setting.key))) << setting.key;
+  for (const RenderSetting& setting : render_settings)
+    EXPECT_TRUE(asked.contains(std::string(setting.key))) << setting.key;
+}
+
+TEST(MethodSettings, CorrectionWithoutAMethodIsHonoured) {
+  const Scene scene = scene_of(wax, R"("correct": true)", Method::automatic);
+  EXPECT_EQ(render(scene).statistics.method, Method::hierarchy);
+  EXPECT_EQ(choose_method(scene_of(in_file(recipe + R"("melanin": {"map": "checker.png"}})"),
+                                   R"("correct": true)", Method::automatic),
+                          {})
+                .method,
+            Method::texture_space);
 }
 
 // Though the scene has settings of texture_space, which honours none of these.

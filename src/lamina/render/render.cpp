@@ -36,6 +36,7 @@
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/material_layer_maps.h"
+#include "lamina/scene/materials_in_use.h"
 #include "lamina/scene/method_settings.h"
 
 namespace lamina {
@@ -87,13 +88,10 @@ BandSet common_bands(const Scene& scene) {
 template <int N>
 LayeredMaterials<N> make_layered_materials(const RenderScene& scene,
                                            const BandConversion<N>& conversion) {
-  const auto& materials = scene.scene->materials;
-  LayeredMaterials<N> layered(materials.size());
+  LayeredMaterials<N> layered(scene.scene->materials.size());
   if (!scene.scene->render.method->is_bsdf) return layered;
-  for (std::size_t i = 0; i < materials.size(); ++i)
-    if (std::holds_alternative<SubsurfaceSurface>(materials[i].surface))
-      layered[i] =
-          std::make_unique<LayeredMaterial<N>>(scene, conversion, static_cast<std::uint32_t>(i));
+  for (const std::uint32_t m : translucent_materials_in_use(*scene.scene))
+    layered[m] = std::make_unique<LayeredMaterial<N>>(scene, conversion, m);
   return layered;
 }
 
@@ -108,37 +106,19 @@ bool prepare(const SubsurfaceMethods<N>& methods, const Preparation<N>& with) {
   return true;
 }
 
-/// The method, in place of one that the scene leaves open.
-template <int N>
-void choose(RenderScene& scene, const BandConversion<N>& conversion, const CameraRays& camera,
-            const SeenSurface& seen, const RenderOptions& options, const Progress& progress,
-            Scene& chosen, RenderStatistics& statistics) {
-  if (scene.scene->render.method.is_open()) {
-    const MethodChoice choice =
-        choose_method<N>(scene, conversion, camera, seen, options, of_unknown_length(progress));
-    chosen = *scene.scene;
-    chosen.render.method = choice.method;
-    require_honoured(chosen);
-    scene.scene = &chosen;
-    statistics.why_method = choice.why;
-  }
-  statistics.method = scene.scene->render.method;
-}
-
 /// Where profiles come from, with a warning for what nobody asked for.
 void report_profiles(const Scene& scene, RenderStatistics& statistics) {
   if (!scene.render.method->uses_profile) return;
   const ProfileMaker profiles(scene.render);
-  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[m].surface);
-    if (!surface) continue;
-    const auto source = profiles.source(surface->material);
+  for (const std::uint32_t m : translucent_materials_in_use(scene)) {
+    const Material& material = std::get<SubsurfaceSurface>(scene.materials[m].surface).material;
+    const auto source = profiles.source(material);
     statistics.profiles.push_back({m, source});
-    if (source != profile_of(scene.render) && !surface->material.is_by_diffusion)
-      statistics.warnings.push_back("material \"" + scene.materials[m].name +
-                                    "\": its profile is by " + std::string(name_of(source)) +
-                                    ", for radiative transfer refuses it: " +
-                                    transfer_refusal(surface->material).value_or(""));
+    if (source != profile_of(scene.render) && !material.is_by_diffusion)
+      statistics.warnings.push_back(
+          "material \"" + scene.materials[m].name + "\": its profile is by " +
+          std::string(name_of(source)) +
+          ", for radiative transfer refuses it: " + transfer_refusal(material).value_or(""));
   }
 }
 
@@ -256,7 +236,7 @@ void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t p
 /// @param key         becomes that of the picture
 /// @return            whether it was completed
 template <int N>
-bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions& options,
+bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOptions& options,
                   const Progress& progress, double cpu_before, FilmAccumulator& film,
                   MatteFilm* mattes, RenderStatistics& statistics, std::uint64_t& key) {
   const int width = scene.scene->film.width, height = scene.scene->film.height;
@@ -266,8 +246,6 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   const Coverings<N> coverings = make_coverings<N>(scene);
   const CameraRays camera(scene.scene->camera, width, height);
   const SeenSurface seen = find_seen_surface<N>(scene, conversion, sheets, coverings, camera);
-  Scene chosen;
-  choose<N>(scene, conversion, camera, seen, options, progress, chosen, statistics);
   const RenderSettings& settings = scene.scene->render;
   const SubsurfaceMethods<N> methods =
       make_subsurface_methods<N>(scene, conversion, options, progress);
@@ -290,7 +268,8 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
   const bool is_prepared = prepare(methods, preparation);
   statistics.light_samples = report.light_samples;
   statistics.corrections = report.corrections;
-  statistics.warnings = report.warnings;
+  statistics.warnings.insert(statistics.warnings.end(), report.warnings.begin(),
+                             report.warnings.end());
   report_profiles(*scene.scene, statistics);
   if (!is_prepared || options.only_prepares) return is_prepared;
 
@@ -321,35 +300,45 @@ bool trace_passes(RenderScene& scene, const BandSet& bands, const RenderOptions&
 
 }  // namespace
 
-RenderResult render(const Scene& scene, const RenderOptions& options, const Progress& progress) {
+RenderResult render(const Scene& given, const RenderOptions& options, const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   const double cpu_before = cpu_seconds();
-  const auto require = [](bool holds, const std::string& rule, double given) {
-    if (!holds) throw InvalidInput(rule + ", but is " + number_text(given));
+  const auto require = [](bool holds, const std::string& rule, double value) {
+    if (!holds) throw InvalidInput(rule + ", but is " + number_text(value));
   };
-  require(scene.film.width >= 1 && scene.film.width <= 65536, "film: width must lie in [1, 65536]",
-          scene.film.width);
-  require(scene.film.height >= 1 && scene.film.height <= 65536,
-          "film: height must lie in [1, 65536]", scene.film.height);
-  require(scene.render.samples_per_pixel >= 1 && scene.render.samples_per_pixel <= (1 << 24),
-          "render: samples_per_pixel must lie in [1, 16777216]", scene.render.samples_per_pixel);
-  require(scene.render.max_bounces >= 0, "render: max_bounces must be >= 0",
-          scene.render.max_bounces);
-  require(scene.render.noise >= 0.0f && scene.render.noise <= 1.0f,
-          "render: noise must lie in [0, 1]", static_cast<double>(scene.render.noise));
-  check_part(scene, options);
+  require(given.film.width >= 1 && given.film.width <= 65536, "film: width must lie in [1, 65536]",
+          given.film.width);
+  require(given.film.height >= 1 && given.film.height <= 65536,
+          "film: height must lie in [1, 65536]", given.film.height);
+  require(given.render.samples_per_pixel >= 1 && given.render.samples_per_pixel <= (1 << 24),
+          "render: samples_per_pixel must lie in [1, 16777216]", given.render.samples_per_pixel);
+  require(given.render.max_bounces >= 0, "render: max_bounces must be >= 0",
+          given.render.max_bounces);
+  require(given.render.noise >= 0.0f && given.render.noise <= 1.0f,
+          "render: noise must lie in [0, 1]", static_cast<double>(given.render.noise));
+  check_part(given, options);
   if (options.has_mattes && options.part) throw InvalidInput("render: a part has no mattes");
   if (options.has_mattes && options.resumes)
     throw InvalidInput("render: mattes are of all samples, so they do not go with going on");
-  require_honoured(scene);
+  require_honoured(given);
+  RenderResult result;
+  auto& statistics = result.statistics;
+  std::optional<Scene> chosen;
+  if (given.render.method.is_open()) {
+    const auto [method, why] = choose_method(given, options);
+    chosen = given;
+    chosen->render.method = method;
+    statistics.why_method = why;
+  }
+  const Scene& scene = chosen ? *chosen : given;
+  statistics.method = scene.render.method;
+  statistics.warnings = warnings_of_small_bodies(scene);
   const BandSet bands = common_bands(scene);
   const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
-  RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
+  const RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
   FilmAccumulator film(scene.film.width, scene.film.height);
   std::optional<MatteFilm> mattes;
   if (options.has_mattes) mattes.emplace(scene.film.width, scene.film.height);
-  RenderResult result;
-  auto& statistics = result.statistics;
   const auto measure = [&] {
     statistics.cpu_seconds = cpu_seconds() - cpu_before;
     statistics.peak_memory_mib = peak_memory_mib();

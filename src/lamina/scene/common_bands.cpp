@@ -14,6 +14,7 @@
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -205,12 +206,16 @@ BandWeights own_weights(const Material& material) {
 }  // namespace
 
 std::vector<SceneLayers> layers_of(const Scene& scene) {
-  std::vector<SceneLayers> all;
-  for (const SurfaceMaterial& material : scene.materials)
+  std::vector<SceneLayers> all, over;
+  const std::vector<bool> is_used = materials_in_use(scene);
+  for (std::size_t m = 0; m < is_used.size(); ++m) {
+    if (!is_used[m]) continue;
+    const SurfaceMaterial& material = scene.materials[m];
     if (const Material* layers = layers_of(material.surface)) all.push_back({&material, layers});
-  for (const SurfaceMaterial& material : scene.materials)
     for (const Covering& covering : coverings_of(material))
-      all.push_back({&material, &covering.material});
+      over.push_back({&material, &covering.material});
+  }
+  all.insert(all.end(), over.begin(), over.end());
   return all;
 }
 
@@ -223,7 +228,9 @@ BandSet bands_of(const Scene& scene) {
 
 BandWeights weights_of_bands(const Scene& scene, const BandSet& bands) {
   const SkinRecipe* skin = nullptr;
+  const std::vector<bool> is_used = materials_in_use(scene);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (!is_used[i]) continue;
     const Material* layers = layers_of(scene.materials[i].surface);
     const bool was_rgb = std::ranges::any_of(scene.band_changes, [&](const BandChange& change) {
       return change.material == i && change.covering.empty() && change.from.is_rgb();
@@ -246,7 +253,9 @@ void make_bands_common(Scene& scene) {
     scene.band_changes.push_back(
         {i, covering, before.bands, color_error(before, own_weights(before), layers, weights)});
   };
+  const std::vector<bool> is_used = materials_in_use(scene);
   for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (!is_used[i]) continue;
     SurfaceMaterial& material = scene.materials[i];
     if (Material* layers = layers_of(material.surface)) change(i, {}, *layers);
     for (Covering& covering : coverings_of(material)) change(i, covering.name, covering.material);

@@ -9,8 +9,8 @@
 
 namespace lamina {
 
-/// The bands of a scene: of its first translucent material by wavelengths, else of the first one,
-/// else RGB.
+/// The bands of a scene: of its first translucent material in use by wavelengths, else of the first
+/// one, else RGB.
 [[nodiscard]] BandSet bands_of(const Scene& scene);
 
 /// Layers of a scene that light is followed through.
@@ -19,7 +19,7 @@ struct SceneLayers {
   const Material* material = nullptr;
 };
 
-/// Those of all translucent surfaces, then those that lie over surfaces.
+/// Those of all translucent surfaces in use, then those that lie over surfaces.
 [[nodiscard]] std::vector<SceneLayers> layers_of(const Scene& scene);
 
 /// Weights that turn the bands into colors. Where all that is translucent is skin, or was given in
@@ -27,7 +27,7 @@ struct SceneLayers {
 /// patch` uses: others would make it too dark by up to 5 % in green.
 [[nodiscard]] BandWeights weights_of_bands(const Scene& scene, const BandSet& bands);
 
-/// Turns all translucent materials into those of the bands of the scene, and says so in its
+/// Turns all translucent materials in use into those of the bands of the scene, and says so in its
 /// `band_changes`.
 ///
 /// Coefficients in RGB become smooth over wavelength: between those of red, green and blue, by the

@@ -2,9 +2,12 @@
 #include "lamina/scene/method_settings.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "lamina/scene/materials_in_use.h"
 #include "lamina/scene/subsurface_methods.h"
 
 namespace lamina {
@@ -27,12 +30,10 @@ std::string place(const Scene& scene, const std::string& path) {
   return found == scene.places.end() ? path : found->second;
 }
 
-template <class Setting>
-std::string refusal_of(const Scene& scene, const std::string& path, const Setting& setting,
-                       SceneMethod method) {
-  return place(scene, path) + ": method \"" + std::string(method.name()) +
-         "\" does not honour it, " + std::string(setting.reason) + ": leave it out, or take " +
-         listed(setting.key);
+std::string refusal_of(const Scene& scene, const AskedSetting& asked, SceneMethod method) {
+  return place(scene, asked.path) + ": method \"" + std::string(method.name()) +
+         "\" does not honour it, " + std::string(asked.reason) + ": leave it out, or take " +
+         listed(asked.key);
 }
 
 /// Whether a key of `render` is there, if only with its default.
@@ -42,12 +43,49 @@ bool is_asked(const Scene& scene, const RenderSetting& setting, const std::strin
 
 std::string path_of(const RenderSetting& setting) { return "render." + std::string(setting.key); }
 
+/// Names a key that no method honours beside another one.
+std::optional<std::string> conflict(const Scene& scene, const std::vector<AskedSetting>& all) {
+  const std::vector<SceneMethod> methods = subsurface_methods();
+  const auto is_honoured = [&](std::span<const AskedSetting> asked) {
+    return std::ranges::any_of(methods, [&](SceneMethod method) {
+      return std::ranges::all_of(
+          asked, [&](const AskedSetting& one) { return method->honours_key(one.key); });
+    });
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (is_honoured({all.data(), i + 1})) continue;
+    // One of those before that alone is enough, else the last.
+    const std::size_t other = [&] {
+      for (std::size_t k = 0; k < i; ++k)
+        if (!is_honoured(std::array{all[k], all[i]})) return k;
+      return i - 1;
+    }();
+    return place(scene, all[i].path) + ": no method honours it beside " + all[other].path +
+           ": leave one out; it is for " + listed(all[i].key) + ", the other for " +
+           listed(all[other].key);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
+std::vector<AskedSetting> asked_settings(const Scene& scene) {
+  std::vector<AskedSetting> all;
+  for (const RenderSetting& setting : render_settings)
+    if (const std::string path = path_of(setting); is_asked(scene, setting, path))
+      all.push_back({path, setting.key, setting.reason});
+  for (const std::uint32_t m : translucent_materials_in_use(scene))
+    for (const MaterialSetting& setting : material_settings)
+      if (setting.is_asked(std::get<SubsurfaceSurface>(scene.materials[m].surface)))
+        all.push_back({"materials." + scene.materials[m].name + "." + std::string(setting.key),
+                       setting.key, setting.reason});
+  return all;
+}
+
 std::optional<std::string> refusal(const Scene& scene, SceneMethod method) {
-  for (const SurfaceMaterial& material : scene.materials) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface);
-    if (!surface || surface->over.empty()) continue;
+  for (const std::uint32_t m : translucent_materials_in_use(scene)) {
+    const SurfaceMaterial& material = scene.materials[m];
+    if (std::get<SubsurfaceSurface>(material.surface).over.empty()) continue;
     const auto refuse = [&](std::string_view key) {
       return place(scene, "materials." + material.name + ".over") + ": must not stand beside \"" +
              std::string(key) + "\" of \"render\", which takes the surface as bare";
@@ -56,17 +94,10 @@ std::optional<std::string> refusal(const Scene& scene, SceneMethod method) {
     if (scene.render.single_scattering != RenderSettings().single_scattering)
       return refuse("single_scattering");
   }
-  if (method.is_open()) return std::nullopt;
-  for (const RenderSetting& setting : render_settings)
-    if (const std::string path = path_of(setting);
-        !method->honours_key(setting.key) && is_asked(scene, setting, path))
-      return refusal_of(scene, path, setting, method);
-  for (const SurfaceMaterial& material : scene.materials)
-    if (const auto* surface = std::get_if<SubsurfaceSurface>(&material.surface))
-      for (const MaterialSetting& setting : material_settings)
-        if (!method->honours_key(setting.key) && setting.is_asked(*surface))
-          return refusal_of(scene, "materials." + material.name + "." + std::string(setting.key),
-                            setting, method);
+  const std::vector<AskedSetting> all = asked_settings(scene);
+  if (method.is_open()) return conflict(scene, all);
+  for (const AskedSetting& asked : all)
+    if (!method->honours_key(asked.key)) return refusal_of(scene, asked, method);
   return std::nullopt;
 }
 

@@ -92,12 +92,22 @@ inline constexpr auto render_settings = [] {
         [](const Settings& s) { return s.factors.any(); }, [](Settings& s) { s.factors = {}; }}});
 }();
 
+/// A key that a scene asks for and that not all methods honour.
+struct AskedSetting {
+  std::string path;              ///< "render.correct", "materials.wax.maps"
+  std::string_view key, reason;  ///< as of the setting
+};
+
+/// All such keys: those of `render`, then those of translucent materials in use.
+[[nodiscard]] std::vector<AskedSetting> asked_settings(const Scene& scene);
+
 /// Names the first key by which the scene asks for what a method does not honour, the method and
-/// what to do; absent if it honours all, or is yet to be
-/// chosen.
+/// what to do; absent if it honours all. Of a method that is yet to be chosen: two keys that no
+/// method honours together.
 [[nodiscard]] std::optional<std::string> refusal(const Scene& scene, RenderSettings::Method method);
 
-/// @throws InvalidInput if the scene asks for what its method does not honour.
+/// @throws InvalidInput if the scene asks for what its method does not honour, or if it leaves that
+///         open no method.
 void require_honoured(const Scene& scene);
 
 /// Leaves out what of the scene's `render` its method does not honour, as when another method than

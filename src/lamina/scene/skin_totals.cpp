@@ -3,6 +3,8 @@
 
 #include <variant>
 
+#include "lamina/scene/materials_in_use.h"
+
 namespace lamina {
 namespace {
 
@@ -24,11 +26,10 @@ bool takes_material_totals(const Material& material, const RenderSettings& setti
 
 std::vector<SkinTotals> skin_totals(const Scene& scene) {
   std::vector<SkinTotals> found;
-  for (std::uint32_t i = 0; i < scene.materials.size(); ++i) {
-    const auto* surface = std::get_if<SubsurfaceSurface>(&scene.materials[i].surface);
-    if (surface && surface->material.skin)
-      found.push_back({i, surface->material.skin->constants,
-                       has_transfer_totals(surface->material, scene.render)});
+  for (const std::uint32_t i : translucent_materials_in_use(scene)) {
+    const Material& material = std::get<SubsurfaceSurface>(scene.materials[i].surface).material;
+    if (material.skin)
+      found.push_back({i, material.skin->constants, has_transfer_totals(material, scene.render)});
   }
   return found;
 }

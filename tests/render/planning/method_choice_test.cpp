@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/render/subsurface/bodies/optical_size.h"
 #include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "render/small_scenes.h"
@@ -62,9 +63,11 @@ TEST(MethodChoice, FollowsWhatTheMaterialsNeed) {
   scene.materials.push_back(diffuse_material(0.0f));
   EXPECT_EQ(chosen_for(scene).method, Method::hierarchy);
 
-  // Without scattering there is no profile.
+  // Without scattering there is no profile; and what is inside an open surface nobody knows.
   scene = lit_ball();
   surface_of(scene).material = half_space({0.1, 0.3, 1.0}, 0.0, 1.3);
+  EXPECT_EQ(chosen_for(scene).method, Method::random_walk);
+  scene.meshes[0].is_closed = false;
   EXPECT_EQ(chosen_for(scene).method, Method::layered_bsdf);
 }
 
@@ -79,23 +82,109 @@ TEST(MethodChoice, FollowsSettingsOfOneMethod) {
   EXPECT_EQ(with([](RenderSettings& s) { s.shadow_map.resolution = 64; }), Method::shadow_map);
 }
 
-// Few samples of many pixels draw the light, many sum it; either way the same scene gets the same
-// method, and its picture is the one of that method.
-TEST(MethodChoice, WeighsWorkAndIsThatOfTheMethodByName) {
+// However few the samples; and the picture is the one of the method by its name.
+TEST(MethodChoice, TakesLightWithoutNoise) {
   Scene scene = lit_ball();
-  scene.render.samples_per_pixel = 1;
-  EXPECT_EQ(chosen_for(scene).method, Method::probe);
-  scene.render.samples_per_pixel = 256;
-  RenderResult open = render(scene);
-  EXPECT_EQ(open.statistics.method, Method::hierarchy);
-  EXPECT_NE(open.statistics.why_method.find("times the work"), std::string::npos);
+  for (const int samples : {1, 64}) {
+    scene.render.samples_per_pixel = samples;
+    scene.render.method = Method::automatic;
+    const RenderResult open = render(scene);
+    EXPECT_EQ(open.statistics.method, Method::hierarchy);
+    EXPECT_EQ(open.statistics.why_method, "no noise below surfaces");
+    EXPECT_TRUE(open.statistics.warnings.empty());
+    scene.render.method = Method::hierarchy;
+    const RenderResult named = render(scene);
+    EXPECT_EQ(named.image.pixels, open.image.pixels);
+    EXPECT_TRUE(named.statistics.why_method.empty());
+  }
+}
+
+TEST(MethodChoice, CorrectedLightIsThatOfAMethodThatIsCorrected) {
+  Scene scene = lit_ball();
+  scene.film = {.width = 4, .height = 4};
+  scene.render.is_corrected = true;
+  const RenderStatistics statistics = chosen_for(scene);
+  EXPECT_EQ(statistics.method, Method::hierarchy);
+  EXPECT_EQ(statistics.corrections.size(), 1u);
+}
+
+// A ball of 15 mm that is nearly clear, in even light of radiance 1: .944 of it comes back, by
+// random walks; by a flat profile a third of that.
+TEST(MethodChoice, FollowsLightInsideSmallBodies) {
+  Scene scene = lit_ball();
+  scene.meshes = {make_sphere(7.5f, 48)};
+  scene.meshes[0].is_closed = true;
+  scene.camera = camera_above(7.5);
+  surface_of(scene).material = half_space({0.002, 0.002, 0.002}, 0.00014, 1.33);
+  const RenderResult open = render(scene);
+  EXPECT_EQ(open.statistics.method, Method::random_walk);
+  EXPECT_NE(open.statistics.why_method.find("9.99 mm, 0.021 transport mean free paths"),
+            std::string::npos)
+      << open.statistics.why_method;
+  EXPECT_TRUE(open.statistics.warnings.empty());
+  EXPECT_NEAR(mean_of(open.image, 0), 0.97, 0.02);  // as far as it is seen here
+
+  // What is named is not switched, but says so; with correction, too, it follows the light.
   scene.render.method = Method::hierarchy;
-  const RenderResult named = render(scene);
-  EXPECT_EQ(named.image.pixels, open.image.pixels);
-  EXPECT_TRUE(named.statistics.why_method.empty());
-  scene.materials[0] = diffuse_material(0.5f);
+  const std::vector<std::string> warnings = chosen_for(scene).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("9.99 mm, 0.021 transport mean free paths"), std::string::npos)
+      << warnings[0];
+  scene.meshes[0].is_closed = false;  // of unknown size
+  EXPECT_TRUE(chosen_for(scene).warnings.empty());
   scene.render.method = Method::automatic;
-  EXPECT_EQ(chosen_for(scene).method, Method::probe);
+  EXPECT_EQ(chosen_for(scene).method, Method::hierarchy);
+
+  // A light without an area, which walks do not find below layers that refract.
+  Scene layered = lit_ball();
+  layered.lights = {PointLight{.position = {0, 0, 50}, .intensity = {100, 100, 100}}};
+  surface_of(layered).material =
+      material_of({layer_of({0.1, 0.1, 0.1}, {1, 1, 1}, 0.0, 0.1, 1.5),
+                   layer_of({0.1, 0.1, 0.1}, {1, 1, 1}, 0.0, infinite, 1.3)});
+  const RenderStatistics statistics = chosen_for(layered);
+  EXPECT_EQ(statistics.method, Method::hierarchy);
+  EXPECT_EQ(statistics.warnings.size(), 1u);
+}
+
+// Of shapes whose mean chord has a closed form, 4 V / S; and through a layer that is denser.
+TEST(MethodChoice, SizesOfBodiesAreMeanChords) {
+  Scene scene = lit_ball();
+  surface_of(scene).material = half_space({0.2, 0.3, 0.1}, 0.3, 1.3);
+  const auto size = [&](Mesh mesh) {
+    mesh.is_closed = true;
+    scene.meshes = {std::move(mesh)};
+    return optical_size(scene, 0).value();
+  };
+  EXPECT_NEAR(size(make_sphere(6.0f, 96)).size, 8.0, 0.01);
+  EXPECT_NEAR(size(make_sphere(6.0f, 96)).mean_free_path, 2.5, 1e-9);
+  EXPECT_NEAR(size(make_cube(3.0f)).size, 2.0, 1e-5);
+  Mesh sheet = make_cube(100.0f);
+  for (Vec3f& position : sheet.positions) position.z *= 0.001f;
+  EXPECT_NEAR(size(sheet).size, 0.2 / 1.002, 1e-5);
+  surface_of(scene).material = material_of({layer_of({2, 2, 2}, {1, 1, 1}, 0.0, 0.5),
+                                            layer_of({0.1, 0.1, 0.1}, {1, 1, 1}, 0.9, infinite)});
+  // 2 x .5 mm of 3 /mm, and the rest of .2 /mm
+  EXPECT_NEAR(size(make_cube(6.0f)).in_mean_free_paths(), 3.0 + 3.0 * 0.2, 1e-5);
+  scene.meshes[0].is_closed = false;
+  EXPECT_FALSE(optical_size(scene, 0));
+}
+
+// Materials that no mesh has ask for nothing and are not prepared: not even what a method refuses.
+TEST(MethodChoice, UnusedMaterialsAskForNothing) {
+  Scene scene = lit_ball();
+  const RenderResult alone = render(scene);
+  scene.materials.push_back(scene.materials[0]);
+  auto& unused = std::get<SubsurfaceSurface>(scene.materials[1].surface);
+  unused.maps = {{.quantity = LayerMap::Quantity::sigma_a, .terms = {{.value = 0.5f}}}};
+  unused.material = skin_by_bands();
+  const RenderResult open = render(scene);
+  EXPECT_EQ(open.statistics.method, Method::hierarchy);
+  EXPECT_EQ(open.statistics.profiles.size(), 1u);
+  EXPECT_EQ(open.statistics.light_samples.size(), 1u);
+  EXPECT_EQ(open.image.pixels, alone.image.pixels);
+  scene.render.method = Method::random_walk;
+  scene.meshes[0].is_closed = true;
+  EXPECT_NO_THROW((void)render(scene));
 }
 
 TEST(MethodChoice, SaysWhatItIsAndCostsBeforeTheWork) {
@@ -115,7 +204,7 @@ TEST(MethodChoice, SaysWhatItIsAndCostsBeforeTheWork) {
   ASSERT_FALSE(lines.empty());
   EXPECT_LE(lines.size(), 2u);  // where no cache has the profile, that it is solved comes first
   const std::string& line = lines.back();
-  EXPECT_TRUE(line.starts_with("method probe (")) << line;
+  EXPECT_TRUE(line.starts_with("method hierarchy (")) << line;
   EXPECT_NE(line.find(" CPU-s, "), std::string::npos) << line;
   EXPECT_TRUE(line.ends_with(" MiB")) << line;
 }

@@ -8,6 +8,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/render/paths/path_tracer.h"
 #include "lamina/render/planning/internal/cpu_time.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -47,9 +48,8 @@ struct Scout {
                 sheets,
                 coverings,
                 {.max_bounces = max_bounces}}) {
-    for (std::size_t m = 0; m < points.size(); ++m)
-      if (std::holds_alternative<SubsurfaceSurface>(scene.scene->materials[m].surface))
-        transports[m] = std::make_unique<Recorder<N>>(points[m]);
+    for (const std::uint32_t m : translucent_materials_in_use(*scene.scene))
+      transports[m] = std::make_unique<Recorder<N>>(points[m]);
   }
   std::vector<std::vector<SurfacePoint>> points;
   SubsurfaceMethods<N> transports;

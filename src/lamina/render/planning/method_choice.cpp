@@ -2,12 +2,15 @@
 #include "lamina/render/planning/method_choice.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <optional>
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
-#include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
+#include "lamina/render/subsurface/bodies/optical_size.h"
+#include "lamina/render/subsurface/profiles/profile_maker.h"
+#include "lamina/render/subsurface/random_walk/walk_refusal.h"
+#include "lamina/scene/materials_in_use.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/subsurface_methods.h"
 
@@ -16,41 +19,22 @@ namespace {
 
 using Method = SceneMethod;
 
-/// Work of `hierarchy` per sample of the light beside its paths, in paths: cutting the surface, and
-/// where a sample is seen the sum over all others.
-constexpr double work_of_cell = 1.0, work_of_sum = 8.0;
-/// Work of `probe` per sample of a pixel, in paths: the one, and the probes for where it enters.
-constexpr double work_of_probe = 0.4;
-/// Light without noise is worth so many times the work.
-constexpr double worth_of_no_noise = 2.5;
+/// Mean chord of a body in transport mean free paths below which flat profiles do not fit it. Their
+/// error over it is in docs/measurements/subsurface.md.
+constexpr double least_flat_size = 10.0;
 
-std::vector<std::uint32_t> translucent_materials(const Scene& scene) {
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
-    if (std::holds_alternative<SubsurfaceSurface>(scene.materials[m].surface)) found.push_back(m);
-  return found;
+/// The best first, as far as they honour what is asked for.
+std::array<Method, 6> preferred_methods() {
+  return {Method::hierarchy,   Method::texture_space, Method::layered_bsdf,
+          Method::random_walk, Method::probe,         Method::shadow_map};
 }
 
-/// What the scene asks for by what only one method reads.
-std::optional<MethodChoice> choice_by_needs(const Scene& scene, const RenderOptions& options) {
-  const RenderSettings& settings = scene.render;
-  for (const std::uint32_t m : translucent_materials(scene)) {
-    const auto& surface = std::get<SubsurfaceSurface>(scene.materials[m].surface);
-    const std::string of = "\"" + scene.materials[m].name + "\"";
-    if (!surface.maps.empty())
-      return MethodChoice{Method::layered_bsdf, of + " has maps of layers"};
-    if (!surface.material_maps.empty())
-      return MethodChoice{Method::texture_space, of + " has maps of what it is made of"};
-  }
-  const std::string of_settings = "the scene has settings of it";
-  if (settings.orders != LayeredOrders::all || settings.factors.any())
-    return MethodChoice{Method::layered_bsdf, of_settings};
-  for (const Method method : subsurface_methods())
-    if (has_numbers_of(settings, method) && (options.cache.empty() || method->keeps_light) &&
-        !refusal(scene, method))
-      return MethodChoice{method, of_settings};
-  if (!options.cache.empty()) return MethodChoice{Method::hierarchy, "its light can be kept"};
-  return std::nullopt;
+const Material& material_of(const Scene& scene, std::uint32_t material) {
+  return std::get<SubsurfaceSurface>(scene.materials[material].surface).material;
+}
+
+std::string quoted_name(const Scene& scene, std::uint32_t material) {
+  return '"' + scene.materials[material].name + '"';
 }
 
 bool has_diffusion_profile(const Material& material, const RenderSettings& settings) {
@@ -62,68 +46,78 @@ bool has_diffusion_profile(const Material& material, const RenderSettings& setti
   return true;
 }
 
-using Profile = RenderSettings::Profile;
-
 bool has_profile(const Material& material, const RenderSettings& settings) {
-  const Profile source = ProfileMaker(settings).source(material);
-  return source == Profile::radiative_transfer ? !transfer_refusal(material)
-                                               : has_diffusion_profile(material, settings);
+  const RenderSettings::Profile source = ProfileMaker(settings).source(material);
+  return source == RenderSettings::Profile::radiative_transfer
+             ? !transfer_refusal(material)
+             : has_diffusion_profile(material, settings);
 }
 
-/// Profiles to plan with: at once by diffusion, where it takes the material.
-ProfileMaker quick_profiles(const Material& material, const RenderSettings& settings,
-                            const Progress& progress) {
-  RenderSettings quick = settings;
-  if (profile_of(settings) == Profile::radiative_transfer) quick.profile = Profile::diffusion;
-  return ProfileMaker(has_diffusion_profile(material, quick) ? quick : settings, progress);
+/// The size of the bodies of a material that are too small for flat profiles; else absent.
+std::optional<OpticalSize> small_bodies(const Scene& scene, std::uint32_t material) {
+  const auto size = optical_size(scene, material);
+  return size && size->in_mean_free_paths() < least_flat_size ? size : std::nullopt;
+}
+
+std::string describe(const OpticalSize& size) {
+  return printf_text("%.3g mm, %.2g transport mean free paths", size.size,
+                     size.in_mean_free_paths());
 }
 
 }  // namespace
 
-template <int N>
-MethodChoice choose_method(const RenderScene& scene, const BandConversion<N>& conversion,
-                           const CameraRays& camera, const SeenSurface& seen,
-                           const RenderOptions& options, const Progress& progress) {
-  const Scene& s = *scene.scene;
-  if (auto choice = choice_by_needs(s, options)) return *choice;
-  const auto materials = translucent_materials(s);
-  if (seen.count() == 0) return {Method::probe, "nothing translucent is seen"};
-  for (const std::uint32_t m : materials) {
-    const Material& material = std::get<SubsurfaceSurface>(s.materials[m].surface).material;
-    if (!has_profile(material, s.render))
-      return {Method::layered_bsdf, "\"" + s.materials[m].name + "\" has no profile"};
+MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
+  const std::vector<AskedSetting> asked = asked_settings(scene);
+  std::vector<Method> able;
+  for (const Method method : preferred_methods())
+    if ((options.cache.empty() || method->keeps_light) &&
+        std::ranges::all_of(asked,
+                            [&](const AskedSetting& one) { return method->honours_key(one.key); }))
+      able.push_back(method);
+  if (able.empty()) {
+    require_honoured(scene);
+    throw InvalidInput("--cache: no method that keeps light honours " + asked.front().path);
   }
-  double of_hierarchy = 0.0;
-  for (const std::uint32_t m : materials) {
-    const Material& material = std::get<SubsurfaceSurface>(s.materials[m].surface).material;
-    const HierarchyTransport<N> hierarchy(scene, conversion, m,
-                                          quick_profiles(material, s.render, progress), false);
-    // What shows outside as well, as eyes do, hardly changes the light.
-    if (std::ranges::any_of(hierarchy.objects_inside(),
-                            [](const auto& object) { return object.fraction > 0.9; }))
-      return {Method::hierarchy, "something opaque is inside \"" + s.materials[m].name + "\""};
-    const LightSampling sampling = hierarchy.plan_sampling(camera, seen, !options.cache.empty());
-    of_hierarchy +=
-        sampling.cells * (sampling.estimates + work_of_cell) + sampling.close_cells * work_of_sum;
-  }
-  // Without noise below surfaces few samples of a pixel do.
-  const double pixels = static_cast<double>(s.film.width) * static_cast<double>(s.film.height);
-  const double fraction = static_cast<double>(seen.count()) / static_cast<double>(seen.rays);
-  const double of_probe = fraction * pixels * s.render.samples_per_pixel * (1.0 + work_of_probe);
-  const double ratio = of_hierarchy / of_probe;
-  if (ratio <= worth_of_no_noise)
-    return {Method::hierarchy,
-            printf_text("no noise below surfaces for %.1f times the work of probe", ratio)};
-  return {Method::probe, printf_text("hierarchy would take %.1f times its work", ratio)};
+  const auto is_able = [&](Method method) { return std::ranges::find(able, method) != able.end(); };
+  // What the best of all does not honour, if anything, is why it is another.
+  const auto choice = [&](Method method, const std::string& otherwise) {
+    for (const AskedSetting& one : asked)
+      if (!preferred_methods().front()->honours_key(one.key))
+        return MethodChoice{method, "it honours " + one.path};
+    return MethodChoice{method, otherwise};
+  };
+  for (const Method method : subsurface_methods())
+    if (is_able(method) && has_numbers_of(scene.render, method))
+      return choice(method, "the scene has settings of it");
+
+  const std::vector<std::uint32_t> translucent = translucent_materials_in_use(scene);
+  if (is_able(Method::random_walk) &&
+      std::ranges::all_of(translucent, [&](std::uint32_t m) { return takes_walks(scene, m); }))
+    for (const std::uint32_t m : translucent)
+      if (const auto size = small_bodies(scene, m))
+        return {Method::random_walk,
+                "bodies of " + quoted_name(scene, m) + " are small: " + describe(*size)};
+  for (const std::uint32_t m : translucent)
+    if (!has_profile(material_of(scene, m), scene.render)) {
+      const auto found =
+          std::ranges::find_if(able, [](Method method) { return method->solves_transfer; });
+      if (found != able.end()) return {*found, quoted_name(scene, m) + " has no profile"};
+    }
+  const Method best = able.front();
+  if (translucent.empty()) return {best, "nothing is translucent"};
+  return choice(best, options.cache.empty() ? "no noise below surfaces" : "its light can be kept");
 }
 
-#define LAMINA_INSTANTIATE(N)                                                          \
-  template MethodChoice choose_method<N>(const RenderScene&, const BandConversion<N>&, \
-                                         const CameraRays&, const SeenSurface&,        \
-                                         const RenderOptions&, const Progress&)
-LAMINA_INSTANTIATE(4);
-LAMINA_INSTANTIATE(8);
-LAMINA_INSTANTIATE(16);
-#undef LAMINA_INSTANTIATE
+std::vector<std::string> warnings_of_small_bodies(const Scene& scene) {
+  std::vector<std::string> lines;
+  const Method method = scene.render.method;
+  if (method == Method::random_walk || method->is_bsdf || scene.render.is_corrected) return lines;
+  for (const std::uint32_t m : translucent_materials_in_use(scene))
+    if (const auto size = small_bodies(scene, m))
+      lines.push_back("material " + quoted_name(scene, m) + ": its bodies are small, " +
+                      describe(*size) + ", but method " + std::string(method.name()) +
+                      " takes surfaces as flat: its light may be far off; take random_walk");
+  return lines;
+}
 
 }  // namespace lamina

@@ -2,27 +2,24 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "lamina/core/progress.h"
-#include "lamina/render/geometry/camera_rays.h"
-#include "lamina/render/paths/path_tracer.h"
-#include "lamina/render/subsurface/seen_surface.h"
 #include "lamina/scene/render_options.h"
 #include "lamina/scene/scene.h"
 
 namespace lamina {
 
-/// The method for a scene that leaves it open: what its materials need, else what its settings are
-/// of, else what costs less, by the number of paths. The same scene always gets the same one.
+/// The method for a scene that leaves it open, by what it needs: all that the scene asks for, then
+/// what its settings are of, then bodies that no flat profile fits, else light without noise.
 struct MethodChoice {
   SceneMethod method;
   std::string why;  ///< a phrase
 };
-template <int N>
-[[nodiscard]] MethodChoice choose_method(const RenderScene& scene,
-                                         const BandConversion<N>& conversion,
-                                         const CameraRays& camera, const SeenSurface& seen,
-                                         const RenderOptions& options,
-                                         const Progress& progress = {});
+/// @throws InvalidInput if no method honours all that the scene asks for
+[[nodiscard]] MethodChoice choose_method(const Scene& scene, const RenderOptions& options);
+
+/// A line for each material in use whose bodies are too small for the scene's method, which takes
+/// surfaces as flat.
+[[nodiscard]] std::vector<std::string> warnings_of_small_bodies(const Scene& scene);
 
 }  // namespace lamina

@@ -11,6 +11,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -111,8 +112,9 @@ void CoveringTable<N>::State::solve(const LayerStack& layers, int band) {
 template <int N>
 Coverings<N> make_coverings(const RenderScene& scene) {
   Coverings<N> coverings(scene.scene->materials.size());
+  const std::vector<bool> is_used = materials_in_use(*scene.scene);
   for (std::uint32_t i = 0; i < coverings.size(); ++i)
-    if (!coverings_of(scene.scene->materials[i]).empty())
+    if (is_used[i] && !coverings_of(scene.scene->materials[i]).empty())
       coverings[i] = std::make_unique<CoveringTable<N>>(scene, i);
   return coverings;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lamina/core/error.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -76,9 +77,13 @@ RenderScene::RenderScene(const Scene& from)
     : scene((check(from), &from)),
       geometry(from.meshes),
       textures(from.images),
-      lights(from, geometry.box_low(), geometry.box_high()) {
-  for (const SurfaceMaterial& material : from.materials) {
-    boundaries.push_back(make_boundaries(material));
+      lights(from, geometry.box_low(), geometry.box_high()),
+      boundaries(from.materials.size()) {
+  const std::vector<bool> is_used = materials_in_use(from);
+  for (std::size_t m = 0; m < boundaries.size(); ++m) {
+    if (!is_used[m]) continue;
+    const SurfaceMaterial& material = from.materials[m];
+    boundaries[m] = make_boundaries(material);
     has_clear_surfaces |= std::holds_alternative<DielectricSurface>(material.surface) ||
                           std::holds_alternative<ThinSurface>(material.surface) ||
                           material.opacity.has_value();

@@ -10,6 +10,7 @@
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -150,8 +151,9 @@ BandValues<N> ThinSheet<N>::transmission(const Place& place, int side, float cos
 template <int N>
 ThinSheets<N> make_thin_sheets(const Scene& scene) {
   ThinSheets<N> sheets(scene.materials.size());
+  const std::vector<bool> is_used = materials_in_use(scene);
   for (std::size_t i = 0; i < sheets.size(); ++i)
-    if (std::holds_alternative<ThinSurface>(scene.materials[i].surface))
+    if (is_used[i] && std::holds_alternative<ThinSurface>(scene.materials[i].surface))
       sheets[i] = std::make_unique<ThinSheet<N>>(scene.materials[i]);
   return sheets;
 }

@@ -6,8 +6,6 @@
 #include <sstream>
 #include <string>
 
-#include "lamina/core/error.h"
-
 namespace lamina {
 
 Box box_of_material(const Scene& scene, std::uint32_t material) {
@@ -58,15 +56,15 @@ std::string what_is_open(const Mesh& mesh, std::uint32_t material) {
 
 }  // namespace
 
-void require_closed_meshes(const Scene& scene, std::uint32_t material) {
+std::optional<std::string> openness(const Scene& scene, std::uint32_t material) {
   for (const Mesh& mesh : scene.meshes)
     if (std::ranges::find(mesh.material, material) != mesh.material.end() &&
         !is_closed(mesh, material))
-      throw InvalidInput("mesh \"" + mesh.name +
-                         "\": random_walk needs a closed surface, with an inside that light can "
-                         "walk in, but " +
-                         what_is_open(mesh, material) +
-                         "; close it, give it another material or use another method");
+      return "mesh \"" + mesh.name +
+             "\": random_walk needs a closed surface, with an inside that light can walk in, but " +
+             what_is_open(mesh, material) +
+             "; close it, give it another material or use another method";
+  return std::nullopt;
 }
 
 }  // namespace lamina

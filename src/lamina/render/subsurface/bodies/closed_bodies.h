@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "lamina/core/vec.h"
 #include "lamina/scene/scene.h"
@@ -20,7 +22,7 @@ struct Box {
 /// Around points, with a margin.
 [[nodiscard]] Box box_around(std::span<const SurfacePoint> points, float margin);
 
-/// @throws InvalidInput if a mesh of the material is open
-void require_closed_meshes(const Scene& scene, std::uint32_t material);
+/// Which mesh of the material is open, where, and what to do; absent if all are closed.
+[[nodiscard]] std::optional<std::string> openness(const Scene& scene, std::uint32_t material);
 
 }  // namespace lamina

@@ -103,6 +103,7 @@ LightSampling HierarchyTransport<N>::plan_sampling(const CameraRays& camera,
   const RenderSettings& render = scene_.scene->render;
   const HierarchySettings& settings = render.hierarchy;
   constexpr int most_estimates = 32, least_estimates = 4;
+  constexpr double cells_of_unseen = 2000.0;  // that no ray of the camera meets
   const float nearest = nearest_pixel(*scene_.scene, camera, material_);
   LightSampling sampling{.field = SpacingField(1.0f), .estimates = most_estimates};
   std::vector<double> counts;
@@ -116,6 +117,9 @@ LightSampling HierarchyTransport<N>::plan_sampling(const CameraRays& camera,
     for (const SurfacePoint& point : seen.points[material_]) places.push_back(point.position);
     const float pixel = places.empty() ? nearest : seen.pixel_size(material_);
     float spacing = spacing_for(pixel);
+    if (places.empty())
+      spacing = std::max(spacing, static_cast<float>(std::sqrt(surface_area(meshes, material_) /
+                                                               cells_of_unseen)));
     do {
       sampling.field = SpacingField(places, spacing, 2.0f * seen.pixels_between * pixel);
       counts = expected_cells(meshes, material_, sampling.field);

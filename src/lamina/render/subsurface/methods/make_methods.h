@@ -8,6 +8,7 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/subsurface_method.h"
+#include "lamina/scene/materials_in_use.h"
 #include "lamina/scene/render_options.h"
 #include "lamina/scene/subsurface_methods.h"
 
@@ -22,14 +23,13 @@ struct MethodContext {
   bool is_printed_exit;  ///< RenderSettings::ExitAngle
 };
 
-/// Makes a method for the translucent materials of a scene, `make(material)` each.
+/// Makes a method for the translucent materials of a scene that are in use, `make(material)` each.
 template <int N, class Make>
 [[nodiscard]] SubsurfaceMethods<N> make_for_each_material(const MethodContext<N>& context,
                                                           const Make& make) {
-  const auto& materials = context.scene.scene->materials;
-  SubsurfaceMethods<N> methods(materials.size());
-  for (std::uint32_t m = 0; m < materials.size(); ++m)
-    if (std::holds_alternative<SubsurfaceSurface>(materials[m].surface)) methods[m] = make(m);
+  const Scene& scene = *context.scene.scene;
+  SubsurfaceMethods<N> methods(scene.materials.size());
+  for (const std::uint32_t m : translucent_materials_in_use(scene)) methods[m] = make(m);
   return methods;
 }
 

@@ -12,6 +12,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
+#include "lamina/render/subsurface/random_walk/walk_refusal.h"
 #include "lamina/render/subsurface/surface_points.h"
 
 namespace lamina {
@@ -36,32 +37,13 @@ void require_one_medium(const Scene& scene, const NestedDielectrics& bodies,
                          "\"; split it");
 }
 
-/// @throws InvalidInput if maps cannot be looked up
-void require_places_of_maps(const Scene& scene, std::uint32_t material) {
-  const auto& surface = std::get<SubsurfaceSurface>(scene.materials[material].surface);
-  if (surface.material_maps.empty()) return;
-  if (surface.color_use == SubsurfaceSurface::ColorUse::invert)
-    throw InvalidInput("material \"" + scene.materials[material].name +
-                       "\": random_walk takes maps of what it is made of, or a color that says "
-                       "what it absorbs, but not both");
-  for (const Mesh& mesh : scene.meshes)
-    if (mesh.uvs.empty() && std::ranges::find(mesh.material, material) != mesh.material.end())
-      throw InvalidInput("mesh \"" + mesh.name + "\": the maps of material \"" +
-                         scene.materials[material].name +
-                         "\" need texture coordinates, but it has none");
-}
-
 /// @throws InvalidInput for lights that no path finds through layers
 template <int N>
 void require_lights_with_area(const Scene& scene, const BodyMedium<N>& medium,
                               std::uint32_t material) {
   if (medium.is_rough) return;  // which sends their light in all directions
   const WalkLayers<N>& layers = medium.layers;
-  const bool has_points = std::ranges::any_of(scene.lights, [](const Light& light) {
-    return std::holds_alternative<PointLight>(light) || std::holds_alternative<SpotLight>(light) ||
-           std::holds_alternative<DirectionalLight>(light);
-  });
-  if (has_points && !layers.sees_out(layers.by_depth().count() - 1))
+  if (has_lights_without_area(scene) && !layers.sees_out(layers.by_depth().count() - 1))
     throw InvalidInput(
         "material \"" + scene.materials[material].name +
         "\": random_walk does not find point, spot and distant lights through layers of "
@@ -85,8 +67,7 @@ RandomWalk<N>::RandomWalk(std::shared_ptr<WalkMedia<N>> media, std::uint32_t mat
                                                       std::numbers::pi_v<float>,
                                                   1e-30f)) {
   const Scene& scene = *media_->scene().scene;
-  require_closed_meshes(scene, material);
-  require_places_of_maps(scene, material);
+  if (const auto why = walk_refusal(scene, material)) throw InvalidInput(*why);
   if (medium_->is_homogeneous) return;
   require_one_medium(scene, media_->bodies(), material);
   require_lights_with_area(scene, *medium_, material);

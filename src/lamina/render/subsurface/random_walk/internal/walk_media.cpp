@@ -11,6 +11,7 @@
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
+#include "lamina/scene/materials_in_use.h"
 
 namespace lamina {
 namespace {
@@ -85,7 +86,9 @@ WalkMedia<N>::WalkMedia(const RenderScene& scene, const BandConversion<N>& conve
       conversion_(conversion),
       bodies_(scene),
       of_material_(scene.scene->materials.size()) {
+  const std::vector<bool> is_used = materials_in_use(*scene.scene);
   for (std::uint32_t i = 0; i < of_material_.size(); ++i) {
+    if (!is_used[i]) continue;
     const auto& surface = scene.scene->materials[i].surface;
     // Paths meet dielectrics within or beside translucent bodies only.
     if (std::holds_alternative<SubsurfaceSurface>(surface) ||
