@@ -103,6 +103,38 @@ TEST(CaptureFile, DevelopsAPairOfPhotographs) {
   EXPECT_EQ(stated.deviation.pixels.size(), stated.reflectance.pixels.size());
 }
 
+// A matte white behind crossed or parallel sheets has half of its light, which the black level does
+// not lose: the same skin must come out.
+TEST(CaptureFile, CountsTheSheetsThatWhiteWasSeenThrough) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const Image dark = load_image(captures / "good/dark.png", ColorEncoding::linear);
+  Image white = load_image(captures / "good/white.png", ColorEncoding::linear);
+  for (std::size_t i = 0; i < white.pixels.size(); ++i)
+    white.pixels[i] = dark.pixels[i] + 0.5f * (white.pixels[i] - dark.pixels[i]);
+  const auto file = folder / "lamina_white_behind_sheets.exr";
+  save_exr(white, file);
+  const auto red = [](std::vector<std::string> settings) {
+    const Capture capture = load_capture(captures / "good/photograph.json", {}, settings);
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < capture.mask.faults.size(); ++i)
+      if (capture.mask.faults[i] == 0) {
+        sum += static_cast<double>(capture.reflectance.pixels[3 * i]);
+        ++count;
+      }
+    return sum / count;
+  };
+  const double known = red({});
+  EXPECT_NEAR(known, 0.46, 0.01);
+  const std::string image = "images[0].white.image=\"" + file.string() + "\"";
+  for (const char* sheets : {"crossed", "parallel"})
+    EXPECT_NEAR(red({image, std::string("images[0].white.polarizers=\"") + sheets + "\""}) / known,
+                1.0, 0.003);
+  // A number says the same as an image that holds it everywhere.
+  const double by_number = red({R"(images[0].white={"level": 0.8, "polarizers": "none"})"});
+  EXPECT_NEAR(red({R"(images[0].white={"level": 0.4, "polarizers": "crossed"})"}), by_number, 1e-6);
+  std::filesystem::remove(file);
+}
+
 // EXR files hold channels by their names: B before R.
 TEST(CaptureFile, TakesColorsAsSuchInAnyOrder) {
   const auto file = std::filesystem::temp_directory_path() / "lamina_capture_colors.exr";

@@ -73,6 +73,47 @@ void require_reflectances(const JsonInput& file, const Image& image) {
           printf_text("%.4g", static_cast<double>(image.pixels[i])));
 }
 
+/// How the white beside a polarized pair was photographed.
+enum class WhitePolarizers {
+  none,      ///< without the sheet before the lens: all the light that it returns
+  crossed,   ///< through the sheets as the image has them
+  parallel,  ///< through the sheets as its other photograph has them
+};
+
+/// The polarizers of the white: they must be stated beside a pair, whose level hangs on them by a
+/// factor of two, and mean nothing else.
+/// @throws InvalidInput where they are missing, or there is no pair
+WhitePolarizers decode_polarizers(const JsonObject& object) {
+  const auto white = object.optional("white");
+  const auto given = white && white->is_object() ? white->peek("polarizers") : std::nullopt;
+  const auto parallel = object.optional("parallel");
+  if (!parallel) {
+    if (given) given->fail("is of the white of a pair, but there is no \"parallel\"");
+    return WhitePolarizers::none;
+  }
+  if (given)
+    return given->choice<WhitePolarizers>({{"none", WhitePolarizers::none},
+                                           {"crossed", WhitePolarizers::crossed},
+                                           {"parallel", WhitePolarizers::parallel}});
+  if (!white && object.optional("chart")) return WhitePolarizers::none;  // which has the level
+  constexpr const char* rule =
+      "the sheets that white was seen through: \"crossed\", \"parallel\" or \"none\"";
+  if (white && white->is_object())
+    white->fail(std::string("must say \"polarizers\", ") + rule + ", since there is a pair");
+  if (white)
+    white->fail(std::string("must be an object with \"level\" and \"polarizers\", ") + rule +
+                ", since there is a pair, but is a number");
+  parallel->fail(std::string("needs \"white\" with \"polarizers\", ") + rule +
+                 "; {\"level\": 1, \"polarizers\": \"none\"} where images hold fractions of all "
+                 "the light that white returns");
+}
+
+/// The part of the light of a matte white that passes the sheet before the lens: of light without
+/// polarization half, either way [Jacques2002].
+double light_past(WhitePolarizers polarizers) {
+  return polarizers == WhitePolarizers::none ? 1.0 : 0.5;
+}
+
 /// What the image would hold where white is, [channel].
 std::vector<double> decode_white_number(const JsonObject& object, const Image& image,
                                         const std::vector<double>& saturation) {
@@ -80,11 +121,23 @@ std::vector<double> decode_white_number(const JsonObject& object, const Image& i
   const auto given = object.optional("white");
   if (!given) return std::vector(bands, 1.0);
   if (!given->is_object()) return given->number_or_numbers(bands, greater_than(0.0));
-  const JsonObject white = given->object({"card", "reflectance"});
+  if (const auto level = given->peek("level")) {
+    const JsonObject white = given->object({"level", "polarizers"});
+    std::vector<double> levels =
+        white.required("level").number_or_numbers(bands, greater_than(0.0));
+    for (double& each : levels) each /= light_past(decode_polarizers(object));
+    return levels;
+  }
+  const JsonObject white = given->object({"card", "reflectance", "polarizers"});
   const JsonInput card = white.required("card");
-  const std::vector<double> reflectance =
+  std::vector<double> reflectance =
       white.required("reflectance")
           .number_or_numbers(bands, {.low = 0.0, .high = 2.0, .includes_low = false});
+  const WhitePolarizers polarizers = decode_polarizers(object);
+  if (polarizers == WhitePolarizers::none && object.optional("parallel"))
+    white.required("polarizers")
+        .fail("must be \"crossed\" or \"parallel\": the card lies in the image, behind its sheets");
+  for (double& each : reflectance) each *= light_past(polarizers);
   const std::vector<Vec2> corners = decode_corners(card, 3, 100);
   try {
     return white_level(
@@ -104,13 +157,19 @@ double decode_exposure(const JsonObject& object) {
 /// By an image of a white reference.
 Developed develop_by_image(const Reading& read, Image raw, const PixelMask& mask) {
   const JsonInput given = read.object.required("white");
-  const JsonObject white = given.object({"image", "reflectance", "exposure", "count"});
+  const JsonObject white =
+      given.object({"image", "reflectance", "exposure", "count", "polarizers"});
   Photographs photographs{.white = read(white.required("image"), raw)};
   DevelopOptions options;
   const std::size_t bands = raw.channel_count();
   if (const auto reflectance = white.optional("reflectance"))
     options.white_reflectance =
         reflectance->number_or_numbers(bands, {.low = 0.0, .high = 2.0, .includes_low = false});
+  const double past = light_past(decode_polarizers(read.object));
+  if (past != 1.0) {
+    options.white_reflectance.resize(bands, 1.0);
+    for (double& each : options.white_reflectance) each *= past;
+  }
   options.exposure_ratio = {decode_exposure(white) / decode_exposure(read.object)};
   if (const auto count = white.optional("count"))
     photographs.white_count = static_cast<int>(count->integer(1, 10000));
@@ -187,6 +246,8 @@ void correct_by_chart(const JsonInput& value, const Reading& read,
     own = develop_by(read, read(*file, developed.reflectance),
                      make_pixel_mask(developed.mask.width, developed.mask.height), stated)
               .reflectance;
+  if (read.object.optional("parallel"))  // taken as the image is, through crossed sheets
+    for (float& pixel : own.pixels) pixel *= 2.0f;
   const Image& image = own.pixels.empty() ? developed.reflectance : own;
   std::vector<Vec2> corners;
   if (const auto given = chart.optional("corners")) corners = decode_corners(*given, 4, 4);
@@ -297,6 +358,7 @@ DecodedPhotograph decode_photograph(const JsonInput& value, const Incidence& inc
   if (const auto error = object.optional("error"))
     photograph.errors = error->number_or_numbers(bands, closed_interval(1e-4, 0.5));
   const std::vector<double> stated = photograph.errors;
+  (void)decode_polarizers(object);
   const PixelMask mask = channel_index(whole, "A") ? mask_from_image(select_channels(whole, {"A"}))
                                                    : make_pixel_mask(whole.width, whole.height);
   if (whole.channels != read.channels) whole = select_channels(whole, read.channels);
