@@ -83,6 +83,38 @@ TEST(Denoise, WorksOnImagesSmallerThanItsWindowAndWithoutFeatures) {
     for (int x = 0; x < 3; ++x) EXPECT_NEAR(clean.at(x, y)[1], 0.5f, 1e-6f);
 }
 
+/// One sample of 64 brings 6400 to pixel (20, 20): its mean is then 100 above the others, and so is
+/// its standard error.
+Image with_firefly(Image image, int x, int y, float red = 1.0f) {
+  float* p = image.at(x, y);
+  const float light[] = {100.0f * red, 100.0f, 100.0f};
+  for (int c = 0; c < 3; ++c) p[c] += light[c];
+  p[3] += 1e4f;
+  return image;
+}
+
+// The filter without the firefly is the witness: what it adds to the picture, and how far from it.
+TEST(Denoise, FireflyIsCutBeforeItsLightIsSpread) {
+  const Image noisy = noisy_image(sigma, 3);
+  const Image wanted = denoise(noisy);
+  Image with = with_firefly(with_firefly(noisy, 20, 20, 0.1f), 21, 21);
+  const Image clean = denoise(with);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(clean.at(x, y)[c], wanted.at(x, y)[c], 0.06f) << x << ' ' << y;
+  const std::size_t before = channel_index(clean, "noisy.R").value();
+  EXPECT_EQ(clean.at(20, 20)[before], with.at(20, 20)[0]);  // nothing is lost
+}
+
+// A lamp that fills a pixel: as bright, but all samples see it.
+TEST(Denoise, SmallBrightThingThatAllSamplesSeeStays) {
+  Image image = noisy_image(sigma, 4);
+  for (int c = 0; c < 3; ++c) image.at(20, 20)[c] = 100.0f;
+  image.at(20, 20)[3] = 1.0f;
+  EXPECT_NEAR(denoise(image).at(20, 20)[1], 100.0f, 1.0f);
+}
+
 TEST(Denoise, NeedsColorsAndVariance) {
   EXPECT_THROW((void)denoise(make_image(2, 2, {"R", "G", "B"})), InvalidInput);
   EXPECT_THROW((void)denoise(make_image(2, 2, {"Y", "variance"})), InvalidInput);

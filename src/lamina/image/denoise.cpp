@@ -85,19 +85,78 @@ std::vector<Feature> find_features(const Image& image) {
   return features;
 }
 
+/// Colors and their noise, as the filter takes them.
+struct NoisyColors {
+  std::array<Plane, 3> color;
+  Plane luminance, variance;
+
+  /// Makes luminance that of the colors.
+  void find_luminance() {
+    for (std::size_t i = 0; i < luminance.values.size(); ++i)
+      luminance.values[i] = 0.2126f * color[0].values[i] + 0.7152f * color[1].values[i] +
+                            0.0722f * color[2].values[i];
+  }
+};
+
+/// A number of each of the eight pixels around one, fewer at a border, in rising order.
+class Around {
+ public:
+  Around(const Plane& plane, int x, int y) {
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, plane.height - 1); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, plane.width - 1); ++u)
+        if (u != x || v != y) values_[count_++] = plane.row(v)[u];
+    std::sort(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(count_));
+  }
+  [[nodiscard]] bool is_empty() const { return count_ == 0; }
+  [[nodiscard]] float median() const { return values_[count_ / 2]; }
+  /// Less than two of them: fireflies that touch do not hide each other.
+  [[nodiscard]] float third_largest() const { return values_[count_ < 3 ? 0 : count_ - 3]; }
+
+ private:
+  std::array<float, 8> values_{};
+  std::size_t count_ = 0;
+};
+
+/// Cuts fireflies to what is around them, in colors and in noise, before they are averaged: their
+/// light would be spread over the window, where their noise makes all look alike.
+///
+/// A firefly stands out of its neighbours by no more than two of its own standard errors, though by
+/// more than four of theirs: of n samples k alike give a standard error of 1 / sqrt(k) of their
+/// mean, so that four samples at most make it. A small bright thing that all samples see stays. The
+/// light that goes was right in the mean: pictures lose it where they are viewed only.
+void clamp_fireflies(NoisyColors& noisy) {
+  const NoisyColors before = noisy;
+  for (int y = 0; y < noisy.luminance.height; ++y)
+    for (int x = 0; x < noisy.luminance.width; ++x) {
+      const Around light(before.luminance, x, y), variances(before.variance, x, y);
+      if (light.is_empty()) continue;
+      const float excess = before.luminance.row(y)[x] - light.third_largest();
+      const float square = excess * excess;
+      if (!(excess > 0.0f && square < 4.0f * before.variance.row(y)[x] &&
+            square > 16.0f * variances.median()))
+        continue;
+      for (std::size_t c = 0; c < 3; ++c)
+        noisy.color[c].row(y)[x] =
+            std::min(before.color[c].row(y)[x], Around(before.color[c], x, y).third_largest());
+      noisy.variance.row(y)[x] = variances.median();
+    }
+  noisy.find_luminance();
+}
+
 class Denoiser {
  public:
   Denoiser(const Image& render, const DenoiseOptions& options)
       : options_(options),
-        color_{color_plane(render, "R"), color_plane(render, "G"), color_plane(render, "B")},
-        luminance_(render.width, render.height),
-        variance_(box_mean(color_plane(render, "variance"), 1)),
+        noisy_{
+            .color = {color_plane(render, "R"), color_plane(render, "G"), color_plane(render, "B")},
+            .luminance = Plane(render.width, render.height),
+            .variance = color_plane(render, "variance")},
         features_(find_features(render)),
         width_(render.width),
         height_(render.height) {
-    for (std::size_t i = 0; i < luminance_.values.size(); ++i)
-      luminance_.values[i] = 0.2126f * color_[0].values[i] + 0.7152f * color_[1].values[i] +
-                             0.0722f * color_[2].values[i];
+    noisy_.find_luminance();
+    clamp_fireflies(noisy_);
+    noisy_.variance = box_mean(noisy_.variance, 1);
   }
 
   /// Writes the rows [y0, y1) to the first three channels of `out` at `offset`.
@@ -134,8 +193,8 @@ class Denoiser {
     const float k2 = static_cast<float>(options_.strength * options_.strength);
     for (int row = 0; row < difference.height; ++row) {
       const int y = clamped_y(top + row), there = clamped_y(top + row + dy);
-      const float *a = luminance_.row(y), *b = luminance_.row(there), *va = variance_.row(y),
-                  *vb = variance_.row(there);
+      const float *a = noisy_.luminance.row(y), *b = noisy_.luminance.row(there),
+                  *va = noisy_.variance.row(y), *vb = noisy_.variance.row(there);
       for (int x = 0; x < width_; ++x) {
         const int u = clamped_x(x + dx);
         const float apart = a[x] - b[u];
@@ -178,13 +237,13 @@ class Denoiser {
       }
       const float weight = exponent < 30.0f ? std::exp(-exponent) : 0.0f;
       weights.row(y)[x] += weight;
-      for (std::size_t c = 0; c < 3; ++c) sum[c].row(y)[x] += weight * color_[c].row(there)[x + dx];
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c].row(y)[x] += weight * noisy_.color[c].row(there)[x + dx];
     }
   }
 
   const DenoiseOptions& options_;
-  std::array<Plane, 3> color_;
-  Plane luminance_, variance_;
+  NoisyColors noisy_;
   std::vector<Feature> features_;
   int width_, height_;
 };

@@ -13,8 +13,9 @@ struct DenoiseOptions {
 
 /// A render with less noise: R, G and B become averages over pixels whose surroundings look alike
 /// within their noise and that show alike surfaces. The render's own become noisy.R, .G and .B; all
-/// other channels stay. It blurs what is fainter than the noise, so it is for viewing, not for
-/// measuring.
+/// other channels stay. It blurs what is fainter than the noise, and cuts fireflies, pixels whose
+/// light is that of four samples at most and far above their surroundings, to what is around them:
+/// so it is for viewing, not for measuring.
 ///
 /// @param render  channels R, G, B and variance (of the mean luminance of a pixel); albedo.R, .G,
 ///                .B, normal.X, .Y, .Z and depth.Z guide it where there are.
