@@ -58,6 +58,35 @@ TEST(RandomWalk, WhiteObjectInEvenLightIsInvisible) {
   }
 }
 
+// The same where bands differ by any ratio, though one path serves all of them: the light is there
+// in every band and pixel.
+TEST(RandomWalk, WhiteObjectsOfBandsThatDifferMuchAreInvisible) {
+  const auto check = [](Material material, double ratio) {
+    Scene scene = scene_of(make_sphere(3.0f), std::move(material), EnvironmentLight{}, 64);
+    scene.camera = camera_above(4.0);
+    const Image image = render(scene).image;
+    for (std::size_t c = 0; c < 3; ++c) {
+      double sum = 0.0, squares = 0.0;
+      for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) {
+          const double off = static_cast<double>(image.at(x, y)[c]) - 1.0;
+          EXPECT_LT(std::abs(off), 0.4) << ratio << ' ' << x << ' ' << y << ' ' << c;
+          sum += off / 64.0;
+          squares += off * off / 64.0;
+        }
+      EXPECT_LT(std::abs(sum), 4.0 * std::sqrt(squares / 64.0)) << ratio << ' ' << c;
+      EXPECT_LT(std::sqrt(squares), 0.12) << ratio << ' ' << c;
+    }
+  };
+  for (const double ratio : {1.0, 10.0, 100.0})
+    for (const double roughness : {0.0, 0.3}) {
+      Material material =
+          homogeneous({0, 0, 0}, {0.3, 0.3 * std::sqrt(ratio), 0.3 * ratio}, 0.0, 1.5);
+      material.layers[0].top.roughness = roughness;
+      check(material, ratio);
+    }
+}
+
 /// Mean of a channel of what leaves a ball of the medium in light of radiance 1.
 std::vector<double> albedo_of_ball(const Material& material, double radius, int samples) {
   Scene scene =

@@ -76,6 +76,24 @@ struct Links {
         given(nodes * each) {}
 };
 
+/// Scales the throughput of the segments of a node so that each band has as much as their mixture,
+/// which never grows. By chance a band has more in few segments, most where bands differ much; and
+/// where nodes send on more light than they get, it grows without end.
+///
+/// @param total  throughput of each band at the ends of the segments, before it scatters
+template <int N>
+void balance_bands(Links<N>& links, std::size_t node, const BandValues<N>& total, int bands) {
+  float mixture = 0.0f;
+  for (int b = 0; b < bands; ++b) mixture += total[b] / static_cast<float>(bands);
+  auto scale = BandValues<N>::filled(1.0f);
+  for (int b = 0; b < N; ++b)
+    if (total[b] > 0.0f) scale[b] = mixture / total[b];
+  for (std::size_t k = node * links.of_node; k < (node + 1) * links.of_node; ++k) {
+    links.weight[k] *= scale;
+    links.given[k] *= scale;
+  }
+}
+
 constexpr float isotropic = 0.25f / float_pi;
 
 /// As they are stored: to_light, deviation, direct_deviation, net_flux.
@@ -175,12 +193,16 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
     }
   });
 
+  Bands per_albedo;
+  for (int b = 0; b < N; ++b)
+    if (reduced_.sigma_s[b] > 0.0f) per_albedo[b] = reduced_.sigma_t[b] / reduced_.sigma_s[b];
   Links<N> links(nodes, std::clamp(static_cast<std::size_t>(most_links / N) / nodes,
                                    least_links_of_node, most_links_of_node));
   for_nodes([&](std::size_t n) {
     if (!is_inside(n)) return;
     WalkNumbers numbers(make_random(seed + 2, n));
     const Vec2f shift = numbers.pair();
+    Bands total;
     for (std::size_t i = 0; i < links.of_node; ++i) {
       const std::size_t k = n * links.of_node + i;
       links.node[k] = static_cast<std::uint32_t>(n);
@@ -199,27 +221,30 @@ bool RadianceField<N>::solve(const LightGatherer<N>& light, const Progress& prog
       path.last.ray = path.ray;
       const auto add_escaping = [&](const WalkPath<N>& leaving, const WalkExit& exit) {
         PixelSamples samples(seed, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(i));
+        total += leaving.throughput;
         links.given[k] += leaving.throughput * next_event_.escaping_radiance(
                                                    leaving, exit, light, samples,
                                                    [](const auto&, float) { return 1.0f; },
                                                    [](const LightSeen&) { return 1.0f; });
       };
       if (!interior_.advance(path, reduced_, numbers, std::ref(add_escaping))) continue;
+      total += per_albedo * path.throughput;
       // One of the nodes around, by their weights.
       const NodeLattice::Corners corners = lattice.corners(path.ray.origin);
-      float total = 0.0f;
+      float around = 0.0f;
       for (std::size_t c = 0; c < 8; ++c)
-        if (is_inside(corners.node[c])) total += corners.weight[c];
-      float left = total * numbers.stream().uniform_float();
-      for (std::size_t c = 0; c < 8 && total > 0.0f; ++c) {
+        if (is_inside(corners.node[c])) around += corners.weight[c];
+      float left = around * numbers.stream().uniform_float();
+      for (std::size_t c = 0; c < 8 && around > 0.0f; ++c) {
         if (!is_inside(corners.node[c])) continue;
         links.node[k] = static_cast<std::uint32_t>(corners.node[c]);
         links.weight[k] = path.throughput;
         left -= corners.weight[c];
         if (left < 0.0f) break;
       }
-      if (total > 0.0f) links.given[k] += path.throughput * reduced_direct[links.node[k]];
+      if (around > 0.0f) links.given[k] += path.throughput * reduced_direct[links.node[k]];
     }
+    balance_bands(links, n, total, interior_.bands());
   });
 
   if (is_stopped) return false;
