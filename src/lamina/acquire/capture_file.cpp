@@ -171,6 +171,20 @@ void mask_by_file(const JsonInput& file, PixelMask& mask) {
   mask = combined(mask, mask_from_image(image));
 }
 
+/// A color chart that lies in the image is no skin.
+void leave_out_found_chart(Developed& developed, Capture& capture) {
+  if (developed.reflectance.channels != std::vector<std::string>{"R", "G", "B"}) return;
+  try {
+    const ChartReading chart = find_color_chart(developed.reflectance, "the image");
+    acquire_detail::leave_out_chart(chart.corners, developed.mask);
+    capture.notes.emplace_back("a color chart was found and left out; \"chart\" calibrates by it");
+  } catch (const InvalidInput&) {
+    return;  // there is none
+  }
+}
+
+constexpr double far_gains = 2.5;  ///< standard deviations: of one in a hundred, or other skin
+
 /// Gains that make the middle of the image skin of the population.
 void fit_gains(const JsonInput& value, Developed& developed, Capture& capture) {
   (void)value.choice<int>({{"from_skin", 0}});
@@ -179,16 +193,33 @@ void fit_gains(const JsonInput& value, Developed& developed, Capture& capture) {
   try {
     const SkinReflectanceTable table(capture.wavelengths, capture.incidence,
                                      skin_fit_range(capture.skin.skin));
-    const std::vector<double> seen = median_log_color(developed.reflectance, developed.mask);
-    const SkinGains found =
-        fit_skin_gains({&seen, 1}, make_skin_colors(table, capture.sensor, *capture.population,
-                                                    capture.has_specular, people, 1));
+    leave_out_found_chart(developed, capture);
+    const FoundSkinGains of_skin =
+        find_skin_gains(developed.reflectance, developed.mask,
+                        make_skin_colors(table, capture.sensor, *capture.population,
+                                         capture.has_specular, people, 1));
+    const SkinGains& found = of_skin.gains;
     const std::size_t bands = found.gains.size();
     std::string text = "bands were multiplied by";
     for (std::size_t b = 0; b < bands; ++b)
       text += printf_text("%s %.3f ± %.0f %%", b == 0 ? "" : ",", found.gains[b],
                           100.0 * std::sqrt(found.covariance(b, b)));
-    capture.notes.push_back(text + ", which makes the middle of the image skin of the population");
+    const auto& [mask, skin, dark, bright, colored] = of_skin.pixels;
+    const auto share =
+        [all = std::max<std::size_t>(1, skin + dark + bright + colored)](std::size_t count) {
+          return 100.0 * static_cast<double>(count) / static_cast<double>(all);
+        };
+    capture.notes.push_back(
+        text + ", which makes the middle of the pixels of skin's color skin of the population");
+    capture.notes.push_back(
+        printf_text("by these gains %.1f %% of what is used is of skin's color, %.1f %% too dark, "
+                    "%.1f %% too bright, %.1f %% of another color",
+                    share(skin), share(dark), share(bright), share(colored)));
+    if (found.distance > far_gains)
+      capture.notes.push_back(printf_text(
+          "skin and gains are %.1f standard deviations from what they are usually: other skin, or "
+          "none; give a mask, a chart or a white",
+          found.distance));
     for (Image* image : {&developed.reflectance, &developed.deviation})
       for (std::size_t i = 0; i < image->pixels.size(); ++i)
         image->pixels[i] *= static_cast<float>(found.gains[i % bands]);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "acquire/calibration/synthetic_images.h"
+#include "lamina/acquire/calibration/light_window.h"
 #include "lamina/core/error.h"
 
 namespace lamina {
@@ -100,6 +101,20 @@ TEST(ColorChart, IsFoundInPerspectiveAndNoise) {
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(sample.camera[c], expected[c], 0.004);
       }
   }
+}
+
+TEST(ColorChart, HasAnOutlineAroundItsPatches) {
+  const ChartPhotograph truth{.size = 30.0, .angle = 0.4};
+  const Image inside = polygon_image(chart_outline(truth.corners()), truth.width, truth.height);
+  for (int y = 0; y < truth.height; ++y)
+    for (int x = 0; x < truth.width; ++x) {
+      const Vec2 p = truth.on_chart({x + 0.5, y + 0.5});
+      const bool is_patch = p.x > -0.5 && p.x < 5.5 && p.y > -0.5 && p.y < 3.5;
+      const bool is_far = p.x < -0.85 || p.x > 5.85 || p.y < -0.85 || p.y > 3.85;
+      if (is_patch || is_far) {
+        ASSERT_NEAR(inside.at(x, y)[0], is_patch ? 1.0f : 0.0f, 1e-4f) << x << ", " << y;
+      }
+    }
 }
 
 TEST(ColorChart, IsReadAtGivenCorners) {

@@ -119,6 +119,40 @@ TEST(SkinGains, OfAnImageBringItsColorsToSkin) {
 
 // Against the measurements that the population was made of: 100 forearms, the mirrored light
 // included.
+// A quarter of skin among black hair and an orange suit: the middle of all is none of them.
+TEST(SkinGains, AreFoundAmongWhatIsNoSkin) {
+  const SkinColors colors = some_colors();
+  const std::array<double, 3> camera = {0.7, 0.85, 1.1};
+  Image image = make_image(60, 60, {"R", "G", "B"});
+  Random random = make_random(2, 1);
+  std::array<std::size_t, 3> count = {};
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) {
+      const std::size_t kind = y < 15 ? 0u : y < 35 ? 1u : 2u;
+      constexpr std::array<std::array<double, 3>, 3> of_kind = {
+          {{0.5, 0.3, 0.2}, {0.02, 0.018, 0.015}, {0.75, 0.13, 0.02}}};
+      ++count[kind];
+      for (std::size_t c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<float>(of_kind[kind][c] * camera[c] *
+                                               std::exp(0.04 * normal_number(random)));
+    }
+  const PixelMask all = make_pixel_mask(60, 60);
+  const FoundSkinGains found = find_skin_gains(image, all, colors);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double error = std::sqrt(found.gains.covariance(c, c));
+    EXPECT_LT(std::abs(std::log(found.gains.gains[c] * camera[c])), error) << c;
+  }
+  EXPECT_LT(found.gains.distance, 1.5);
+  EXPECT_NEAR(static_cast<double>(found.pixels.skin), static_cast<double>(count[0]), 20.0);
+  EXPECT_EQ(found.pixels.dark, count[1]);
+  EXPECT_EQ(found.pixels.colored, count[2]);
+  EXPECT_EQ(count_pixels(found.pixels.mask).used, found.pixels.skin);
+  // By the middle of all, skin is none.
+  const std::vector<double> seen = median_log_color(image, all);
+  const SkinGains of_all = fit_skin_gains({&seen, 1}, colors);
+  EXPECT_LT(share_of_skin(image, all, of_all.gains, colors), 0.05);
+}
+
 TEST(SkinColors, AreThoseOfMeasuredForearms) {
   const std::vector<double> nm = {451.0, 550.0, 640.0};
   const SkinReflectanceTable table(nm, {}, skin_fit_range({}));

@@ -169,6 +169,15 @@ ChartReading find_color_chart(const Image& image, const std::string& name,
   return read_color_chart(rgb, *corners, name, options);
 }
 
+std::array<Vec2, 4> chart_outline(const ChartCorners& corners) {
+  constexpr double right = chart_columns - 1.0, down = chart_rows - 1.0, beyond = 0.75;
+  const std::array<Vec2, 4> centres = {{{0.0, 0.0}, {right, 0.0}, {right, down}, {0.0, down}}};
+  const Matrix3 homography = fit_homography(centres, corners);
+  return {seen_at(homography, {-beyond, -beyond}), seen_at(homography, {right + beyond, -beyond}),
+          seen_at(homography, {right + beyond, down + beyond}),
+          seen_at(homography, {-beyond, down + beyond})};
+}
+
 std::vector<ColorSample> color_samples(const ChartReading& reading, ColorChartEdition edition) {
   const std::array<LinearSrgb, chart_patches> references = chart_srgb(edition);
   std::vector<ColorSample> samples;

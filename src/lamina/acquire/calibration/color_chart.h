@@ -83,6 +83,10 @@ struct ChartOptions {
                                             const std::string& name,
                                             const ChartOptions& options = {});
 
+/// The outline of a chart with these corners, a quarter of a patch beyond its patches: where there
+/// is chart and no skin.
+[[nodiscard]] std::array<Vec2, 4> chart_outline(const ChartCorners& corners);
+
 /// The patches of a reading for fit_color_correction, without those of which one pixel in a hundred
 /// is saturated. @throws InvalidInput if fewer than 12 are left.
 [[nodiscard]] std::vector<ColorSample> color_samples(const ChartReading& reading,

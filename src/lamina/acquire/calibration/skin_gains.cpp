@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/acquire/calibration/internal/channel_values.h"
@@ -165,8 +166,8 @@ SkinGains fit_skin_gains(std::span<const std::vector<double>> people, const Skin
   return result;
 }
 
-double share_of_skin(const Image& image, const PixelMask& mask, std::span<const double> gains,
-                     const SkinColors& population) {
+SkinPixels pixels_of_skin(const Image& image, const PixelMask& mask, std::span<const double> gains,
+                          const SkinColors& population) {
   require_size(mask, image, "skin gains: the mask");
   require_channels(image.channel_count(), population);
   require_channels(gains.size(), population);
@@ -175,20 +176,66 @@ double share_of_skin(const Image& image, const PixelMask& mask, std::span<const 
   constexpr double normal_of_99 = 2.32635;
   const auto degrees = static_cast<double>(channels);
   const double limit = degrees * chi_squared_quantile(degrees, normal_of_99);
+  SkinPixels found{.mask = mask};
   std::vector<double> left(channels);
-  std::size_t within = 0, all = 0;
   for (std::size_t i = 0; i < mask.faults.size(); ++i) {
     if (mask.faults[i] != 0) continue;
-    ++all;
-    bool is_color = true;
+    bool is_color = true, is_below = true, is_above = true;  // all channels, by a deviation
     for (std::size_t c = 0; c < channels; ++c) {
       const double value = gains[c] * static_cast<double>(image.pixels[i * channels + c]);
       is_color = is_color && value > 0.0;
       left[c] = is_color ? std::log(value) - population.mean[c] : 0.0;
+      const double deviation = std::sqrt(population.covariance(c, c));
+      is_below = is_below && left[c] < -deviation;
+      is_above = is_above && left[c] > deviation;
     }
-    within += is_color && quadratic_form(known, left) <= limit ? 1 : 0;
+    if (is_color && quadratic_form(known, left) <= limit) {
+      ++found.skin;
+      continue;
+    }
+    found.mask.mark(i, PixelFault::excluded);
+    ++(!is_color || is_below ? found.dark : is_above ? found.bright : found.colored);
   }
-  return all > 0 ? static_cast<double>(within) / static_cast<double>(all) : 0.0;
+  return found;
+}
+
+FoundSkinGains find_skin_gains(const Image& image, const PixelMask& mask,
+                               const SkinColors& population, const SkinGainPrior& prior) {
+  constexpr int most_rounds = 20;
+  constexpr std::size_t least_pixels = 64;
+  constexpr double least_share = 0.01;
+  const auto fit = [&](const PixelMask& skin) {
+    const std::vector<double> seen = median_log_color(image, skin);
+    return fit_skin_gains({&seen, 1}, population, prior);
+  };
+  const auto is_enough = [&](std::size_t pixels) {
+    return pixels >= least_pixels && static_cast<double>(pixels) >=
+                                         least_share * static_cast<double>(count_pixels(mask).used);
+  };
+  // As it is: of skin and of what gains are before.
+  SkinColors before_gains = population;
+  DenseMatrix& spread = before_gains.covariance;
+  for (std::size_t i = 0; i < spread.rows; ++i)
+    for (std::size_t j = 0; j < spread.columns; ++j)
+      spread(i, j) = spread(i, j) * prior.widening * prior.widening + prior.level * prior.level +
+                     (i == j ? prior.color * prior.color : 0.0);
+  const std::vector<double> as_it_is(image.channel_count(), 1.0);
+  SkinPixels pixels = pixels_of_skin(image, mask, as_it_is, before_gains);
+  SkinGains gains = fit(is_enough(pixels.skin) ? pixels.mask : mask);
+  for (int round = 0; round < most_rounds; ++round) {
+    const std::vector<std::uint8_t> before = pixels.mask.faults;
+    pixels = pixels_of_skin(image, mask, gains.gains, population);
+    if (pixels.mask.faults == before || !is_enough(pixels.skin)) break;
+    gains = fit(pixels.mask);
+  }
+  return {std::move(gains), std::move(pixels)};
+}
+
+double share_of_skin(const Image& image, const PixelMask& mask, std::span<const double> gains,
+                     const SkinColors& population) {
+  const SkinPixels found = pixels_of_skin(image, mask, gains, population);
+  const std::size_t all = found.skin + found.dark + found.bright + found.colored;
+  return all > 0 ? static_cast<double>(found.skin) / static_cast<double>(all) : 0.0;
 }
 
 }  // namespace lamina

@@ -75,6 +75,34 @@ struct SkinGains {
                                        const SkinColors& population,
                                        const SkinGainPrior& prior = {});
 
+/// How pixels differ from the skin that gains make of others.
+struct SkinPixels {
+  PixelMask mask;  ///< those of skin's color are used, others `excluded`
+  /// Of those that were used: of skin's color, too dark, too bright, of another color
+  std::size_t skin = 0, dark = 0, bright = 0, colored = 0;
+};
+
+/// The pixels whose corrected color lies in the ellipsoid that holds 99 % of people's; others are
+/// too dark or too bright where all channels are by more than a standard deviation.
+/// @param gains  [channel]
+[[nodiscard]] SkinPixels pixels_of_skin(const Image& image, const PixelMask& mask,
+                                        std::span<const double> gains,
+                                        const SkinColors& population);
+
+/// Gains, and the pixels of skin that they were found from.
+struct FoundSkinGains {
+  SkinGains gains;
+  SkinPixels pixels;
+};
+
+/// The gains of one image in which not all that is used is skin: from the pixels that may be skin
+/// by some gains of the prior, or from all if these are few, then from those of skin's color by the
+/// gains, until they stay the same.
+/// @throws InvalidInput as median_log_color and fit_skin_gains
+[[nodiscard]] FoundSkinGains find_skin_gains(const Image& image, const PixelMask& mask,
+                                             const SkinColors& population,
+                                             const SkinGainPrior& prior = {});
+
 /// The share of pixels whose corrected color lies in the ellipsoid that holds 99 % of people's.
 [[nodiscard]] double share_of_skin(const Image& image, const PixelMask& mask,
                                    std::span<const double> gains, const SkinColors& population);

@@ -256,6 +256,7 @@ void correct_by_chart(const JsonInput& value, const Reading& read,
         corners.empty() ? find_color_chart(image, "the image", options)
                         : read_color_chart(image, {corners[0], corners[1], corners[2], corners[3]},
                                            "the image", options);
+    if (own.pixels.empty()) leave_out_chart(reading.corners, developed.mask);
     const ColorCorrection correction =
         fit_color_correction(color_samples(reading, options.edition));
     std::array<double, 3> mean = {};  // of what is used, for the errors of the matrix
@@ -323,6 +324,13 @@ Image decode_pattern(const JsonInput& file, const PixelMask& like) {
 }
 
 }  // namespace
+
+void leave_out_chart(const ChartCorners& corners, PixelMask& mask) {
+  const Image covered = polygon_image(chart_outline(corners), mask.width, mask.height);
+  constexpr float rounding = 1e-3f;  // of sums along rows
+  for (std::size_t i = 0; i < covered.pixels.size(); ++i)
+    if (covered.pixels[i] > rounding) mask.mark(i, PixelFault::excluded);
+}
 
 Image load_finite(const JsonInput& file, ColorEncoding encoding) {
   try {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/acquire/calibration/color_chart.h"
 #include "lamina/acquire/calibration/develop.h"
 #include "lamina/acquire/internal/decoded_sensor.h"
 #include "lamina/core/vec.h"
@@ -25,6 +26,9 @@ struct DecodedPhotograph {
 /// @param incidence  of the light on the white
 [[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value,
                                                   const Incidence& incidence);
+
+/// Excludes the pixels of a color chart, which are no skin.
+void leave_out_chart(const ChartCorners& corners, PixelMask& mask);
 
 /// An image without infinities and NaN.
 [[nodiscard]] Image load_finite(const JsonInput& file, ColorEncoding encoding);
