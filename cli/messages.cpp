@@ -7,35 +7,9 @@
 #include <new>
 
 #include "console.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina::cli {
-namespace {
-
-/// Bytes of the character of UTF-8 that the text begins with; 0 if it is none, or one that moves
-/// the cursor, colors the text or turns the direction of reading.
-std::size_t printable_bytes(std::string_view text) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
-  const std::size_t size = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  if (first < 0xc2 || first > 0xf4) return 0;
-  unsigned point = first & (0xffu >> (size + 1));
-  for (std::size_t i = 1; i < size; ++i) {
-    if ((byte(i) & 0xc0u) != 0x80) return 0;
-    point = point << 6 | (byte(i) & 0x3fu);
-  }
-  const unsigned least = size == 2 ? 0x80 : size == 3 ? 0x800 : 0x10000;
-  const bool is_surrogate = point >= 0xd800 && point <= 0xdfff;
-  const bool is_control = point < 0xa0 || point == 0x61c || (point >= 0x200b && point <= 0x200f) ||
-                          (point >= 0x2028 && point <= 0x202e) ||
-                          (point >= 0x2066 && point <= 0x2069);
-  return point < least || point > 0x10ffff || is_surrogate || is_control ? 0 : size;
-}
-
-}  // namespace
-
 std::string printable(std::string_view text, std::string_view also) {
   std::string shown;
   while (!text.empty()) {

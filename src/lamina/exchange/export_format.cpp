@@ -197,8 +197,10 @@ std::vector<ExportedMaterial> export_material(const Material& material,
 std::string file_stem(std::string_view material) {
   std::string stem;
   for (const char c : material) {
+    // A name that begins with '-' would be an option, and comments of XML hold no "--".
     const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                          (c >= '0' && c <= '9') || c == '_' || c == '-';
+                          (c >= '0' && c <= '9') || c == '_' ||
+                          (c == '-' && !stem.empty() && stem.back() != '-');
     if (is_plain)
       stem += c;
     else if (!stem.empty() && stem.back() != '_')

@@ -90,7 +90,7 @@ struct ExportFormat {
     const Material& material, std::span<const ExportFormat* const> formats,
     const ExportOptions& options = {});
 
-/// The name of a material as a file may be called: letters, digits, '_' and '-'.
+/// The name of a material as a file may be called: letters, digits, '_' and single '-' within.
 [[nodiscard]] std::string file_stem(std::string_view material);
 
 }  // namespace lamina

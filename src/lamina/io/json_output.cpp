@@ -10,27 +10,10 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina {
 namespace {
-
-/// Bytes of the character that starts here; 0 if there is none of UTF-8 (RFC 3629: no longer form
-/// than needed, no surrogates, nothing beyond U+10FFFF).
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  if (first < 0xc2 || first > 0xf4) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xc0U) != 0x80U) return 0;
-  const unsigned second = byte(1);
-  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-  return is_wrong ? 0 : length;
-}
 
 /// The fewest digits that read back, always with a point or an exponent, as in 3.0, 0.001, 1.5e-07.
 std::string floating_text(double value) {
@@ -63,7 +46,7 @@ std::string floating_text(double value) {
 
 bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_length(text.substr(at));
+    const std::size_t length = utf8_bytes(text.substr(at));
     if (length == 0) return false;
     at += length;
   }
@@ -75,7 +58,7 @@ std::string json_quoted(std::string_view text) {
   std::string quoted = "\"";
   for (std::size_t at = 0, length = 0; at < text.size(); at += std::max<std::size_t>(length, 1)) {
     const char c = text[at];
-    length = utf8_length(text.substr(at));
+    length = utf8_bytes(text.substr(at));
     if (length == 0) {
       quoted += "\xef\xbf\xbd";  // U+FFFD
     } else if (const auto known = steering.find(c); known != std::string_view::npos) {

@@ -256,7 +256,7 @@ def read_exported(name, content):
     elif ending == ".mci":
         assert mcml_runs(content), name
     elif ending == ".py":
-        ast.parse(content.decode())
+        ast.parse(content)  # bytes: the encoding that they name is obeyed
     elif ending == ".csv":
         rows = [line.split(",") for line in content.decode().splitlines() if not line.startswith("#")]
         assert all(len(row) == len(rows[0]) and all(math.isfinite(float(x)) for x in row) for row in rows[1:]), name

@@ -17,14 +17,14 @@ ExportedMaterial write_blender(const ExportInput& input) {
     result.notes.emplace_back(
         "thin: a diffuse and a translucent lobe below a reflecting surface; give it to a mesh "
         "without thickness. From Blender 5.2 on a thin wall, with one color for both sides");
-  std::vector<std::string> lines = head_lines(input, "Blender 3.0 and later");
-  lines.emplace_back("makes or renews the material of that name: open it in Blender's text editor");
-  lines.emplace_back("and run it, or blender --background FILE.blend --python this");
+  std::vector<std::string> lines = {
+      "makes or renews the material that MEDIUM names: open it in Blender's text editor",
+      "and run it, or blender --background FILE.blend --python this", channels_text(input)};
   for (const std::string& line : misfit_lines(medium.misfits)) lines.push_back(line);
   for (const std::string& note : result.notes) lines.push_back("note: " + note);
   // Of JSON Python takes all but null, true and false, which are not in it.
-  std::string text = comment(lines, "# ") + "\n" + std::string(blender_rules_text) + "\n\n" +
-                     std::string(blender_nodes_text) +
+  std::string text = python_head("Blender 3.0 and later", lines) + "\n" +
+                     std::string(blender_rules_text) + "\n\n" + std::string(blender_nodes_text) +
                      "\n\nMM_PER_UNIT = " + number_text(input.options.mm_per_unit) +
                      "\nMETHOD = \"RANDOM_WALK\"\nMEDIUM = " + json.text(1) +
                      "\n\nmake_material(MEDIUM[\"material\"], plan(MEDIUM, bpy.app.version, "

@@ -1,8 +1,11 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/exchange/internal/format_text.h"
 
+#include <algorithm>
+
 #include "lamina/core/number_text.h"
 #include "lamina/exchange/misfit_json.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina::detail {
 namespace {
@@ -17,6 +20,8 @@ std::string light_text(const LightMisfit& misfit) {
   return text;
 }
 
+}  // namespace
+
 std::string channels_text(const ExportInput& input) {
   if (input.channels.are_converted)
     return "channels: R, G, B of linear sRGB, from " + std::to_string(input.material.bands.size()) +
@@ -25,22 +30,20 @@ std::string channels_text(const ExportInput& input) {
                                             : "channels: wavelengths in nm";
 }
 
-}  // namespace
-
 std::string one_line(std::string_view text) {
   std::string line;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const bool ends_comment = text[i] == '-' && !line.empty() && line.back() == '-';  // of XML
-    line += c < 32 || c == 127 ? ' ' : ends_comment ? '~' : text[i];
+  while (!text.empty()) {
+    const std::size_t size = printable_bytes(text);
+    line += size > 0 ? text.substr(0, size) : " ";
+    text.remove_prefix(std::max<std::size_t>(1, size > 0 ? size : utf8_bytes(text)));
   }
   return line;
 }
 
 std::vector<std::string> head_lines(const ExportInput& input, std::string_view written_for) {
-  std::vector<std::string> lines{one_line(input.material.name) + ", written by lamina for " +
+  std::vector<std::string> lines{input.material.name + ", written by lamina for " +
                                  std::string(written_for)};
-  if (!input.material.source.empty()) lines.push_back("source: " + one_line(input.material.source));
+  if (!input.material.source.empty()) lines.push_back("source: " + input.material.source);
   lines.push_back(channels_text(input));
   return lines;
 }
@@ -59,9 +62,23 @@ std::vector<std::string> misfit_lines(std::span<const ChannelMisfit> misfits) {
 
 std::string comment(std::span<const std::string> lines, std::string_view mark) {
   std::string text;
-  for (const std::string& line : lines) text += std::string(mark) + line + "\n";
+  for (const std::string& line : lines) text += std::string(mark) + one_line(line) + "\n";
   return text;
 }
+
+std::string xml_comment(std::span<const std::string> lines) {
+  std::string text = comment(lines, "  ");
+  for (std::size_t i = 1; i < text.size(); ++i)
+    if (text[i] == '-' && text[i - 1] == '-') text[i] = '~';
+  return "<!--\n" + text + "-->\n";
+}
+
+std::string python_head(std::string_view written_for, std::span<const std::string> lines) {
+  return "# -*- coding: utf-8 -*-\n# written by lamina for " + std::string(written_for) + "\n" +
+         comment(lines, "# ");
+}
+
+std::string python_literal(std::string_view text) { return json_quoted(text); }
 
 std::string numbers_text(std::span<const double> values, std::string_view separator) {
   std::string text;

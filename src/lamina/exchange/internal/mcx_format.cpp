@@ -156,7 +156,9 @@ std::string python_number(double value) {
 
 std::string pyxopto_text(const ExportInput& input, const std::vector<std::string>& lines) {
   constexpr double m_per_mm = 1e-3;
-  std::string text = comment(lines, "# ");
+  std::string text = python_head("PyXOpto", lines);
+  text += "material = " + python_literal(input.material.name) + "\n";
+  text += "source = " + python_literal(input.material.source) + "\n";
   text +=
       "# Layers for PyXOpto's mcml, in m and 1/m:\n"
       "#   from xopto.mcml import mc\n"
@@ -215,7 +217,7 @@ ExportedMaterial write_mcx(const ExportInput& input) {
         "its optical thickness stays");
   result.notes.emplace_back("not tested in MCX or PyXOpto themselves");
   result.misfits = beam_misfits(input, written);
-  std::vector<std::string> lines = head_lines(input, "PyXOpto");
+  std::vector<std::string> lines = {channels_text(input)};
   for (const std::string& note : result.notes) lines.push_back("note: " + note);
   result.files.push_back({input.stem + "_pyxopto.py", pyxopto_text(input, lines)});
   return result;

@@ -65,7 +65,7 @@ ExportedMaterial write_mitsuba3(const ExportInput& input) {
                   "_medium\"/> </shape>, with a volpath integrator");
   for (const std::string& line : misfit_lines(fit.misfits)) lines.push_back(line);
   for (const std::string& note : result.notes) lines.push_back("note: " + note);
-  std::string text = "<!--\n" + comment(lines, "  ") + "-->\n<scene version=\"3.0.0\">\n";
+  std::string text = xml_comment(lines) + "<scene version=\"3.0.0\">\n";
   text += boundary_text(fit, input.stem + "_boundary");
   text += "  <medium type=\"homogeneous\" id=\"" + input.stem + "_medium\">\n";
   text += "    " + values_text(fit.channels, "albedo", albedos) + "\n";

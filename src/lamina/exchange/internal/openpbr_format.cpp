@@ -115,7 +115,7 @@ ExportedMaterial write_openpbr(const ExportInput& input) {
   for (const std::string& line : misfit_lines(result.misfits)) lines.push_back(line);
   for (const std::string& note : result.notes) lines.push_back("note: " + note);
   const std::string name = node_name(input.stem);
-  std::string text = "<?xml version=\"1.0\"?>\n<!--\n" + comment(lines, "  ") + "-->\n";
+  std::string text = "<?xml version=\"1.0\"?>\n" + xml_comment(lines);
   text += "<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n";
   text += "  <open_pbr_surface name=\"" + name + "_surface\" type=\"surfaceshader\">\n" +
           inputs.text() + "  </open_pbr_surface>\n";
