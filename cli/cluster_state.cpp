@@ -2,20 +2,23 @@
 #include "cluster_state.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
+#include <charconv>
+#include <cstdint>
 #include <ctime>
-#include <fstream>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "lamina/core/error.h"
+#include "lamina/io/file_bytes.h"
 #include "run_program.h"
 
 namespace lamina::cli {
@@ -29,68 +32,125 @@ std::string name_of_host() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-bool lives(long process) {
-  return process > 0 && (kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
+bool lives(pid_t process) { return kill(process, 0) == 0 || errno == EPERM; }
+
+/// The bytes of a note that scripts write; empty where there is none that can be read, as no file
+/// or a pipe, or one longer than what they write.
+std::string note_text(const fs::path& file, std::size_t longest) {
+  try {
+    MemoryBudget budget(longest);
+    return read_file_bytes(file, budget);
+  } catch (const FileError&) {
+    return "";
+  }
+}
+
+/// A whole number from low to high that is all of the text.
+std::optional<std::int64_t> whole_number(std::string_view text, std::int64_t low,
+                                         std::int64_t high) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < low || number > high)
+    return std::nullopt;
+  return number;
+}
+
+/// The words of a line.
+std::vector<std::string> words_in(const std::string& line) {
+  std::istringstream input(line);
+  return {std::istream_iterator<std::string>(input), {}};
 }
 
 /// Slurm's queue: for each of its jobs the tasks in it, and whether they run.
 struct Queue {
   bool is_known = false;
-  std::map<std::string, std::map<int, bool>> tasks;  ///< [job][task, 0 without array]
+  std::map<std::string, std::map<std::int64_t, bool>> tasks;  ///< [job][task, 0 without array]
 };
 
 /// A line of the file `submitted`: "shards 1000 17".
 struct Submitted {
   std::string part;
-  int first = 0;
-  std::string job;
+  std::int64_t first = 0;
+  std::string job;  ///< digits
 };
 
-std::vector<Submitted> read_submitted(const fs::path& file) {
+/// Absent if the line is no part of a job of so many shards.
+std::optional<Submitted> read_submitted(const std::string& line, int shards) {
+  const std::vector<std::string> words = words_in(line);
+  if (words.size() != 3) return std::nullopt;
+  const bool is_array = words[0] == "shards";
+  const auto first = whole_number(words[1], 0, is_array ? shards - 1 : 0);
+  if ((!is_array && words[0] != "prepare" && words[0] != "merge") || !first ||
+      !whole_number(words[2], 0, std::numeric_limits<std::int64_t>::max()))
+    return std::nullopt;
+  return Submitted{.part = words[0], .first = *first, .job = words[2]};
+}
+
+/// Those of its lines that are parts of the job.
+std::vector<Submitted> read_submitted(const fs::path& file, int shards,
+                                      std::vector<std::string>& warnings) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  MemoryBudget budget(std::size_t{64} << 20);
+  std::istringstream lines(read_file_bytes(file, budget));
   std::vector<Submitted> all;
-  std::ifstream input(file);
-  for (Submitted one; input >> one.part >> one.first >> one.job;) all.push_back(one);
+  int number = 0, wrong = 0, first_wrong = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    if (auto one = read_submitted(line, shards))
+      all.push_back(std::move(*one));
+    else if (wrong++ == 0)
+      first_wrong = number;
+  }
+  if (wrong > 0)
+    warnings.push_back(fmt::format(
+        "{}:{}: must be a part of this job, its first shard and its number in Slurm; {}",
+        file.string(), first_wrong,
+        wrong == 1 ? "it is left out" : fmt::format("{} such lines are left out", wrong)));
   return all;
 }
 
-Queue read_queue(const std::vector<Submitted>& submitted) {
-  Queue queue;
-  if (submitted.empty()) return queue;
+/// What Slurm says of the jobs that were submitted.
+Queue read_queue(const std::vector<Submitted>& submitted, const std::string& text) {
+  Queue queue{.is_known = true, .tasks = {}};
   std::set<std::string> ours;
   for (const Submitted& one : submitted) ours.insert(one.job);
-  // Of all of the user's jobs: Slurm refuses to list one that it has forgotten.
-  const auto run = run_program(
-      {"squeue", "--array", "--noheader", "--format=%F %K %t", fmt::format("--user={}", geteuid())},
-      "/");
-  if (!run || run->exit_code != 0) return queue;
-  queue.is_known = true;
-  std::istringstream lines(run->output);
-  for (std::string job, task, state; lines >> job >> task >> state;) {
-    if (!ours.contains(job)) continue;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string> words = words_in(line);
+    if (words.size() != 3 || !ours.contains(words[0])) continue;
+    const std::string& state = words[2];
     const bool waits = state == "PD" || state == "CF" || state == "RQ" || state == "RH" ||
                        state == "S" || state == "RD";
-    if (waits || state == "R" || state == "CG")
-      queue.tasks[job][task == "N/A" ? 0 : std::atoi(task.c_str())] = !waits;
+    const auto task = words[1] == "N/A" ? 0 : whole_number(words[1], 0, most_shards);
+    if (task && (waits || state == "R" || state == "CG")) queue.tasks[words[0]][*task] = !waits;
   }
   return queue;
 }
 
-/// What its script has noted.
+/// What its script has noted: "start HOST PROCESS TIME", and "end CODE TIME" in the next line.
 PartState read_state(const fs::path& file, bool is_known_to_queue) {
   static const std::string host = name_of_host();
+  constexpr std::size_t longest = 4096;
+  constexpr std::int64_t latest = std::int64_t{1} << 40;  // [s] since 1970
   PartState state;
-  std::ifstream input(file);
-  std::string word;
-  long process = 0, begin = 0, end = 0;
-  if (!(input >> word >> state.host >> process >> begin)) return state;
-  const auto now = static_cast<long>(std::time(nullptr));
-  if (input >> word >> state.exit_code >> end) {
+  const std::vector<std::string> words = words_in(note_text(file, longest));
+  if (words.size() < 4 || words[0] != "start") return state;
+  const auto begin = whole_number(words[3], 0, latest);
+  if (!begin) return state;
+  state.host = words[1];
+  const auto code = words.size() > 5 ? whole_number(words[5], 0, 255) : std::nullopt;
+  const auto end = words.size() > 6 ? whole_number(words[6], 0, latest) : std::nullopt;
+  const std::int64_t until = end.value_or(static_cast<std::int64_t>(std::time(nullptr)));
+  state.seconds = static_cast<double>(std::max<std::int64_t>(0, until - *begin));
+  if (code && end) {
+    state.exit_code = static_cast<int>(*code);
     state.is = state.exit_code == 0 ? Is::done : Is::failed;
-    state.seconds = static_cast<double>(std::max(0L, end - begin));
     return state;
   }
-  state.seconds = static_cast<double>(std::max(0L, now - begin));
-  const bool is_gone = state.host == host ? !lives(process) : is_known_to_queue;
+  const auto process = whole_number(words[2], 1, std::numeric_limits<pid_t>::max());
+  const bool is_gone =
+      state.host == host ? !process || !lives(static_cast<pid_t>(*process)) : is_known_to_queue;
   state.is = is_gone ? Is::killed : Is::running;
   return state;
 }
@@ -124,10 +184,23 @@ std::optional<double> ClusterState::seconds_left() const {
   return left / std::max(1, running);
 }
 
-ClusterState find_cluster_state(const ClusterJob& job, const ClusterFiles& files) {
-  const std::vector<Submitted> submitted = read_submitted(files.submitted());
-  const Queue queue = read_queue(submitted);
+std::optional<std::string> slurm_queue() {
+  // Of all of the user's jobs: Slurm refuses to list one that it has forgotten.
+  const auto run = run_program(
+      {"squeue", "--array", "--noheader", "--format=%F %K %t", fmt::format("--user={}", geteuid())},
+      "/");
+  if (!run || run->exit_code != 0) return std::nullopt;
+  return run->output;
+}
+
+ClusterState find_cluster_state(const ClusterJob& job, const ClusterFiles& files,
+                                const SlurmQueue& slurm) {
   ClusterState state;
+  const std::vector<Submitted> submitted =
+      read_submitted(files.submitted(), job.shards, state.warnings);
+  Queue queue;
+  if (!submitted.empty())
+    if (const std::optional<std::string> text = slurm()) queue = read_queue(submitted, *text);
   state.prepare = read_state(files.state("prepare"), queue.is_known);
   state.merge = read_state(files.state("merge"), queue.is_known);
   state.shards.resize(static_cast<std::size_t>(job.shards));
@@ -144,12 +217,11 @@ ClusterState find_cluster_state(const ClusterJob& job, const ClusterFiles& files
     const auto tasks = queue.tasks.find(one.job);
     if (tasks == queue.tasks.end()) continue;
     for (const auto& [task, runs] : tasks->second) {
-      const int index = one.first + task;
+      const std::int64_t index = one.first + task;
       PartState* part = one.part == "merge"     ? &state.merge
                         : one.part == "prepare" ? &state.prepare
-                        : index < static_cast<int>(job.shards)
-                            ? &state.shards[static_cast<std::size_t>(index)]
-                            : nullptr;
+                        : index < job.shards    ? &state.shards[static_cast<std::size_t>(index)]
+                                                : nullptr;
       if (!part || (one.part == "shards" && part->is == Is::done)) continue;
       part->is = runs ? Is::running : Is::waiting;
       if (!runs) part->seconds = 0.0;

@@ -1,11 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "cluster_job.h"
+#include "cluster_files.h"
 
 namespace lamina::cli {
 
@@ -30,12 +31,20 @@ struct ClusterState {
   PartState prepare, merge;
   std::vector<PartState> shards;
   std::vector<std::string> slurm_jobs;  ///< that have shards waiting or running
+  std::vector<std::string> warnings;    ///< of notes that are no part of the job
 
   [[nodiscard]] std::vector<int> shards_that_are(std::initializer_list<PartState::Is> states) const;
   /// By the mean time of shards that are done; absent without one.
   [[nodiscard]] std::optional<double> seconds_left() const;
 };
 
-[[nodiscard]] ClusterState find_cluster_state(const ClusterJob& job, const ClusterFiles& files);
+/// Lines "JOB TASK STATE" of the user's jobs, as squeue lists them; absent where there is no Slurm.
+using SlurmQueue = std::function<std::optional<std::string>()>;
+[[nodiscard]] std::optional<std::string> slurm_queue();
+
+/// Whatever bytes the notes in the job's folder hold.
+/// @throws FileError if `submitted` cannot be read
+[[nodiscard]] ClusterState find_cluster_state(const ClusterJob& job, const ClusterFiles& files,
+                                              const SlurmQueue& slurm = slurm_queue);
 
 }  // namespace lamina::cli

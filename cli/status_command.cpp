@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "cluster_job.h"
+#include "cluster_files.h"
 #include "cluster_state.h"
 #include "commands.h"
 #include "console.h"
@@ -76,6 +76,7 @@ void run_status(const StatusOptions& options) {
     throw InvalidInput(options.folder + ": must be the folder of a job, but holds no job.json");
   const ClusterJob job = load_cluster_job(files.job(), {});
   const ClusterState state = find_cluster_state(job, files);
+  for (const std::string& warning : state.warnings) say("warning: " + warning);
   const auto done = state.shards_that_are({Is::done}).size();
   const auto running = state.shards_that_are({Is::running}).size();
   const auto waiting = state.shards_that_are({Is::waiting}).size();

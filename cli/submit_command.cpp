@@ -14,6 +14,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/io/shell_text.h"
+#include "lamina/io/write_places.h"
 #include "run_program.h"
 #include "shard_option.h"
 
@@ -82,11 +83,8 @@ void require_same(const ClusterJob& job, const ClusterFiles& files) {
 }
 
 void make_folders(const ClusterFiles& files) {
-  for (const fs::path& folder : {files.shards(), files.folder / "log", files.folder / "state"}) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw WriteError(folder.string() + ": cannot be made: " + error.message());
-  }
+  for (const fs::path& folder : {files.shards(), files.folder / "log", files.folder / "state"})
+    make_folder(folder);
 }
 
 std::string how_by_hand(const ClusterJob& job, const ClusterPlan& plan, const ClusterFiles& files) {
@@ -117,9 +115,11 @@ void run_submit(const SubmitOptions& options) {
   require_same(job, files);
   make_folders(files);
   const ClusterState state = find_cluster_state(job, files);
-  using Is = PartState::Is;
-  const std::vector<int> missing = state.shards_that_are({Is::not_started, Is::failed, Is::killed});
-  const bool is_done = state.shards_that_are({Is::done}).size() == state.shards.size();
+  for (const std::string& warning : state.warnings) say("warning: " + warning);
+  using State = PartState::Is;
+  const std::vector<int> missing =
+      state.shards_that_are({State::not_started, State::failed, State::killed});
+  const bool is_done = state.shards_that_are({State::done}).size() == state.shards.size();
   save_cluster_job(job, files.job());
   const auto write = [&](const char* name, const std::string& text) {
     write_file(files.script(name).string(), text);
@@ -130,8 +130,8 @@ void run_submit(const SubmitOptions& options) {
   write("submit", submit_script(job, plan, files, missing, state.slurm_jobs));
 
   const bool is_left =
-      !missing.empty() || (is_done && state.merge.is != Is::done && state.merge.is != Is::waiting &&
-                           state.merge.is != Is::running);
+      !missing.empty() || (is_done && state.merge.is != State::done &&
+                           state.merge.is != State::waiting && state.merge.is != State::running);
   JsonOutput json = make_result("submit");
   json["folder"] = files.folder.string();
   json["shards"] = job.shards;

@@ -21,7 +21,7 @@ export LAMINA_CACHE=off seconds RUNS="${RUNS:--1}"
 
 # Seeds of formats that no file in the tree is of.
 seeds=build/fuzz/seeds
-mkdir -p $seeds/merge $seeds/cache $seeds/envi $seeds/image
+mkdir -p $seeds/merge $seeds/cache $seeds/envi $seeds/image $seeds/job
 if [ ! -e $seeds/merge/0.shard ]; then
   render() { build/asan/lamina render scenes/bumpy.json --width 4 --samples 4 "$@" >/dev/null; }
   render --method probe --profile diffusion --shard 0/2 -o $seeds/merge/0.shard
@@ -30,6 +30,8 @@ if [ ! -e $seeds/merge/0.shard ]; then
   { printf '\003'; cat $seeds/light.ply; } >$seeds/cache/light
   { cat tests/inputs/capture/good/leaf.hdr; printf '\0'; cat tests/inputs/capture/good/leaf.raw; } >$seeds/envi/leaf
   cp tests/inputs/*/good/*.png $seeds/image
+  printf '%s\0prepare 0 16\nshards 0 17\nmerge 0 18\n\0start a 7 1\nend 1 9\n\0start a 7 1\n\00017 0 R\n17 1 PD\n18 N/A PD\n' \
+    '{"lamina":"job","version":1,"command":"render s.json","shards":4}' >$seeds/job/submitted
 fi
 
 fuzz() {

@@ -72,7 +72,10 @@ expect 0 '1 of 3 shards done, 0 running, 0 waiting, 2 failed' status all.job --j
 grep -q '1: killed on' output && grep -q '2: failed with exit code 1' output || fail "$(cat output)"
 grep -q '"merge": "not started"' state.json || fail "$(cat state.json)"
 sh all.job/shard.sh 1 >/dev/null
-sh all.job/shard.sh 2 >/dev/null
+sh all.job/shard.sh 02 >/dev/null  # as seq -w counts
+[ "$(cd all.job/shards && echo *)" = "0.shard 1.shard 2.shard" ] || fail "$(ls all.job/shards)"
+for wrong in 03 -1 1.0 99999999999999999999; do sh all.job/shard.sh $wrong 2>/dev/null && fail "shard $wrong"; done
+[ "$(cd all.job/state && echo *)" = "0 1 2" ] || fail "$(ls all.job/state)"
 sh all.job/merge.sh >/dev/null
 [ -s all.svg ] || fail "no plot"
 eval "$lamina ${photons/all.json/whole.json} --counts" >/dev/null
