@@ -17,6 +17,7 @@
 #include "lamina/core/parallel.h"
 #include "lamina/core/zero_signs.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/write_places.h"
 
 namespace lamina::cli {
 
@@ -77,6 +78,7 @@ std::string lower_case_ending(const fs::path& file) {
 
 void require_writable(const std::string& file) {
   if (file.empty()) return;
+  require_write_place(file);
   std::error_code error;
   const auto fail = [&](const std::string& reason) {
     throw WriteError(file + ": cannot be written: " + reason);

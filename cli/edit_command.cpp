@@ -15,6 +15,7 @@
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
 #include "lamina/io/disk_cache.h"
+#include "lamina/io/write_places.h"
 #include "lamina/skin_maps/edits/skin_preview.h"
 #include "lamina/skin_maps/edits/skin_variations.h"
 
@@ -110,12 +111,6 @@ void describe_numbers(const SkinMaps& before, const SkinMaps& after, std::string
 
 JsonOutput color_json(const Lab& color) {
   return {{"L", color.lightness}, {"a", color.a}, {"b", color.b}, {"ita", typology_angle(color)}};
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
 }
 
 void require_other_folder(const EditOptions& options) {

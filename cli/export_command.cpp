@@ -14,6 +14,7 @@
 #include "lamina/exchange/export_format.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/write_places.h"
 #include "material_bands.h"
 
 namespace lamina::cli {
@@ -117,8 +118,7 @@ std::vector<fs::path> places_of(const std::vector<ExportedMaterial>& exported,
         throw InvalidInput("--to: two formats write " + file.name + "; export them one by one");
       places.push_back(folder / file.name);
     }
-  fs::create_directories(folder, ignored);
-  if (!fs::is_directory(folder)) throw WriteError(folder.string() + ": cannot be made a folder");
+  make_folder(folder);
   return places;
 }
 

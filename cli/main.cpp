@@ -6,18 +6,23 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "console.h"
 #include "lamina/core/error.h"
+#include "lamina/io/disk_cache.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/write_places.h"
 #include "lamina/reproduction/run_item.h"
 #include "shard_option.h"
 
@@ -59,6 +64,16 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error,
   return fmt::format("{}; see lamina {} --help", what, command.get_name());
 }
 
+/// Who runs what a stranger has written, as `reproduce` does, names the only folder to write to.
+/// The cache is written, too, under names that nobody chooses.
+void hold_to_write_folder() {
+  const char* folder = std::getenv("LAMINA_WRITE_FOLDER");
+  if (!folder || *folder == '\0') return;
+  std::vector<std::filesystem::path> folders = {folder};
+  if (const auto cache = lamina::user_cache()) folders.push_back(cache->folder);
+  lamina::write_only_inside(std::move(folders));
+}
+
 int run(int argc, char** argv) {
   set_words_of_call(argc, argv);
   CLI::App app("Light in layered translucent materials: predict and render.", "lamina");
@@ -88,6 +103,7 @@ int run(int argc, char** argv) {
   add_status_command(app);
   add_submit_command(app);
   try {
+    hold_to_write_folder();
     app.parse(argc, argv);
     return was_interrupted() ? interrupted : done;
   } catch (const CLI::ParseError& error) {

@@ -12,6 +12,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/write_places.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
@@ -106,9 +107,7 @@ void run_maps(const MapsOptions& options) {
   }
   const fs::path folder =
       options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  make_folder(folder);
   json["maps"] = JsonOutput::array();
   for (const SkinMap& map : maps) {
     const fs::path file = folder / (map.name + ".exr");

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "lamina/core/error.h"
+#include "lamina/io/write_places.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/scattering/monte_carlo/mcml_output.h"
 #include "photons_options.h"
@@ -25,13 +26,7 @@ std::string place_of(const PhotonsOptions& options, const McmlRun& run) {
 std::vector<std::string> output_files(const PhotonsOptions& options,
                                       const std::vector<McmlRun>& runs) {
   const fs::path folder = options.output;
-  const auto made = [](const fs::path& wanted) {
-    std::error_code error;
-    fs::create_directories(wanted, error);
-    if (error) throw WriteError(wanted.string() + ": cannot be made: " + error.message());
-  };
-  made(folder);
-  const fs::path inside = fs::canonical(folder);
+  make_folder(folder);
   std::vector<std::string> files;
   std::vector<NamedFile> named = {{"the input", options.material},
                                   {"--json", options.common.json},
@@ -39,10 +34,8 @@ std::vector<std::string> output_files(const PhotonsOptions& options,
                                   {"--checkpoint", options.checkpoint}};
   for (const McmlRun& run : runs) {
     const fs::path file = folder / run.output_file;
-    const fs::path real = fs::weakly_canonical(inside / run.output_file);
-    const fs::path relative = real.lexically_relative(inside);
-    if (fs::path(run.output_file).is_absolute() || relative.empty() || *relative.begin() == ".." ||
-        relative == ".")
+    if (fs::path(run.output_file).is_absolute() || !is_inside(file, folder) ||
+        is_inside(folder, file))
       throw InvalidInput(
           fmt::format("{}the output file must be inside the folder of --output, {}, but is {}",
                       place_of(options, run), folder.string(), run.output_file));
@@ -54,7 +47,7 @@ std::vector<std::string> output_files(const PhotonsOptions& options,
     } catch (const InvalidInput& error) {
       throw InvalidInput(place_of(options, run) + error.what());
     }
-    made(file.parent_path());
+    make_folder(file.parent_path());
     require_writable(file.string());
     files.push_back(file.string());
   }

@@ -14,6 +14,7 @@
 #include "console.h"
 #include "lamina/core/error.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/write_places.h"
 #include "lamina/reproduction/page.h"
 #include "reproduce_finished.h"
 #include "reproduce_run.h"
@@ -133,9 +134,7 @@ void run_reproduce(const ReproduceOptions& options) {
   if (options.only_lists) return list_items(items, options.common);
   const fs::path out = fs::absolute(options.output);
   const fs::path sources = options.sources.empty() ? find_sources() : fs::absolute(options.sources);
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw WriteError(out.string() + ": cannot be made: " + error.message());
+  make_folder(out);
   std::vector<ReproductionResult> results;
   bool has_failed = false;
   const Progress progress = make_progress("reproduce");
@@ -143,6 +142,8 @@ void run_reproduce(const ReproduceOptions& options) {
     const double finished = static_cast<double>(results.size()) / static_cast<double>(items.size());
     if (!report_progress(progress, finished)) break;
     try {
+      if (!is_inside(out / item.id, out))  // a link that was there
+        throw WriteError((out / item.id).string() + ": must be inside of " + out.string());
       results.push_back(make_item(item, out / item.id, sources, options,
                                   [&](double) { return report_progress(progress, finished); }));
     } catch (const Interrupted&) {

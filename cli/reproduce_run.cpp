@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <string_view>
 #include <thread>
 
 #include "lamina/core/error.h"
@@ -21,7 +22,8 @@ constexpr const char* log_name = "log.txt";
 constexpr const char* result_name = "result.json";
 
 /// In the child, where only calls that a signal's handler may make are allowed.
-[[noreturn]] void become(char* const* arguments, const char* folder, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, const char* folder,
+                         pid_t parent) {
   constexpr int failed_to_start = 127;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent || chdir(folder) != 0) _exit(failed_to_start);
@@ -30,7 +32,7 @@ constexpr const char* result_name = "result.json";
   if (log < 0 || nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 ||
       dup2(nothing, STDOUT_FILENO) < 0 || dup2(log, STDERR_FILENO) < 0)
     _exit(failed_to_start);
-  execv("/proc/self/exe", arguments);
+  execve("/proc/self/exe", arguments, environment);
   _exit(failed_to_start);
 }
 
@@ -52,10 +54,19 @@ std::string run_this_program(const std::vector<std::string>& arguments,
   std::filesystem::remove(folder / result_name);
   std::filesystem::remove(folder / log_name);
 
+  // An item may be a stranger's: whatever its commands name, they write to its folder.
+  std::vector<std::string> variables = {"LAMINA_WRITE_FOLDER=" + folder.string()};
+  for (char** variable = environ; *variable; ++variable)
+    if (!std::string_view(*variable).starts_with("LAMINA_WRITE_FOLDER="))
+      variables.emplace_back(*variable);
+  std::vector<char*> environment;
+  for (std::string& variable : variables) environment.push_back(variable.data());
+  environment.push_back(nullptr);
+
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw Error("lamina cannot be started: no more processes");
-  if (child == 0) become(pointers.data(), folder.c_str(), parent);
+  if (child == 0) become(pointers.data(), environment.data(), folder.c_str(), parent);
   int status = 0;
   bool was_asked_to_stop = false;
   for (;;) {

@@ -174,10 +174,10 @@ def reproduce(
 
         def run(arguments: list[str], where: str) -> str:
             result = Path(where) / "result.json"
-            # Its own group of threads: as many as here.
+            # Its own group of threads: as many as here. It writes to its folder alone, whatever an item of others names.
             done = subprocess.run(
                 [program, *arguments, "--threads", str(_lamina.thread_count()), "--json", str(result)], cwd=where,
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                env={**os.environ, "LAMINA_WRITE_FOLDER": where}, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             if done.returncode != 0:
                 last = (done.stderr.strip().splitlines() or ["it ended without a word"])[-1]
                 raise InvalidInput(f"lamina {' '.join(arguments)}: {last}")

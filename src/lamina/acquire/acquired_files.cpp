@@ -11,6 +11,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
+#include "lamina/io/write_places.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 
 namespace lamina {
@@ -112,9 +113,7 @@ JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
 
 AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                             const fs::path& folder, const std::string& version) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  make_folder(folder);
   AcquiredFiles files;
   for (const AcquiredNumber& number : skin.numbers) {
     const std::string& name = number.number.parameter.name;

@@ -12,6 +12,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
+#include "lamina/io/write_places.h"
 
 namespace lamina {
 namespace {
@@ -68,9 +69,7 @@ LeafMaps acquire_leaf(const Capture& capture, const Progress& progress) {
 
 LeafFiles save_leaf(const LeafMaps& leaf, const Capture& capture, const fs::path& folder,
                     const std::string& version) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  make_folder(folder);
   LeafFiles files;
   JsonOutput recipe = JsonOutput::object();
   for (const LeafMap& map : leaf.maps) {

@@ -17,6 +17,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/file_parts.h"
 #include "lamina/io/folder_names.h"
+#include "lamina/io/write_places.h"
 
 namespace lamina {
 namespace {
@@ -161,6 +162,7 @@ void replace(const fs::path& target, const WriteParts& write_parts, Lasting last
 }  // namespace
 
 void write_file_parts(const fs::path& file, const WriteParts& write_parts, Lasting lasting) {
+  require_write_place(file);
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   try {

@@ -33,9 +33,23 @@ std::string optional_expression(const JsonObject& object, std::string_view key) 
 /// Names of files are free of folders: a run stays in the folder of its item.
 std::string file_name(const JsonInput& value) {
   const std::string name = value.string();
-  if (name.empty() || name.starts_with('.') || name.find('/') != std::string::npos)
+  if (name.empty() || name.starts_with('.') ||
+      name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
     value.refuse("must be the name of a file, without a folder");
   return name;
+}
+
+/// The name of an item is that of its folder, too.
+std::string item_id(const JsonInput& value) {
+  const std::string id = value.string();
+  const auto is_letter_or_digit = [](char c) {
+    return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9');
+  };
+  if (id.empty() || !is_letter_or_digit(id[0]) || !std::ranges::all_of(id, [&](char c) {
+        return is_letter_or_digit(c) || c == '.' || c == '_' || c == '-';
+      }))
+    value.refuse("must be of letters, digits, '.', '_' and '-', and begin with a letter or digit");
+  return id;
 }
 
 ReproductionInput decode_input(const JsonInput& input) {
@@ -137,6 +151,10 @@ ReproductionRun decode_run(const JsonInput& input) {
     command.fail(error.what());
   }
   if (run.arguments.empty()) command.refuse("must name a subcommand");
+  // They would start other programs, or write for other folders.
+  for (const std::string_view refused : {"submit", "status", "reproduce"})
+    if (run.arguments[0] == refused)
+      command.fail("must be a command that computes, but is \"" + run.arguments[0] + "\"");
   return run;
 }
 
@@ -149,7 +167,7 @@ ReproductionItem decode_expanded(const JsonInput& root) {
   std::vector<std::string_view> papers;
   for (const detail::Paper& paper : detail::papers) papers.push_back(paper.name);
   item.paper = std::string(papers[file.required("paper").choice(papers)]);
-  item.id = file.required("id").string();
+  item.id = item_id(file.required("id"));
   item.title = file.required("title").string();
   item.shows = file.required("shows").string();
   for (const JsonInput& input : file.required("inputs").array())

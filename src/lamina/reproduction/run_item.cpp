@@ -16,6 +16,7 @@
 #include "lamina/io/csv_table.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
+#include "lamina/io/write_places.h"
 #include "lamina/reproduction/expression.h"
 
 namespace lamina {
@@ -205,14 +206,14 @@ ReproductionResult make_reproduction(const ReproductionItem& item, const fs::pat
       result.why_not_made = need + " is not there";
       return result;
     }
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": cannot be made: " + error.message());
+  make_folder(folder);
   for (const ReproductionFile& file : item.files) {
     std::string text = file.text;
     const std::string_view place = "{sources}";
     for (std::size_t at = 0; (at = text.find(place, at)) != std::string::npos;)
       text.replace(at, place.size(), sources.string());
+    if (!is_inside(folder / file.name, folder))  // a link that was there
+      throw InvalidInput(item.id + ": " + file.name + " must be inside of its folder");
     write_text(folder / file.name, text);
   }
   Results results(item, folder);

@@ -59,7 +59,8 @@ class ReproductionFailed : public Error {
 /// agrees in shape.
 [[nodiscard]] Verdict judge(const ReproductionResult& result);
 
-/// Runs lamina with arguments in a folder; its result as JSON text.
+/// Runs lamina with arguments in a folder, outside of which it may not write, by
+/// LAMINA_WRITE_FOLDER; its result as JSON text.
 /// @throws Error with what it says if it fails.
 using RunLamina = std::function<std::string(const std::vector<std::string>& arguments,
                                             const std::filesystem::path& folder)>;

@@ -13,6 +13,7 @@
 #include "lamina/image/image_file.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
+#include "lamina/io/write_places.h"
 #include "lamina/skin_maps/edits/internal/edit_course.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_patch/skin_patch.h"
@@ -187,17 +188,16 @@ std::vector<NamedImage> images_of(const EditableSkin& skin) {
 
 void save_editable_skin(const EditableSkin& skin, const fs::path& folder,
                         const std::string& version, const std::string& edited_from) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw WriteError(folder.string() + ": the folder cannot be made: " + error.message());
+  make_folder(folder);
   for (const NamedImage& image : images_of(skin))
     save_exr(*image.image, folder / image.file, ExrPrecision::single_float,
              notes_of(image.file, version, edited_from));
+  std::error_code ignored;
   // Those of an edit before, of maps that have none now, would be taken for theirs.
   for (const SkinMap& map : skin.skin.maps)
     if (std::ranges::find(skin.deviations, map.name, &SkinMapDeviation::name) ==
         skin.deviations.end())
-      fs::remove(folder / (map.name + ".sd.exr"), error);
+      fs::remove(folder / (map.name + ".sd.exr"), ignored);
   // They come last, so that they are there only if the maps are.
   for (const MapsFile& file : skin.files) {
     const std::string text = maps_file_json(skin, file).text(1) + "\n";
