@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/io/file_bytes.h"
 
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -27,7 +27,7 @@ thread_local std::vector<std::string> steps;  // that the test below looks at
 
 // In place of the C library's, to see their order.
 extern "C" int fsync(int file) {
-  struct stat status{};
+  struct stat status {};
   fstat(file, &status);
   steps.push_back(S_ISDIR(status.st_mode) ? "folder on the disk" : "file on the disk");
   return static_cast<int>(syscall(SYS_fsync, file));
@@ -69,19 +69,47 @@ TEST_F(FileBytes, AreReadToTheLimit) {
                                     "memory budget (--memory-budget)");
 }
 
+/// What a shell makes of <(...).
+struct OpenPipe {
+  OpenPipe() { EXPECT_EQ(pipe(ends.data()), 0); }
+  OpenPipe(const OpenPipe&) = delete;
+  OpenPipe& operator=(const OpenPipe&) = delete;
+  ~OpenPipe() { close(ends[0]); }
+
+  /// Until all is taken, or nobody reads any more.
+  void send(const std::string& text) {
+    std::size_t sent = 0;
+    while (sent < text.size()) {
+      const ssize_t got = write(ends[1], text.data() + sent, text.size() - sent);
+      if (got <= 0) break;
+      sent += static_cast<std::size_t>(got);
+    }
+    close(ends[1]);
+  }
+
+  std::array<int, 2> ends{};
+  std::filesystem::path name() const { return "/dev/fd/" + std::to_string(ends[0]); }
+};
+
 TEST_F(FileBytes, OfAPipeAreReadToItsEnd) {
-  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  OpenPipe open;
   const std::string sent(200'000, 'y');
-  std::thread writer([&] { std::ofstream(file_) << sent; });
-  EXPECT_EQ(read_stream_bytes(file_, sent.size()), sent);
+  std::thread writer([&] { open.send(sent); });
+  EXPECT_EQ(read_stream_bytes(open.name(), sent.size()), sent);
   writer.join();
 }
 
 TEST_F(FileBytes, OfAPipeBeyondTheLimitAreRefused) {
-  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
-  std::thread writer([&] { std::ofstream(file_) << std::string(2000, 'y'); });
-  EXPECT_THROW((void)read_stream_bytes(file_, 1999), FileError);
+  OpenPipe open;
+  std::thread writer([&] { open.send(std::string(2000, 'y')); });
+  EXPECT_THROW((void)read_stream_bytes(open.name(), 1999), FileError);
   writer.join();
+}
+
+TEST_F(FileBytes, OfAPipeInAFolderAreRefusedAtOnce) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  EXPECT_THROW((void)read_stream_bytes(file_, 100), FileError);
+  EXPECT_THROW(require_regular_file(file_), FileError);
 }
 
 // Nobody writes into this pipe: whoever opens it waits for ever.
@@ -124,8 +152,7 @@ class WrittenFile : public testing::Test {
 TEST_F(WrittenFile, IsOnTheDiskBeforeItTakesItsPlace) {
   steps.clear();
   write(file, "new");
-  EXPECT_EQ(steps,
-            (std::vector<std::string>{"file on the disk", "renamed", "folder on the disk"}));
+  EXPECT_EQ(steps, (std::vector<std::string>{"file on the disk", "renamed", "folder on the disk"}));
   EXPECT_EQ(read_file_bytes(file), "new");
 }
 
@@ -133,7 +160,7 @@ TEST_F(WrittenFile, KeepsItsPermissions) {
   write(file, "secret");
   chmod(file.c_str(), 0600);
   write(file, "new secret");
-  struct stat status{};
+  struct stat status {};
   ASSERT_EQ(stat(file.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777u, 0600u);
 }

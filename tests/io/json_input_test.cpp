@@ -223,8 +223,7 @@ TEST(JsonInput, MalformedTextIsRefusedWithItsLine) {
             "f.json:1: is not valid JSON: invalid literal; expected '}', near 0x");
   EXPECT_EQ(refusal("{'a': 1}"),
             "f.json:1: is not valid JSON: invalid literal; expected string literal, near {'");
-  EXPECT_EQ(refusal("// A comment.\nint main() {"),
-            "f.json:2: is not valid JSON: invalid literal, near i");
+  EXPECT_EQ(refusal("// A comment.\nint main() {"), "f.json:2: is not valid JSON: invalid literal");
   EXPECT_NE(refusal("{\"a\": 'b'}"), "");
   EXPECT_NE(refusal("{\"a\": +1}"), "");
   EXPECT_NE(refusal("{\"a\": \"\n\"}"), "");

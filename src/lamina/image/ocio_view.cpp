@@ -9,11 +9,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "lamina/core/parallel.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/spectrum/rgb_space.h"
 #include "lamina/spectrum/srgb.h"
@@ -71,6 +74,8 @@ std::string in_one_line(std::string text) {
 
 OcioView::OcioView(const OcioChoice& choice) : processor_(std::make_unique<Processor>()) {
   const std::string& file = choice.config;
+  // OpenColorIO would wait for a pipe; what is missing it tells itself.
+  if (std::error_code ignored; std::filesystem::exists(file, ignored)) require_regular_file(file);
   try {
     const ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(file.c_str());
     config->validate();

@@ -20,6 +20,25 @@ std::string reason(int error_number) { return std::generic_category().message(er
 
 enum class Pipes { allowed, refused };
 
+/// Whether a path names what is open already: standard input, or a pipe of the shell, <(...). Its
+/// writer is there. Whoever opens another pipe would wait for one.
+bool names_open_stream(const fs::path& file) {
+  const std::string& name = file.native();
+  return name == "/dev/stdin" || name.starts_with("/dev/fd/") || name.starts_with("/proc/self/fd/");
+}
+
+/// @throws FileError unless it is a file, or an open stream where those are allowed
+void require_file(const fs::path& file, const fs::file_status& status, Pipes pipes) {
+  const auto fail = [&](const std::string& why) { throw FileError(file.string() + ": " + why); };
+  if (status.type() == fs::file_type::not_found) fail("there is no such file");
+  if (fs::is_directory(status)) fail("is a folder, but must be a file");
+  if (fs::is_character_file(status) || fs::is_block_file(status))
+    fail("is a device, but must be a file");
+  const bool is_stream = pipes == Pipes::allowed && names_open_stream(file);
+  if (!is_stream && (fs::is_fifo(status) || fs::is_socket(status)))
+    fail("is a pipe, but must be a file");
+}
+
 /// @param limit  what `most` is, as messages call it.
 std::string read_bytes(const fs::path& file, std::size_t most, const std::string& limit,
                        Pipes pipes) {
@@ -27,12 +46,7 @@ std::string read_bytes(const fs::path& file, std::size_t most, const std::string
   const auto fail = [&](const std::string& why) { throw FileError(file.string() + ": " + why); };
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) fail("there is no such file");
-  if (fs::is_directory(status)) fail("is a folder, but must be a file");
-  if (fs::is_character_file(status) || fs::is_block_file(status))
-    fail("is a device, but must be a file");
-  if (pipes == Pipes::refused && (fs::is_fifo(status) || fs::is_socket(status)))
-    fail("is a pipe, but must be a file");
+  require_file(file, status, pipes);
   struct Close {
     void operator()(std::FILE* stream) const { std::fclose(stream); }
   };
@@ -69,6 +83,11 @@ std::string read_file_bytes(const fs::path& file, MemoryBudget& budget) {
 std::string read_file_bytes(const fs::path& file) {
   MemoryBudget budget;
   return read_file_bytes(file, budget);
+}
+
+void require_regular_file(const fs::path& file) {
+  std::error_code ignored;
+  require_file(file, fs::status(file, ignored), Pipes::refused);
 }
 
 std::string read_stream_bytes(const fs::path& file, std::size_t most) {

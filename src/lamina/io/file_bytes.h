@@ -18,7 +18,13 @@ namespace lamina {
 [[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file, MemoryBudget& budget);
 [[nodiscard]] std::string read_file_bytes(const std::filesystem::path& file);
 
-/// The same of a file or pipe, such as <(...) of a shell, for what users name themselves.
+/// Refuses what read_file_bytes refuses, for files that a library opens by itself.
+/// @throws FileError
+void require_regular_file(const std::filesystem::path& file);
+
+/// The same of a file or of what is open already, standard input or <(...) of a shell, for what users
+/// name themselves. Pipes with a name in a folder are refused: one that nobody writes to would be
+/// waited for.
 /// @throws FileError, also if there are more than `most` bytes.
 [[nodiscard]] std::string read_stream_bytes(const std::filesystem::path& file, std::size_t most);
 

@@ -98,7 +98,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
   bool parse_error(std::size_t, const std::string&,
                    const nlohmann::json::exception& error) override {
-    refuse(explain(error));
+    refuse(explain(error, !tree_.nodes.empty()));
   }
 
   [[noreturn]] void refuse(const std::string& message) const { refuse_in(line(), message); }
@@ -170,8 +170,9 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   /// The parser's message without its number, its own line and column, and what it last read, which
-  /// may be anything.
-  static std::string explain(const nlohmann::json::exception& error) {
+  /// may be anything: of a file that does not even begin as JSON does, which another file may have
+  /// named, it is not shown.
+  static std::string explain(const nlohmann::json::exception& error, bool is_json_so_far) {
     std::string message = error.what();
     if (const auto start = message.find("] "); start != std::string::npos)
       message.erase(0, start + 2);
@@ -188,7 +189,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
           expected != std::string::npos && expected >= start ? expected : message.size() - 1;
       const std::string near = last_line(message.substr(start, end - start));
       message.erase(read, end + 1 - read);
-      message += ", near " + near;
+      if (is_json_so_far) message += ", near " + near;
     }
     constexpr std::size_t longest = 200;
     if (message.size() > longest) message = message.substr(0, longest) + "...";
