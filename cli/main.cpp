@@ -23,6 +23,7 @@
 #include "lamina/io/disk_cache.h"
 #include "lamina/io/nearest_name.h"
 #include "lamina/io/write_places.h"
+#include "lamina/io/reading_warnings.h"
 #include "lamina/reproduction/run_item.h"
 #include "shard_option.h"
 
@@ -76,6 +77,7 @@ void hold_to_write_folder() {
 
 int run(int argc, char** argv) {
   set_words_of_call(argc, argv);
+  lamina::tell_reading_warnings([](const std::string& text) { say("warning: " + text); });
   CLI::App app("Light in layered translucent materials: predict and render.", "lamina");
   app.set_version_flag("--version", LAMINA_VERSION);
   app.require_subcommand(1);

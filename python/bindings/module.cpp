@@ -12,6 +12,7 @@
 #include "fit.h"
 #include "half_spaces.h"
 #include "images.h"
+#include "lamina/io/reading_warnings.h"
 #include "layer_stacks.h"
 #include "map_photons.h"
 #include "material.h"
@@ -30,6 +31,10 @@
 PYBIND11_MODULE(_lamina, module) {
   using namespace lamina::python;
   module.attr("__version__") = LAMINA_VERSION;
+  lamina::tell_reading_warnings([](const std::string& text) {
+    const pybind11::gil_scoped_acquire locked;
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw pybind11::error_already_set();
+  });
   bind_errors(module);
   bind_work(module);
   bind_layer_stacks(module);

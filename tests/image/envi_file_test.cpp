@@ -14,6 +14,7 @@
 #include "image/scratch_folder.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
+#include "lamina/io/reading_warnings.h"
 
 namespace lamina {
 namespace {
@@ -174,6 +175,30 @@ TEST_F(EnviFile, NamesBandsWithoutWavelengths) {
   EXPECT_THROW((void)envi_band_weights(named, {540.0}, "a.hdr"), InvalidInput);
 }
 
+TEST_F(EnviFile, ThatLeavesOutByteOrderOrUnitsIsReadWithAWarning) {
+  std::vector<std::string> told;
+  tell_reading_warnings([&](const std::string& text) { told.push_back(text); });
+  const EnviHeader order = parse_envi_header(header("byte order = 0", ""), "a.hdr");
+  EXPECT_FALSE(order.is_big_endian);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("a.hdr: does not say its byte order"), std::string::npos);
+  for (const auto& [from, to] :
+       {std::pair{"wavelength units = Micrometers", ""}, std::pair{"Micrometers", "Unknown"}}) {
+    told.clear();
+    const EnviHeader units = parse_envi_header(header(from, to), to);
+    EXPECT_DOUBLE_EQ(units.wavelengths[0], 540.0);
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_NE(told[0].find("0.54 to 0.655 are taken for micrometers"), std::string::npos)
+        << told[0];
+  }
+  std::string text = header("wavelength units = Micrometers", "");
+  text.replace(text.find(".54, 0.6"), 8, "540, 600");
+  text.replace(text.find(".655}"), 5, "655 }");
+  EXPECT_EQ(parse_envi_header(text, "b.hdr").wavelengths[2], 655.0);
+  EXPECT_NE(told.back().find("are taken for nanometers"), std::string::npos) << told.back();
+  tell_reading_warnings(nullptr);
+}
+
 TEST_F(EnviFile, IsRefusedWhereItCannotBeRead) {
   EXPECT_EQ(refusal(header()), "");
   const std::vector<std::array<std::string, 3>> bad = {
@@ -182,8 +207,8 @@ TEST_F(EnviFile, IsRefusedWhereItCannotBeRead) {
       {"lines = 4", "lines = 4.5", "lines must be"},
       {"data type = 12", "data type = 6", "data type must be 1, 2,"},
       {"bsq", "tiles", "interleave must be"},
-      {"byte order = 0", "", "byte order is missing"},
-      {"Micrometers", "Unknown", "wavelength units must be Nanometers or Micrometers, but is Unk"},
+      {"byte order = 0", "byte order = 2", "byte order must be a whole number from 0 to 1"},
+      {"Micrometers", "Wavenumber", "wavelength units must be Nanometers or Micrometers, but is W"},
       {".54, 0.6", ".54, nan", "wavelength must be a number"},
       {".54, 0.6", ".54", "one value for each of the 3 bands, but has 2"},
       {"655}", "655", "a.hdr:15: wavelength has no closing }"},

@@ -12,6 +12,7 @@
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/io/reading_warnings.h"
 
 namespace lamina {
 namespace {
@@ -62,6 +63,7 @@ class Entries {
   }
 
   [[noreturn]] void fail(const std::string& why) const { throw FileError(name_ + ": " + why); }
+  void warn(const std::string& what) const { warn_of_file(name_ + ": " + what); }
 
   [[nodiscard]] const std::string* find(const std::string& key) const {
     const auto found = values_.find(key);
@@ -126,8 +128,10 @@ class Entries {
   std::map<std::string, std::string> values_;
 };
 
-/// Nanometers in the file's unit of wavelengths.
-double nanometers(const Entries& entries) {
+/// Nanometers in the file's unit of wavelengths. Where it says none, numbers below 100 are
+/// micrometers: 0.1 to 100 um are 100 to 100 000 nm, and there is no light of less than 100 nm
+/// here.
+double nanometers(const Entries& entries, const std::vector<double>& wavelengths) {
   const std::string* given = entries.find("wavelength units");
   const std::string unit = given ? lower_case(*given) : "";
   for (const std::string_view name : {"nanometers", "nanometer", "nanometres", "nm"})
@@ -135,8 +139,18 @@ double nanometers(const Entries& entries) {
   for (const std::string_view name :
        {"micrometers", "micrometer", "micrometres", "microns", "um", "\u00b5m", "\u03bcm"})
     if (unit == name) return 1000.0;
-  entries.fail("wavelength units must be Nanometers or Micrometers, but " +
-               (given ? "is " + *given : std::string("is missing")));
+  if (!unit.empty() && unit != "unknown")
+    entries.fail("wavelength units must be Nanometers or Micrometers, but is " + *given);
+  constexpr double least_nanometers = 100.0;
+  const auto [low, high] = std::ranges::minmax(wavelengths);
+  const bool are_micrometers = high < least_nanometers;
+  if (!are_micrometers && low < least_nanometers)
+    entries.fail("wavelength units are missing, and wavelengths from " + number_text(low) + " to " +
+                 number_text(high) + " may have any");
+  entries.warn("does not say its wavelength units: wavelengths from " + number_text(low) + " to " +
+               number_text(high) + " are taken for " +
+               (are_micrometers ? "micrometers" : "nanometers"));
+  return are_micrometers ? 1000.0 : 1.0;
 }
 
 void read_bands(const Entries& entries, EnviHeader& header) {
@@ -149,7 +163,7 @@ void read_bands(const Entries& entries, EnviHeader& header) {
     header.widths.clear();  // without a unit
     return;
   }
-  const double unit = nanometers(entries);
+  const double unit = nanometers(entries, header.wavelengths);
   for (double& nm : header.wavelengths) {
     nm = std::round(nm * unit * 1e6) / 1e6;  // 0.54 um is 540 nm
     if (!(nm > 0.0)) entries.fail("wavelength must be > 0, but is " + number_text(nm));
@@ -199,9 +213,9 @@ EnviHeader parse_envi_header(std::string_view text, const std::string& name) {
         "data type must be 1, 2, 3, 4, 5, 12 or 13 (real numbers of up to 32 bits, or "
         "64 bit floating point), but is " +
         std::to_string(header.data_type));
-  header.is_big_endian =
-      entries.integer("byte order", 0, 1,
-                      header.data_type == 1 ? std::optional<std::uint64_t>(0) : std::nullopt) == 1;
+  header.is_big_endian = entries.integer("byte order", 0, 1, 0) == 1;
+  if (!entries.find("byte order") && header.data_type != 1)
+    entries.warn("does not say its byte order, which is taken for 0, the least significant first");
   const std::string* interleave = entries.find("interleave");
   const std::string order = interleave ? lower_case(*interleave) : header.bands == 1 ? "bsq" : "";
   if (order != "bsq" && order != "bil" && order != "bip")
