@@ -4,7 +4,7 @@
 set -euo pipefail
 
 build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
-  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libjpeg-dev libtiff-dev libopencolorio-dev
+  libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libjpeg-dev libtiff-dev liblcms2-dev libopencolorio-dev
   python3-dev python3-numpy pybind11-dev)
 test_packages=(ccache libgtest-dev librapidcheck-dev python3 python3-jsonschema
   python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy mkdocs-material

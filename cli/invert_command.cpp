@@ -284,8 +284,10 @@ void add_invert_command(CLI::App& app) {
                   "an image of colors (PNG, EXR, TIFF, JPEG, HDR) in place of --color; --output "
                   "gets the albedos")
       .type_name("FILE");
-  command.add_choice("--encoding", options->texture.encoding,
-                     "what the integers of --texture mean; floating point is always linear");
+  command.add_choice(
+      "--encoding", options->texture.encoding,
+      "what the numbers of --texture mean: srgb, what the file says, of integers sRGB where "
+      "it says nothing; linear, light; or an encoding by name, whatever it says");
   command.add_flag("--clamp", options->texture.takes_nearest,
                    "give texels that no albedo reaches the nearest color");
   command.add_choice(

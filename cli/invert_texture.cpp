@@ -26,7 +26,12 @@ struct Unreached {
 
 InvertedTexture invert_texture(const TextureInversion& wanted, const HalfSpaceLook& look,
                                MemoryBudget memory, const Progress& progress) {
-  const Image texture = load_image(wanted.file, of_colors(wanted.encoding), memory);
+  // Colors, and what is made of them: albedos, coefficients and coverage.
+  const std::size_t made = 2 * rgb.size() + (wanted.radius ? 2 * rgb.size() : 0) + 1;
+  const Image texture = load_image(wanted.file,
+                                   ImageReading{.encoding = of_colors(wanted.encoding),
+                                                .more_bytes_per_pixel = made * sizeof(float)},
+                                   memory);
   require_finite(texture, wanted.file);
   const Image colors = rgb_image(texture);
   const auto alpha = channel_index(texture, "A");

@@ -258,8 +258,11 @@ def load_image(
 ) -> tuple[FloatImage, tuple[str, ...]]:
     """Reads EXR, PNG, JPEG, TIFF, Radiance HDR, ENVI or camera raw: linear light, and its channels.
 
-    :param encoding: of integers: "srgb", colors, which become linear; "linear", quantities. Colors of
-        an EXR that says other primaries than Rec.709's, as ACEScg, are turned into those.
+    :param encoding: "srgb", colors as the file says (ICC profile, chunks of PNG, Exif, chromaticities of
+        EXR), of integers sRGB where it says nothing; "linear", quantities, as they are; or an encoding of
+        colors by name, whatever the file says: "srgb_texture", "lin_rec709", "g22_rec709", "g18_rec709",
+        "rec709_display", "acescg", "g22_ap1", "adobergb", "lin_adobergb", "srgb_displayp3",
+        "lin_displayp3". Colors become linear Rec.709. A picture that notes another orientation is turned.
     :param bands: of ENVI files: wavelengths [nm] to read in place of all bands.
     :param widths: of these, full [nm], one or one for each.
     :param shape: how bands of the file make one: "nearest"; with widths "box" or "gaussian".
@@ -267,7 +270,9 @@ def load_image(
     :raises InvalidInput: naming what is wrong.
     :raises FileError: if it cannot be read as an image.
     """
-    of = one_of("encoding", encoding, ("srgb", "linear"))
+    of = one_of("encoding", encoding, (
+        "srgb", "linear", "srgb_texture", "lin_rec709", "g22_rec709", "g18_rec709", "rec709_display", "acescg",
+        "g22_ap1", "adobergb", "lin_adobergb", "srgb_displayp3", "lin_displayp3"))
     if bands is None and rectangle is None:
         pixels, channels = _lamina.load_image(path_text("path", path), of)
         return pixels, tuple(channels)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/foreign_images.h"
+#include "image/icc_profiles.h"
 #include "lamina/core/error.h"
 #include "lamina/core/random.h"
 #include "lamina/image/image_file.h"
@@ -41,6 +42,18 @@ std::vector<std::pair<std::string, Bytes>> valid_files() {
   files.emplace_back("hdr runs", foreign_hdr(20, 18, HdrRows::runs));
   files.emplace_back("hdr flat", foreign_hdr(20, 18, HdrRows::flat));
   files.emplace_back("hdr old runs", foreign_hdr(20, 18, HdrRows::old_runs));
+  const Bytes profile = p3_profile();
+  files.emplace_back("png with a profile",
+                     with_png_chunk(foreign_png(20, 18, 2, 8, false), "iCCP", iccp_of(profile)));
+  files.emplace_back("jpeg with a profile",
+                     with_jpeg_profile(foreign_jpeg(20, 18, 3, false), profile, 3));
+  Bytes exif = bytes_of(std::string_view("Exif\0\0", 6));
+  const Bytes notes = foreign_exif(6, 65535);
+  exif.insert(exif.end(), notes.begin(), notes.end());
+  files.emplace_back("jpeg with exif",
+                     with_jpeg_segment(foreign_jpeg(20, 18, 3, false), 0xE1, exif));
+  files.emplace_back("tiff with a profile",
+                     foreign_tiff(20, 18, {.orientation = 6, .profile = profile}));
   return files;
 }
 

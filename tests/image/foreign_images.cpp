@@ -19,12 +19,16 @@
 #include <png.h>
 #include <tiffio.h>
 #include <unistd.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
+#include <utility>
 
 namespace lamina {
 namespace {
@@ -187,10 +191,105 @@ std::vector<std::byte> foreign_png(int width, int height, int color_type, int bi
   return bytes;
 }
 
+std::vector<std::byte> bytes_of(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+namespace {
+
+void append_big_endian(std::vector<std::byte>& to, std::uint32_t value, int bytes) {
+  for (int i = bytes - 1; i >= 0; --i) to.push_back(static_cast<std::byte>(value >> (8 * i)));
+}
+
+}  // namespace
+
+std::vector<std::byte> with_png_chunk(std::vector<std::byte> png, const std::string& name,
+                                      const std::vector<std::byte>& data) {
+  std::vector<std::byte> chunk;
+  append_big_endian(chunk, static_cast<std::uint32_t>(data.size()), 4);
+  const std::vector<std::byte> letters = bytes_of(name);
+  chunk.insert(chunk.end(), letters.begin(), letters.end());
+  chunk.insert(chunk.end(), data.begin(), data.end());
+  append_big_endian(
+      chunk,
+      static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(chunk.data()) + 4,
+                                       static_cast<uInt>(chunk.size() - 4))),
+      4);
+  constexpr std::ptrdiff_t after_header = 8 + 25;
+  png.insert(png.begin() + after_header, chunk.begin(), chunk.end());
+  return png;
+}
+
+std::vector<std::byte> iccp_of(const std::vector<std::byte>& profile) {
+  std::vector<std::byte> data = bytes_of(std::string_view("name\0\0", 6));
+  uLongf size = compressBound(static_cast<uLong>(profile.size()));
+  std::vector<std::byte> shrunk(size);
+  compress(reinterpret_cast<Bytef*>(shrunk.data()), &size,
+           reinterpret_cast<const Bytef*>(profile.data()), static_cast<uLong>(profile.size()));
+  data.insert(data.end(), shrunk.begin(), shrunk.begin() + static_cast<std::ptrdiff_t>(size));
+  return data;
+}
+
+std::vector<std::byte> with_jpeg_segment(std::vector<std::byte> jpeg, int marker,
+                                         const std::vector<std::byte>& data) {
+  std::vector<std::byte> segment = {std::byte{0xFF}, static_cast<std::byte>(marker)};
+  append_big_endian(segment, static_cast<std::uint32_t>(data.size() + 2), 2);
+  segment.insert(segment.end(), data.begin(), data.end());
+  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  return jpeg;
+}
+
+std::vector<std::byte> with_jpeg_profile(std::vector<std::byte> jpeg,
+                                         const std::vector<std::byte>& profile, int pieces) {
+  const std::size_t step = profile.size() / static_cast<std::size_t>(pieces) + 1;
+  for (int i = 0; i < pieces; ++i) {
+    std::vector<std::byte> data = bytes_of(std::string_view("ICC_PROFILE\0", 12));
+    data.push_back(static_cast<std::byte>(i + 1));
+    data.push_back(static_cast<std::byte>(pieces));
+    const std::size_t first = static_cast<std::size_t>(i) * step;
+    const std::size_t last = std::min(first + step, profile.size());
+    data.insert(data.end(), profile.begin() + static_cast<std::ptrdiff_t>(first),
+                profile.begin() + static_cast<std::ptrdiff_t>(last));
+    jpeg = with_jpeg_segment(std::move(jpeg), 0xE2, data);
+  }
+  return jpeg;
+}
+
+std::vector<std::byte> foreign_exif(int orientation, int color_space) {
+  std::vector<std::byte> exif = bytes_of("MM");
+  const auto add = [&](int value, int bytes) {
+    append_big_endian(exif, static_cast<std::uint32_t>(value), bytes);
+  };
+  const auto entry = [&](int tag, int type, int count, int value) {
+    add(tag, 2), add(type, 2), add(count, 4);
+    if (type == 3)
+      add(value, 2), add(0, 2);
+    else
+      add(value, 4);
+  };
+  add(42, 2), add(8, 4);
+  add(2, 2);  // the first table, at 8
+  entry(0x112, 3, 1, orientation);
+  entry(0x8769, 4, 1, 8 + 2 + 24 + 4);
+  add(0, 4);
+  add(2, 2);  // that of the camera, at 38
+  entry(0xA001, 3, 1, color_space);
+  entry(0xA005, 4, 1, 38 + 2 + 24 + 4);
+  add(0, 4);
+  add(1, 2);
+  add(1, 2), add(2, 2), add(4, 4);
+  const std::vector<std::byte> rule =
+      bytes_of(std::string_view(color_space == 1 ? "R98\0" : "R03\0", 4));
+  exif.insert(exif.end(), rule.begin(), rule.end());
+  add(0, 4);
+  return exif;
+}
+
 std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind) {
   const std::string name = temporary_name(".tif");
   TIFF* tiff = TIFFOpen(name.c_str(), kind.is_big_endian ? "wb" : "wl");
-  const bool is_rgb = kind.samples >= 3;
+  const bool is_rgb = kind.samples >= 3 && !kind.is_grey;
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, width);
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, height);
   TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, kind.samples);
@@ -200,7 +299,11 @@ std::vector<std::byte> foreign_tiff(int width, int height, const TiffKind& kind)
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG,
                kind.is_planar ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, kind.compression);
-  if (kind.samples % 2 == 0) {
+  if (kind.orientation > 0) TIFFSetField(tiff, TIFFTAG_ORIENTATION, kind.orientation);
+  if (!kind.profile.empty())
+    TIFFSetField(tiff, TIFFTAG_ICCPROFILE, static_cast<std::uint32_t>(kind.profile.size()),
+                 kind.profile.data());
+  if (kind.samples % 2 == 0 && !kind.is_grey) {
     const std::uint16_t extra = EXTRASAMPLE_UNASSALPHA;
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &extra);
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -88,6 +89,62 @@ TEST(MaterialX, ThinWallsPassTheirSubsurfaceColor) {
   EXPECT_EQ(standard.diffuse_transmission, 0.25);
   EXPECT_EQ(standard.diffuse_transmission_color, (std::array{0.5, 0.4, 0.3}));
   EXPECT_EQ(standard.base_color, (std::array{0.1, 0.2, 0.3}));
+}
+
+/// The material of a document, and of the surface's inputs.
+FileMaterial material_of(const std::string& of_document, const std::string& inputs,
+                         const std::string& nodes = "") {
+  return parse_materialx("<materialx version=\"1.39\" " + of_document + ">" + nodes +
+                             "<open_pbr_surface name=\"s\" type=\"surfaceshader\">" + inputs +
+                             "</open_pbr_surface><surfacematerial name=\"m\" type=\"material\">"
+                             "<input name=\"surfaceshader\" type=\"surfaceshader\" "
+                             "nodename=\"s\"/></surfacematerial></materialx>",
+                         "a.mtlx")
+      .at(0);
+}
+
+// MaterialX 1.39, Color Spaces and Color Management Systems: the attribute of an input, or else
+// that of what is around it, at last that of the document.
+TEST(MaterialX, ColorsAreOfTheSpaceThatTheInnermostElementSays) {
+  const std::string value = "<input name=\"base_color\" type=\"color3\" value=\".18, .18, .18\" ";
+  const std::string srgb = "colorspace=\"srgb_texture\"";
+  EXPECT_NEAR(material_of("", value + srgb + "/>").base_color[0], 0.0272, 5e-5);
+  EXPECT_NEAR(material_of(srgb, value + "/>").base_color[0], 0.0272, 5e-5);
+  EXPECT_EQ(material_of("", value + "/>").base_color[0], 0.18);
+  EXPECT_EQ(material_of(srgb, value + "colorspace=\"lin_rec709\"/>").base_color[0], 0.18);
+  EXPECT_NEAR(material_of("colorspace=\"g22_rec709\"", value + "/>").base_color[1],
+              std::pow(0.18, 2.2), 1e-12);
+  // ACEScg's red in linear Rec.709 by the published matrix (ACES white, Bradford): 1.70505.
+  const FileMaterial wide = material_of(
+      "colorspace=\"lin_ap1\"", "<input name=\"base_color\" type=\"color3\" value=\".5, 0, 0\"/>");
+  EXPECT_NEAR(wide.base_color[0], 0.5 * 1.70505, 1e-4);
+  EXPECT_EQ(wide.base_color[1], 0.0);  // below
+  EXPECT_NE(message_of([&] {
+              (void)material_of("colorspace=\"rgb2\"", value + "/>");
+            }).find("a.mtlx: the color space of base_color must be one of srgb_texture, "),
+            std::string::npos);
+}
+
+TEST(MaterialX, ImagesAreOfTheSpaceThatTheInnermostElementSays) {
+  const auto encoding = [](const std::string& of_document, const std::string& of_graph,
+                           const std::string& of_node, const std::string& of_file) {
+    const auto space = [](const std::string& name) {
+      return name.empty() ? name : " colorspace=\"" + name + "\"";
+    };
+    return material_of(
+               space(of_document), "<input name=\"base_color\" type=\"color3\" nodegraph=\"g\"/>",
+               "<nodegraph name=\"g\"" + space(of_graph) + "><image name=\"i\" type=\"color3\"" +
+                   space(of_node) + "><input name=\"file\" type=\"filename\" value=\"a.png\"" +
+                   space(of_file) +
+                   "/></image><output name=\"out\" type=\"color3\" "
+                   "nodename=\"i\"/></nodegraph>")
+        .base_color_texture->encoding;
+  };
+  EXPECT_EQ(encoding("", "", "", ""), "");
+  EXPECT_EQ(encoding("lin_rec709", "", "", ""), "lin_rec709");
+  EXPECT_EQ(encoding("lin_rec709", "", "", "srgb_texture"), "srgb_texture");
+  EXPECT_EQ(encoding("lin_rec709", "", "srgb_displayp3", ""), "srgb_displayp3");
+  EXPECT_EQ(encoding("lin_rec709", "lin_ap1", "", ""), "acescg");
 }
 
 TEST(MaterialX, FaultsAreNamedWithTheirLine) {

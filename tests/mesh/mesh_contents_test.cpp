@@ -157,7 +157,7 @@ TEST(GltfContents, ExtensionsOfMaterialsAreReadAndTheRestIsNamed) {
   const FileMaterial& leaf = mesh.file_materials[0];
   EXPECT_EQ(leaf.base_color, (std::array{1.0, 0.5, 0.0}));  // no more than all
   ASSERT_TRUE(leaf.base_color_texture);
-  EXPECT_EQ(leaf.base_color_texture->map, "skin a.png");
+  EXPECT_EQ(leaf.base_color_texture->map, "leaf.gltf#0");
   EXPECT_EQ(leaf.base_color_texture->uv_set, 1);
   EXPECT_EQ(leaf.base_color_texture->repeat_u, 3.0);
   ASSERT_TRUE(leaf.normal_texture);

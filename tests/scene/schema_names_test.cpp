@@ -48,14 +48,32 @@ void expect_names(const std::string& kind, std::string_view key) {
     EXPECT_EQ(allowed, Names(names.begin(), names.end())) << kind << ": " << key;
 }
 
+/// @param has_colors  whether some of them are of colors
+void expect_encodings(const std::string& kind, bool has_colors) {
+  const JsonDocument schema =
+      load_json(std::filesystem::path(LAMINA_SOURCE_DIR) / "schema" / (kind + ".schema.json"));
+  std::vector<Names> found;
+  collect_names(schema.root(), "encoding", found);
+  const auto names = names_of<ColorEncoding>();
+  const Names all(names.begin(), names.end());
+  bool has_all = false;
+  for (const Names& allowed : found) {
+    has_all = has_all || allowed == all;
+    EXPECT_TRUE(allowed == all || allowed == (Names{"srgb", "linear"})) << kind;
+  }
+  EXPECT_FALSE(found.empty());
+  EXPECT_EQ(has_all, has_colors) << kind;
+}
+
 TEST(EnumNames, AreThoseThatSchemasAllow) {
   expect_names<MicrofacetDistribution>("material", "distribution");
   expect_names<MicrofacetDistribution>("scene", "distribution");
   expect_names<ParticlePhase>("material", "phase");
   for (const char* kind : {"material", "maps", "patch"})
     expect_names<SkinConstants>(kind, "constants");
-  for (const char* kind : {"material", "maps", "patch", "scene"})
-    expect_names<ColorEncoding>(kind, "encoding");
+  // Colors have all encodings, quantities two.
+  for (const char* kind : {"capture", "maps", "scene"}) expect_encodings(kind, true);
+  for (const char* kind : {"material", "patch"}) expect_encodings(kind, false);
   expect_names<View>("scene", "view");
   expect_names<OperatorTotals>("patch", "totals");
   expect_names<ProfileAt>("patch", "profile");

@@ -104,8 +104,11 @@ CameraRaw decode_camera_raw(const EncodedImage& file, Demosaic) {
 CameraRaw load_camera_raw(const std::filesystem::path& file, Demosaic demosaic,
                           MemoryBudget& memory) {
   const std::string bytes = read_file_bytes(file, memory);
-  CameraRaw raw = decode_camera_raw(
-      {std::as_bytes(std::span(bytes)), file.string(), ColorEncoding::linear, memory}, demosaic);
+  CameraRaw raw = decode_camera_raw({.bytes = std::as_bytes(std::span(bytes)),
+                                     .name = file.string(),
+                                     .encoding = ColorEncoding::linear,
+                                     .memory = memory},
+                                    demosaic);
   memory.left += bytes.size();  // which end here
   return raw;
 }

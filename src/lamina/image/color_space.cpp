@@ -46,6 +46,20 @@ Image converted_colors(Image image, const Matrix3& conversion, Negative negative
   return image;
 }
 
+Image decoded_colors(Image image, const RgbCurve& curve) {
+  if (is_linear(curve)) return image;
+  std::vector<std::size_t> places;
+  for (const auto& color : colors_of(image))
+    places.insert(places.end(), color.begin(), color.end());
+  if (const auto grey = channel_index(image, "Y")) places.push_back(*grey);
+  for (std::size_t at = 0; at < image.pixels.size(); at += image.channel_count())
+    for (const std::size_t place : places) {
+      float& number = image.pixels[at + place];
+      number = static_cast<float>(linear_light(curve, static_cast<double>(number)));
+    }
+  return image;
+}
+
 bool has_colors(const Image& image) { return !colors_of(image).empty(); }
 
 }  // namespace lamina

@@ -3,6 +3,7 @@
 
 #include "lamina/image/image.h"
 #include "lamina/spectrum/color.h"
+#include "lamina/spectrum/rgb_encoding.h"
 
 namespace lamina {
 
@@ -15,6 +16,9 @@ enum class Negative { kept, none };
 /// mattes (image/cryptomatte.h).
 [[nodiscard]] Image converted_colors(Image image, const Matrix3& conversion,
                                      Negative negative = Negative::kept);
+
+/// Decodes the channels R, G and B, and those of layers, as converted_colors finds them, and Y.
+[[nodiscard]] Image decoded_colors(Image image, const RgbCurve& curve);
 
 /// Whether an image has colors that converted_colors turns.
 [[nodiscard]] bool has_colors(const Image& image);

@@ -23,6 +23,7 @@
 #include "lamina/image/color_space.h"
 #include "lamina/image/cryptomatte.h"
 #include "lamina/image/internal/codec.h"
+#include "lamina/image/internal/color_statement.h"
 
 namespace lamina {
 namespace {
@@ -255,11 +256,13 @@ Imf::Chromaticities to_file(const RgbPrimaries& primaries) {
           to_file(primaries.white)};
 }
 
+RgbPrimaries primaries_of(const Imf::Chromaticities& given) {
+  return {xy_of(given.red), xy_of(given.green), xy_of(given.blue), xy_of(given.white)};
+}
+
 /// The colors of a file in Rec.709. Those beyond its triangle lose what is negative.
-Image in_rec709(Image image, const EncodedImage& file, const Imf::Chromaticities& given) {
+Image in_rec709(Image image, const EncodedImage& file, const RgbPrimaries& primaries) {
   const RgbPrimaries rec709 = rec709_primaries();
-  const RgbPrimaries primaries{xy_of(given.red), xy_of(given.green), xy_of(given.blue),
-                               xy_of(given.white)};
   if (are_alike(primaries, rec709)) return image;
   try {
     return converted_colors(std::move(image), rgb_conversion(primaries, rec709), Negative::none);
@@ -320,8 +323,10 @@ Image decode_exr(const EncodedImage& file) {
     if (header.hasType() && header.type().starts_with("deep"))
       fail_to_decode(file, "EXR", "it holds a deep image");
     Image image = read_pixels(file, header);
-    if (file.encoding == ColorEncoding::linear || !Imf::hasChromaticities(header)) return image;
-    return in_rec709(std::move(image), file, Imf::chromaticities(header));
+    if (const auto stated = stated_encoding(file.encoding))
+      return in_rec709(decoded_colors(std::move(image), stated->curve), file, stated->primaries);
+    if (!follows_statement(file.encoding) || !Imf::hasChromaticities(header)) return image;
+    return in_rec709(std::move(image), file, primaries_of(Imf::chromaticities(header)));
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {

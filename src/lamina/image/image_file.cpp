@@ -85,17 +85,29 @@ void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t 
   const std::size_t image_bytes = checked_product(what, {width, height, channels, sizeof(float)});
   MemoryBudget while_decoding = file.memory;
   take_memory(while_decoding, checked_sum(what, {image_bytes, decoder_bytes}), what);
+  MemoryBudget for_reader = file.memory;
+  take_memory(
+      for_reader,
+      checked_sum(what,
+                  {image_bytes, checked_product(what, {width, height, file.more_bytes_per_pixel})}),
+      what);
   take_memory(file.memory, image_bytes, what);
 }
 
-float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb) {
-  const double fraction = static_cast<double>(value) / static_cast<double>(largest);
-  return static_cast<float>(is_srgb ? srgb_decode(fraction) : fraction);
+std::optional<RgbEncoding> stated_encoding(ColorEncoding encoding) {
+  for (const auto& [name, value] : enum_names<ColorEncoding>)
+    if (value == encoding) return rgb_encoding_named(name);
+  return std::nullopt;
 }
 
 Image decode_image(std::span<const std::byte> bytes, const std::string& name,
-                   ColorEncoding encoding, MemoryBudget& memory) {
-  const EncodedImage file{bytes, name, encoding, memory};
+                   const ImageReading& reading, MemoryBudget& memory) {
+  const EncodedImage file{.bytes = bytes,
+                          .name = name,
+                          .encoding = reading.encoding,
+                          .memory = memory,
+                          .is_turned_upright = reading.is_turned_upright,
+                          .more_bytes_per_pixel = reading.more_bytes_per_pixel};
   if (bytes.empty()) throw FileError(name + ": must be an image, but is empty");
   if (starts_with(bytes, "\x76\x2f\x31\x01"sv)) return decode_exr(file);
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n"sv)) return decode_png(file);
@@ -117,18 +129,28 @@ Image decode_image(std::span<const std::byte> bytes, const std::string& name,
 }
 
 Image decode_image(std::span<const std::byte> bytes, const std::string& name,
+                   ColorEncoding encoding, MemoryBudget& memory) {
+  return decode_image(bytes, name, ImageReading{.encoding = encoding}, memory);
+}
+
+Image decode_image(std::span<const std::byte> bytes, const std::string& name,
                    ColorEncoding encoding) {
   MemoryBudget memory;
   return decode_image(bytes, name, encoding, memory);
 }
 
 Image load_image(const std::filesystem::path& file, ColorEncoding encoding, MemoryBudget& memory) {
+  return load_image(file, ImageReading{.encoding = encoding}, memory);
+}
+
+Image load_image(const std::filesystem::path& file, const ImageReading& reading,
+                 MemoryBudget& memory) {
   const std::string bytes = read_file_bytes(file, memory);
   if (bytes.starts_with("ENVI")) {
     memory.left += bytes.size();
     return load_envi(file, {}, memory);
   }
-  Image image = decode_image(std::as_bytes(std::span(bytes)), file.string(), encoding, memory);
+  Image image = decode_image(std::as_bytes(std::span(bytes)), file.string(), reading, memory);
   memory.left += bytes.size();  // which end here
   return image;
 }

@@ -10,9 +10,13 @@
 #include <csetjmp>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "lamina/core/checked_size.h"
 #include "lamina/image/internal/codec.h"
+#include "lamina/image/internal/color_statement.h"
+#include "lamina/image/internal/jpeg_notes.h"
+#include "lamina/image/internal/orientation.h"
 
 namespace lamina {
 namespace {
@@ -118,15 +122,20 @@ Image decode_jpeg(const EncodedImage& file) {
                          static_cast<std::int64_t>(height), static_cast<std::int64_t>(channels));
   // Several scans are kept as coefficients of two bytes, padded to blocks of up to 32 pixels.
   const std::size_t kept_rows = jpeg_has_multiple_scans(&reader.info) ? height + 32 : 64;
-  take_image_memory(file, width, height, channels,
-                    checked_product(file.name, {width + 32, kept_rows, channels, sizeof(short)}));
+  const JpegNotes notes = read_jpeg_notes(file);
+  const int orientation = file.is_turned_upright ? notes.exif.orientation : 1;
+  take_image_memory(
+      file, width, height, channels,
+      checked_sum(file.name,
+                  {checked_product(file.name, {width + 32, kept_rows, channels, sizeof(short)}),
+                   turning_bytes(orientation, width, height, channels)}));
+  const ColorReading colors(file, "JPEG", notes.colors, channels == 1, false);
 
   Image image = make_image(
       static_cast<int>(width), static_cast<int>(height),
       channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"});
   std::array<float, 256> linear{};
-  for (std::uint32_t v = 0; v < 256; ++v)
-    linear[v] = decoded_value(v, 255, file.encoding == ColorEncoding::srgb);
+  for (std::uint32_t v = 0; v < 256; ++v) linear[v] = colors.number(v, 255);
   std::vector<unsigned char> row(width * channels);
   if (!start_jpeg(reader)) fail();
   for (std::size_t y = 0; y < height; ++y) {
@@ -135,7 +144,7 @@ Image decode_jpeg(const EncodedImage& file) {
     for (std::size_t i = 0; i < row.size(); ++i) to[i] = linear[row[i]];
   }
   if (!read_jpeg_end(reader)) fail();
-  return image;
+  return upright(colors.in_rec709(std::move(image)), orientation);
 }
 
 }  // namespace lamina

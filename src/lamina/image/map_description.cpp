@@ -49,9 +49,11 @@ Vec2f repeat_of(const MapDescription& map) {
 }
 
 ColorEncoding encoding_of(const MapDescription& map, bool is_color) {
-  if (map.encoding) return map.encoding->choice<ColorEncoding>();
-  if (is_color) map.self.fail("\"encoding\" is required, but missing");
-  return ColorEncoding::linear;
+  if (is_color && !map.encoding) map.self.fail("\"encoding\" is required, but missing");
+  const auto said = map.encoding ? map.encoding->choice<ColorEncoding>() : ColorEncoding::linear;
+  if (is_color) return of_colors(said);
+  if (stated_encoding(said)) map.encoding->fail("is of colors: of quantities it is linear or srgb");
+  return said == ColorEncoding::srgb ? ColorEncoding::srgb_numbers : said;
 }
 
 std::size_t named_channel(const Image& image, const JsonInput& channel) {

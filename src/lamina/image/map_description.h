@@ -38,7 +38,8 @@ struct MapDescription {
 /// How many copies there are over the unit square of texture coordinates: 1 unless given.
 [[nodiscard]] Vec2f repeat_of(const MapDescription& map);
 
-/// The encoding of a quantity is linear unless given, that of a color must be given.
+/// The encoding of a quantity is linear unless given, and is one of numbers, which are never
+/// converted; that of a color must be given.
 [[nodiscard]] ColorEncoding encoding_of(const MapDescription& map, bool is_color);
 
 /// The index of the channel that a file names. @throws InvalidInput if the image has none such.

@@ -9,6 +9,9 @@
 
 #include "lamina/core/error.h"
 #include "lamina/image/internal/codec.h"
+#include "lamina/image/internal/color_statement.h"
+#include "lamina/image/internal/orientation.h"
+#include "lamina/image/internal/png_statement.h"
 #include "lamina/spectrum/srgb.h"
 
 namespace lamina {
@@ -53,7 +56,8 @@ bool read_header(Reader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_set_read_fn(reader.png, &reader, read_bytes);
   png_set_user_limits(reader.png, 1u << 20, 1u << 20);
-  // Texts, profiles and the like are not for us; a small file may hold gigabytes of them, deflated.
+  // Texts and the like are not for us; a small file may hold gigabytes of them, deflated. What it
+  // says of its colors is read by png_color_statement.
   png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_set_chunk_malloc_max(reader.png, 1u << 20);
   png_read_info(reader.png, reader.info);
@@ -129,10 +133,11 @@ std::vector<png_bytep> row_pointers(std::vector<png_byte>& data, std::size_t row
   return rows;
 }
 
-/// Linear values of all 8 bit or all 16 bit numbers.
-std::vector<float> decoding_table(std::uint32_t largest, bool is_srgb) {
+/// What becomes of all 8 bit or all 16 bit numbers.
+template <class Decode>
+std::vector<float> decoding_table(std::uint32_t largest, const Decode& decode_number) {
   std::vector<float> table(largest + 1);
-  for (std::uint32_t v = 0; v <= largest; ++v) table[v] = decoded_value(v, largest, is_srgb);
+  for (std::uint32_t v = 0; v <= largest; ++v) table[v] = decode_number(v);
   return table;
 }
 
@@ -158,8 +163,11 @@ Image decode_png(const EncodedImage& file) {
   const std::size_t row_bytes = png_get_rowbytes(reader.png, reader.info);
   const std::size_t rows_at_once = is_interlaced ? height : 1;
   constexpr std::size_t rows_of_libpng = 4;
+  const int orientation = file.is_turned_upright ? png_orientation(file.bytes) : 1;
   take_image_memory(file, width, height, channel_count,
-                    rows_at_once * sizeof(png_bytep) + (rows_at_once + rows_of_libpng) * row_bytes);
+                    rows_at_once * sizeof(png_bytep) + (rows_at_once + rows_of_libpng) * row_bytes +
+                        turning_bytes(orientation, width, height, channel_count));
+  const ColorReading reading(file, "PNG", png_color_statement(file), channel_count < 3, false);
 
   const bool has_alpha = channel_count % 2 == 0;
   std::vector<std::string> names =
@@ -168,8 +176,11 @@ Image decode_png(const EncodedImage& file) {
   Image image = make_image(static_cast<int>(width), static_cast<int>(height), std::move(names));
 
   const std::uint32_t largest = is_16_bit ? 65535 : 255;
-  const std::vector<float> color = decoding_table(largest, file.encoding == ColorEncoding::srgb);
-  const std::vector<float> alpha = decoding_table(largest, false);
+  const std::vector<float> color =
+      decoding_table(largest, [&](std::uint32_t v) { return reading.number(v, largest); });
+  const std::vector<float> alpha = decoding_table(largest, [&](std::uint32_t v) {
+    return static_cast<float>(static_cast<double>(v) / static_cast<double>(largest));
+  });
   std::vector<png_byte> data(rows_at_once * row_bytes);
   std::vector<png_bytep> rows = row_pointers(data, row_bytes, rows_at_once);
   if (is_interlaced && !read_rows(reader, rows.data())) fail_to_decode(file, "PNG", reader.error);
@@ -184,7 +195,7 @@ Image decode_png(const EncodedImage& file) {
     }
   }
   if (!read_end(reader)) fail_to_decode(file, "PNG", reader.error);
-  return image;
+  return upright(reading.in_rec709(std::move(image)), orientation);
 }
 
 std::vector<std::byte> encode_png(const Image& image) {

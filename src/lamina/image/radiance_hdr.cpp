@@ -6,10 +6,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lamina/core/checked_size.h"
 #include "lamina/image/internal/codec.h"
+#include "lamina/image/internal/color_statement.h"
 
 namespace lamina {
 namespace {
@@ -36,7 +38,7 @@ class HdrReader {
       for (const Rgbe& pixel : row)
         for (std::size_t c = 0; c < 3; ++c) *to++ = linear(pixel, c);
     }
-    return image;
+    return ColorReading(file_, "Radiance HDR", said_, false, true).in_rec709(std::move(image));
   }
 
  private:
@@ -70,7 +72,24 @@ class HdrReader {
         if (!(exposure_ > 1e-30 && exposure_ < 1e30))
           fail("its exposure must be a positive number, but is " + text.substr(9));
       }
+      if (text.starts_with("PRIMARIES=")) read_primaries(std::string_view(text).substr(10));
     }
+  }
+
+  /// x and y of red, green, blue and white.
+  void read_primaries(std::string_view text) {
+    std::array<double, 8> xy{};
+    for (double& value : xy) {
+      while (text.starts_with(' ') || text.starts_with('\t')) text.remove_prefix(1);
+      const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (code != std::errc()) fail("its primaries must be eight numbers");
+      text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    }
+    said_.encoding = RgbEncoding{.primaries = {.red = {xy[0], xy[1]},
+                                               .green = {xy[2], xy[3]},
+                                               .blue = {xy[4], xy[5]},
+                                               .white = {xy[6], xy[7]}},
+                                 .curve = {}};
   }
 
   /// 0 where there is none.
@@ -154,6 +173,7 @@ class HdrReader {
   std::size_t position_ = 0;
   std::int64_t width_ = 0, height_ = 0;
   double exposure_ = 1.0;
+  ColorStatement said_;
 };
 
 }  // namespace

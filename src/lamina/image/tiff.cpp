@@ -7,9 +7,16 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "lamina/core/checked_size.h"
 #include "lamina/image/internal/codec.h"
+#include "lamina/image/internal/color_statement.h"
+#include "lamina/image/internal/exif.h"
+#include "lamina/image/internal/orientation.h"
 
 namespace lamina {
 namespace {
@@ -81,10 +88,16 @@ struct Layout {
   std::uint32_t width = 0, height = 0;
   std::uint16_t samples = 1;  ///< per pixel
   std::uint16_t bits = 1;     ///< per sample
-  bool is_float = false, is_planar = false, is_white_zero = false, has_alpha = false;
-  std::size_t colors = 1;
+  bool is_float = false, is_planar = false, is_white_zero = false;
+  std::size_t colors = 1;            ///< 0: bands, all alike
+  std::optional<std::size_t> alpha;  ///< the sample that is declared to be it
+  int orientation = 1;
 
   [[nodiscard]] std::size_t bytes_per_sample() const { return bits / 8u; }
+  /// Alpha, or what stands beside colors.
+  [[nodiscard]] bool is_data(std::size_t sample) const {
+    return alpha == sample || (colors > 0 && sample >= colors);
+  }
   [[nodiscard]] std::size_t samples_together() const { return is_planar ? 1u : samples; }
 };
 
@@ -118,34 +131,70 @@ Layout read_layout(const EncodedImage& file, TIFF* tiff) {
   require_plausible_size(file, "TIFF", layout.width, layout.height, layout.samples);
   layout.colors = photometric == PHOTOMETRIC_RGB ? 3 : 1;
   require(layout.samples >= layout.colors, "it has fewer than three channels for RGB");
-  layout.has_alpha = layout.samples > layout.colors;
+  std::uint16_t extra_count = 0, orientation = ORIENTATION_TOPLEFT;
+  const std::uint16_t* extra = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_EXTRASAMPLES, &extra_count, &extra) == 1)
+    for (std::size_t i = 0; i < extra_count && layout.colors + i < layout.samples; ++i)
+      if (!layout.alpha &&
+          (extra[i] == EXTRASAMPLE_ASSOCALPHA || extra[i] == EXTRASAMPLE_UNASSALPHA))
+        layout.alpha = layout.colors + i;
+  if (file.is_turned_upright && TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation) == 1 &&
+      orientation >= 1 && orientation <= 8)
+    layout.orientation = orientation;
+  // A grey file with samples that nobody declared is one of many bands, none of which is its color.
+  const std::size_t declared = layout.alpha ? 1 : 0;
+  if (layout.colors == 1 && layout.samples > 1 + declared) layout.colors = 0;
   return layout;
+}
+
+/// What the samples are called.
+std::vector<std::string> names_of_samples(const Layout& layout) {
+  std::vector<std::string> names;
+  for (std::size_t s = 0; s < layout.samples; ++s)
+    names.push_back(layout.alpha == s              ? "A"
+                    : layout.colors == 3 && s < 3  ? std::string(1, "RGB"[s])
+                    : layout.colors == 1 && s == 0 ? "Y"
+                                                   : "band " + std::to_string(s + 1));
+  return names;
+}
+
+ColorStatement statement_of_tiff(const EncodedImage& file, TIFF* tiff) {
+  ColorStatement said;
+  if (!follows_statement(file.encoding)) return said;
+  std::uint32_t size = 0;
+  const void* profile = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &profile) == 1 && profile && size > 0) {
+    const auto* const first = static_cast<const std::byte*>(profile);
+    said.icc.assign(first, first + size);
+  } else if (parse_exif(file.bytes).is_adobe_rgb) {
+    said.encoding = adobe_rgb();
+  }
+  return said;
 }
 
 /// Turns raw samples into linear floats.
 class Decoder {
  public:
-  Decoder(const Layout& layout, ColorEncoding encoding)
-      : layout_(layout), is_srgb_(encoding == ColorEncoding::srgb) {
+  Decoder(const Layout& layout, const ColorReading& reading) : layout_(layout), reading_(reading) {
     if (layout.is_float || layout.bits == 32) return;
     const std::uint32_t largest = (1u << layout.bits) - 1u;
     for (std::uint32_t v = 0; v <= largest; ++v) {
-      const std::uint32_t value = layout.is_white_zero ? largest - v : v;
-      color_.push_back(decoded_value(value, largest, is_srgb_));
-      alpha_.push_back(decoded_value(v, largest, false));
+      color_.push_back(reading.number(layout.is_white_zero ? largest - v : v, largest));
+      data_.push_back(fraction(v, largest));
     }
   }
 
-  [[nodiscard]] float operator()(const std::byte* from, bool is_alpha) const {
+  /// @param is_data  alpha, or what is no color
+  [[nodiscard]] float operator()(const std::byte* from, bool is_data) const {
     if (!layout_.is_float && layout_.bits == 32) {
       const auto value = as<std::uint32_t>(from);
-      return decoded_value(layout_.is_white_zero && !is_alpha ? ~value : value, ~0u,
-                           is_srgb_ && !is_alpha);
+      return is_data ? fraction(value, ~0u)
+                     : reading_.number(layout_.is_white_zero ? ~value : value, ~0u);
     }
     if (!layout_.is_float) {
       const std::uint32_t value =
           layout_.bits == 8 ? std::to_integer<std::uint32_t>(*from) : as<std::uint16_t>(from);
-      return (is_alpha ? alpha_ : color_)[value];
+      return (is_data ? data_ : color_)[value];
     }
     if (layout_.bits == 32) return as<float>(from);
     if (layout_.bits == 64) return static_cast<float>(as<double>(from));
@@ -162,9 +211,13 @@ class Decoder {
     return value;
   }
 
+  static float fraction(std::uint32_t value, std::uint32_t largest) {
+    return static_cast<float>(static_cast<double>(value) / static_cast<double>(largest));
+  }
+
   Layout layout_;
-  bool is_srgb_;
-  std::vector<float> color_, alpha_;  ///< of each number of 8 or 16 bits
+  const ColorReading& reading_;
+  std::vector<float> color_, data_;  ///< of each number of 8 or 16 bits
 };
 
 /// Puts raw samples of a rectangle into the image; for planar files, of one channel of it.
@@ -184,8 +237,7 @@ struct Placer {
     for (std::uint32_t x = x0; x < x0 + count; ++x)
       for (std::size_t s = 0; s < together; ++s, from += layout.bytes_per_sample()) {
         const std::size_t c = layout.is_planar ? plane : s;
-        if (c >= image.channel_count()) continue;  // neither colour nor alpha
-        image.at(static_cast<int>(x), static_cast<int>(y))[c] = decode(from, c >= layout.colors);
+        image.at(static_cast<int>(x), static_cast<int>(y))[c] = decode(from, layout.is_data(c));
       }
   }
 };
@@ -266,19 +318,24 @@ Image decode_tiff(const EncodedImage& file) {
   const Handle tiff = open(source);
   if (!tiff) fail_to_decode(file, "TIFF", source.error);
   const Layout layout = read_layout(file, tiff.get());
-  std::vector<std::string> names =
-      layout.colors == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-  if (layout.has_alpha) names.emplace_back("A");
+  const std::vector<std::string> names = names_of_samples(layout);
   take_image_memory(file, layout.width, layout.height, names.size(),
-                    decoder_bytes(file, tiff.get()));
+                    checked_sum(file.name, {decoder_bytes(file, tiff.get()),
+                                            turning_bytes(layout.orientation, layout.width,
+                                                          layout.height, names.size())}));
+  const bool has_colors = layout.colors > 0;
+  const ColorReading reading(file, "TIFF",
+                             has_colors ? statement_of_tiff(file, tiff.get()) : ColorStatement{},
+                             layout.colors < 3, layout.is_float);
   Image image = make_image(static_cast<int>(layout.width), static_cast<int>(layout.height), names);
-  const Decoder decoder(layout, file.encoding);
+  const Decoder decoder(layout, reading);
   const Placer placer{image, layout, decoder};
   if (TIFFIsTiled(tiff.get()))
     read_tiles(file, tiff.get(), source, placer);
   else
     read_scan_lines(file, tiff.get(), source, placer);
-  return image;
+  if (has_colors) image = reading.in_rec709(std::move(image));
+  return upright(std::move(image), layout.orientation);
 }
 
 }  // namespace lamina

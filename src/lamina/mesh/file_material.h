@@ -15,6 +15,7 @@ namespace lamina {
 struct FileTexture {
   std::string map;
   int uv_set = 0;
+  std::string encoding;  ///< of colors, where the file says it: one of rgb_encoding_names
   double repeat_u = 1.0, repeat_v = 1.0;  ///< KHR_texture_transform, its scale
 };
 

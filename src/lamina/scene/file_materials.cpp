@@ -123,7 +123,8 @@ class SceneMaterialWriter {
   JsonOutput color() {
     if (material_.base_color_texture)
       if (auto map = texture(*material_.base_color_texture, "base color texture")) {
-        (*map)["encoding"] = "srgb";
+        const std::string& said = material_.base_color_texture->encoding;
+        (*map)["encoding"] = said.empty() ? "srgb" : said;
         (*map)["value"] = material_.base_color;
         return *map;
       }

@@ -345,8 +345,7 @@ class MaterialDecoder {
   }
 
   ImageMap image_map(const MapDescription& map, Use use) {
-    const ColorEncoding said = encoding_of(map, use == Use::color);
-    const ColorEncoding encoding = use == Use::color ? of_colors(said) : said;
+    const ColorEncoding encoding = encoding_of(map, use == Use::color);
     if (map.channel && use == Use::color)
       map.channel->fail("is for quantities: a color takes red, green and blue");
     const JsonInput& file = *map.file;

@@ -202,8 +202,11 @@ Developed develop_by_numbers(const Reading& read, Image image, PixelMask mask,
       for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] -= black.pixels[i];
     }
   }
-  std::vector<double> saturation(
-      bands, read.encoding == ColorEncoding::srgb ? 1.0 : std::numeric_limits<double>::infinity());
+  const auto stated = stated_encoding(read.encoding);
+  const bool is_of_displays =
+      read.encoding == ColorEncoding::srgb || (stated && !is_linear(stated->curve));
+  std::vector<double> saturation(bands,
+                                 is_of_displays ? 1.0 : std::numeric_limits<double>::infinity());
   if (const auto given = read.object.optional("saturated"))
     saturation = given->number_or_numbers(bands, greater_than(0.0));
   const std::vector<double> white = decode_white_number(read.object, image, saturation);

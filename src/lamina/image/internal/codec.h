@@ -20,6 +20,8 @@ struct EncodedImage {
   std::string name;
   ColorEncoding encoding;
   MemoryBudget& memory;  ///< for the image, and at the same time for what its decoder needs
+  bool is_turned_upright = true;         ///< where it notes another orientation
+  std::size_t more_bytes_per_pixel = 0;  ///< that its reader takes beside the image
 };
 
 [[nodiscard]] Image decode_exr(const EncodedImage& file);
@@ -45,8 +47,5 @@ void require_plausible_size(const EncodedImage& file, const char* format, std::i
 /// beside it. Both before they are allocated.
 void take_image_memory(const EncodedImage& file, std::size_t width, std::size_t height,
                        std::size_t channels, std::size_t decoder_bytes);
-
-/// The linear value of an integer as a fraction of the largest one.
-[[nodiscard]] float decoded_value(std::uint32_t value, std::uint32_t largest, bool is_srgb);
 
 }  // namespace lamina

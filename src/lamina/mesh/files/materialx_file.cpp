@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,6 +13,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/internal/xml_elements.h"
+#include "lamina/spectrum/rgb_encoding.h"
 
 namespace lamina {
 namespace {
@@ -138,6 +140,28 @@ class MaterialXReader {
     return found != scope.children.end() ? &*found : nullptr;
   }
 
+  /// The encoding of colors, by the innermost element that says one; empty: none does.
+  [[nodiscard]] std::string color_space(std::string_view input,
+                                        std::initializer_list<const XmlElement*> elements) const {
+    for (const XmlElement* element : elements) {
+      const std::string_view space = element->attribute("colorspace");
+      if (space.empty()) continue;
+      if (space == "none" || space == "raw") return "lin_rec709";
+      if (!rgb_encoding_named(space))
+        throw FileError(name_ + ": the color space of " + std::string(input) + " must be one of " +
+                        names_of_color_spaces() + ", but is " + std::string(space.substr(0, 60)));
+      return std::string(usual_rgb_encoding_name(space));
+    }
+    return {};
+  }
+
+  static std::string names_of_color_spaces() {
+    std::string list;
+    for (const std::string_view each : rgb_encoding_names())
+      list += (list.empty() ? "" : ", ") + std::string(each);
+    return list;
+  }
+
   /// The node that an input is connected to, and where its own inputs find theirs.
   struct Connected {
     const XmlElement* node = nullptr;
@@ -180,6 +204,7 @@ class MaterialXReader {
       ignored_.insert(std::string(name) + ": an image outside of the folder of the file");
       return std::nullopt;
     }
+    result.encoding = color_space(name, {file, at.node, at.scope, &root_});
     if (const XmlElement* tiling = input_of(*at.node, "uvtiling")) {
       const std::vector<double> times = numbers(*tiling);
       if (times.size() == 2) result.repeat_u = times[0], result.repeat_v = times[1];
@@ -213,6 +238,10 @@ class MaterialXReader {
     std::vector<double> v = numbers(*input);
     if (v.size() == 1) v = {v[0], v[0], v[0]};
     if (v.size() < 3) return otherwise;
+    if (const std::string space = color_space(name, {input, &surface, &root_}); !space.empty()) {
+      const Color linear = linear_rec709(*rgb_encoding_named(space), {v[0], v[1], v[2]});
+      v.assign(linear.begin(), linear.end());
+    }
     return {std::clamp(v[0], 0.0, most), std::clamp(v[1], 0.0, most), std::clamp(v[2], 0.0, most)};
   }
 

@@ -20,7 +20,11 @@ namespace scene_file {
 
 namespace {
 
-/// Of the smaller copies of an image that a TextureStore makes.
+/// Of the smaller copies of an image that a TextureStore makes, over its pixels: those of each size
+/// have a quarter of the ones before.
+constexpr std::size_t smaller_copies_per_pixel = sizeof(Vec3f) / 3;
+
+/// The same in full.
 std::size_t bytes_of_smaller_copies(const Image& image) {
   std::size_t texels = 0;
   for (int w = image.width, h = image.height; w > 1 || h > 1;) {
@@ -35,11 +39,15 @@ constexpr std::string_view udim = "<UDIM>";
 /// A file, or an image inside a glTF file.
 Image load_any_image(const std::filesystem::path& path, ColorEncoding encoding,
                      MemoryBudget& memory) {
+  ImageReading reading{.encoding = encoding, .more_bytes_per_pixel = smaller_copies_per_pixel};
   const auto inside = gltf_image_name(path);
-  if (!inside) return load_image(path, encoding, memory);
+  if (!inside) return load_image(path, reading, memory);
+  // Profiles and orientations of images of glTF count for nothing. Source: [glTF2] §3.8.3.
+  reading.is_turned_upright = false;
+  if (reading.encoding == ColorEncoding::srgb) reading.encoding = ColorEncoding::srgb_texture;
   MemoryBudget while_reading = memory;  // the bytes of the file end here
   const std::string bytes = load_gltf_image(*inside, while_reading);
-  return decode_image(std::as_bytes(std::span(bytes)), path.string(), encoding, memory);
+  return decode_image(std::as_bytes(std::span(bytes)), path.string(), reading, memory);
 }
 
 }  // namespace
@@ -95,16 +103,12 @@ std::size_t Images::load(const JsonInput& file, const std::filesystem::path& pat
     require_finite(loaded, path);
     return loaded;
   });
-  // Colors and quantities differ only in an EXR of other primaries than Rec.709.
-  if (encoding != ColorEncoding::srgb) {
-    const auto other =
-        index_of_.find({path, encoding == ColorEncoding::linear ? ColorEncoding::linear_colors
-                                                                : ColorEncoding::linear});
-    if (other != index_of_.end() && images_[other->second].pixels == image.pixels) {
+  // One file read in two ways is most often the same.
+  for (const auto& [name, index] : index_of_)
+    if (name.first == path && images_[index].pixels == image.pixels) {
       file.memory() = before;
-      return index_of_[{path, encoding}] = other->second;
+      return index_of_[{path, encoding}] = index;
     }
-  }
   return index_of_[{path, encoding}] = add(std::move(image));
 }
 

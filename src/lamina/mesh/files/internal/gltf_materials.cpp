@@ -142,10 +142,9 @@ class MaterialReader {
     const JsonInput& image = gltf_element(images_, *source);
     FileTexture result;
     if (const auto uri = image.peek("uri"); uri && !uri->string().starts_with("data:"))
-      result.map = gltf_path(*uri, {}).string();
-    else
-      result.map = file_.filename().string() + "#" +
-                   std::to_string(static_cast<std::size_t>(source->number()));
+      (void)gltf_path(*uri, {});  // refuses what leads out of the folder
+    result.map = file_.filename().string() + "#" +
+                 std::to_string(static_cast<std::size_t>(source->number()));
     if (const auto set = info.peek("texCoord"))
       result.uv_set = static_cast<int>(set->integer(0, 1000));
     const auto extensions = info.peek("extensions");
