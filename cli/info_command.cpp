@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_report.h"
 #include "lamina/scene/file_materials.h"
+#include "lamina/scene/plausible_size.h"
 #include "lamina/scene/scene.h"
 
 namespace lamina::cli {
@@ -30,33 +32,9 @@ struct InfoOptions {
   std::vector<std::string> settings;
 };
 
-/// Translucent things of another size are rare: an eyelash, a house.
-constexpr double smallest_plausible = 3.0, largest_plausible = 3000.0;  // [mm]
-
 double longest_side(const FaceCounts& counts) {
   const Vec3f d = counts.high - counts.low;
   return static_cast<double>(std::max({d.x, d.y, d.z}));
-}
-
-/// 20 m, 183 mm, 1.2 mm.
-std::string length_text(double mm) {
-  return mm >= 1e4 ? fmt::format("{:.3g} m", mm / 1e3) : fmt::format("{:.4g} mm", mm);
-}
-
-/// A sentence if a translucent thing of that size is likely a mistake of units.
-std::optional<std::string> implausible_size(const std::string& name, double longest_mm,
-                                            double mm_per_unit) {
-  if (!(longest_mm > 0.0) || (longest_mm >= smallest_plausible && longest_mm <= largest_plausible))
-    return std::nullopt;
-  // The power of ten that makes it about as large as a head.
-  const double factor = std::pow(10.0, std::round(std::log10(200.0 / longest_mm)));
-  const std::string hint = mm_per_unit > 0.0
-                               ? fmt::format("with mm_per_unit {:g} it would be {}",
-                                             mm_per_unit * factor, length_text(longest_mm * factor))
-                               : fmt::format("with mm_per_unit {:g} times as large it would be {}",
-                                             factor, length_text(longest_mm * factor));
-  return fmt::format("{} is {} long, and light spreads some mm in most materials; {}", name,
-                     length_text(longest_mm), hint);
 }
 
 JsonOutput json_of(const Vec3f& v) { return JsonOutput::array({v.x, v.y, v.z}); }
@@ -78,6 +56,7 @@ JsonOutput json_of(const MeshReport& report, double mm) {
   JsonOutput json = json_of(report.counts, mm);
   json["vertices"] = report.vertices;
   json["surfaces"] = report.surfaces;
+  json["closed"] = report.is_closed;
   json["uv_sets"] = report.uv_sets;
   json["uv_islands"] = report.uv_islands;
   json["faces_without_uv"] = report.faces_without_uv;
@@ -105,7 +84,7 @@ std::string topology_text(const MeshReport& report) {
                                  counted(report.vertices, "vertex", "vertices"));
   text += fmt::format(
       "  {:<10}{}, {}; {} of more than two faces; {} without area\n", "surfaces", report.surfaces,
-      c.open_edges == 0 ? std::string("closed") : counted(c.open_edges, "open edge", "open edges"),
+      report.is_closed ? std::string("closed") : counted(c.open_edges, "open edge", "open edges"),
       counted(c.nonmanifold_edges, "edge", "edges"), counted(c.degenerate_faces, "face", "faces"));
   if (report.uv_sets == 0) {
     text += fmt::format("  {:<10}no coordinates\n", "texture");
@@ -161,6 +140,8 @@ void show_mesh(const InfoOptions& options) {
   if (mm > 0.0) result["mm_per_unit"] = mm;
   result.update(json_of(report, mm));
   std::vector<std::string> warnings = mesh.notes;
+  if (const auto why = too_far_from_origin(mesh, "units"))
+    warnings.push_back(options.file + ": " + *why);
   if (mm > 0.0)
     if (auto warning = implausible_size(options.file, mm * longest_side(report.counts), mm))
       warnings.push_back(std::move(*warning));
@@ -215,33 +196,30 @@ std::size_t bytes_of(const Image& image) {
 }
 
 void show_scene(const InfoOptions& options) {
-  MemoryBudget budget = options.common.memory;
-  const JsonDocument document = load_json(options.file, budget, options.settings);
-  const auto unit = document.root().is_object() ? document.root().peek("mm_per_unit")
-                                                : std::optional<JsonInput>();
   const Scene scene = load_scene(options.file, options.common.memory, options.settings);
-  const double mm_per_unit = unit && unit->is_number() ? unit->number() : 0.0;
   std::vector<std::string> warnings = scene.warnings;
+  std::ranges::move(implausible_sizes(scene), std::back_inserter(warnings));
   std::size_t memory = 0, triangles = 0;
   JsonOutput result = make_result("info");
   result["file"] = options.file;
   result["kind"] = "scene";
-  result["mm_per_unit"] = mm_per_unit;
+  result["mm_per_unit"] = scene.mm_per_unit;
   result["meshes"] = JsonOutput::array();
   std::string meshes;
   for (const Mesh& mesh : scene.meshes) {
     const PolygonMesh polygons = polygons_of(mesh);
-    const MeshReport report = report_mesh(polygons);
+    MeshReport report = report_mesh(polygons);
+    report.is_closed = mesh.is_closed;  // before faces without area went
+    report.counts.open_edges = 0;
+    for (const OpenPart& part : mesh.open_parts) report.counts.open_edges += part.edges;
     meshes += fmt::format("{}\n  {:<10}{} mm\n", mesh.name, "size",
                           size_text(report.counts.high - report.counts.low, 1.0));
     meshes += topology_text(report);
     JsonOutput json = {{"name", mesh.name}};
     json.update(json_of(report, 1.0));
     json["parts"] = JsonOutput::array();
-    bool is_translucent = false;
     for (std::size_t p = 0; p < report.parts.size(); ++p) {
       const SurfaceMaterial& material = scene.materials[*polygons.parts[p].material];
-      is_translucent |= std::holds_alternative<SubsurfaceSurface>(material.surface);
       meshes += fmt::format("  {:<10}{} ({}): {}{}\n", p == 0 ? "materials" : "", material.name,
                             kind_of(material),
                             counted(report.parts[p].counts.triangles, "triangle", "triangles"),
@@ -251,9 +229,6 @@ void show_scene(const InfoOptions& options) {
       json["parts"].push_back(std::move(part));
     }
     result["meshes"].push_back(std::move(json));
-    if (is_translucent)
-      if (auto warning = implausible_size(mesh.name, longest_side(report.counts), mm_per_unit))
-        warnings.push_back(std::move(*warning));
     memory += rendering_memory(mesh.positions.size(), mesh.triangles.size());
     triangles += mesh.triangles.size();
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@
 #include "lamina/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/scene/plausible_size.h"
 #include "lamina/scene/scene.h"
 #include "lamina/scene/subsurface_methods.h"
 #include "picture_files.h"
@@ -201,6 +203,7 @@ Scene load_scene_to_render(const RenderCommandOptions& options) {
     const Progress loading = make_progress("loading the scene", Keeps::nothing);
     return load_scene(options.scene, options.common.memory, options.settings);
   }();
+  std::ranges::move(implausible_sizes(scene), std::back_inserter(scene.warnings));
   warn(scene.warnings);
   apply(options, scene);
   if (!options.cache.empty() && !scene.render.method.is_open() && !scene.render.method->keeps_light)

@@ -22,6 +22,7 @@
 #include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/scene/plausible_size.h"
 #include "lamina/scene/scene.h"
 #include "lamina/scene/subsurface_methods.h"
 #include "work.h"
@@ -123,6 +124,7 @@ py::dict render_scene(const std::string& path, const std::optional<std::string>&
                       bool has_light_layers, const py::object& callback) {
   Scene scene = load_unlocked(json_file(path, text),
                               [&](const JsonFile& file) { return load_scene(file, {}, settings); });
+  for (std::string& line : implausible_sizes(scene)) scene.warnings.push_back(std::move(line));
   apply(changes, scene);
   Work work(callback);
   RenderResult rendered = work.run_partly([&](const Progress& progress) {

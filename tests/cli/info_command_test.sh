@@ -22,7 +22,7 @@ expect 0 'Example:' --help
 expect 0 'UDIM tiles 1001 to 1002 (2)' "$good/two_tiles.obj"
 expect 0 'units: the longest is 2 mm if they are mm, 20 mm if cm, 2000 mm if m' "$good/two_tiles.obj"
 expect 0 'with mm_per_unit 1000, for glTF is in metres' "$good/triangle.gltf"
-expect 0 '"paint": {"diffuse":[0.8,0.4,0.2],"coat":{"ior":1.5,"roughness":0.25,"distribution":"ggx"}}' "$good/triangle.gltf"
+expect 0 '"paint": {"diffuse":{"vertex_colors":true,"value":[0.8,0.4,0.2]},"coat":{"ior":1.5,"roughness":0.25,"distribution":"ggx"}}' "$good/triangle.gltf"
 expect 0 'with mm_per_unit 100 it would be 200 mm' "$good/two_tiles.obj" --mm-per-unit 1
 expect 0 'is 20 m long' "$good/two_tiles.obj" --mm-per-unit 10000
 expect 2 'which lamina does not read' head.abc
@@ -44,6 +44,13 @@ expect 0 'with mm_per_unit 10 it would be 199.4 mm' head.json
 expect 0 'bust is 1.994 mm long' head.json --set mm_per_unit=0.1
 "$lamina" info head.json --set mm_per_unit=10 > output 2>&1
 grep -q warning output && fail "a head of 200 mm is likely"
+# A render says the same.
+"$lamina" render head.json --set film.width=2 --set film.height=2 --samples 1 --method layered_bsdf -o h > output 2>&1
+grep -qF 'with mm_per_unit 10 it would be 199.4 mm' output || fail "render: no warning of units in $(cat output)"
+
+# Surveyed coordinates, a lathe whose poles differ by rounding, a scan's folds: info and render agree.
+sed 's/^v \([0-9.-]*\)/v 332499.642/' "$good/two_tiles.obj" > survey.obj
+"$lamina" info --json - "$source/tests/inputs/scene/good/lathe.obj" | grep -q '"closed":true' || fail "lathe: open"
 
 "$lamina" info --json - "$good/two_tiles.obj" | "$python" -c '
 import json, sys

@@ -224,6 +224,7 @@ TEST(ObjMaterials, AreReadFromTheirLibrary) {
   ASSERT_EQ(mesh.notes.size(), 2U);
   EXPECT_NE(mesh.notes[0].find("none.mtl"), std::string::npos);
   EXPECT_NE(mesh.notes[1].find("must lie in the folder"), std::string::npos);
+  EXPECT_EQ(red.base_color_texture->place, (folder / "a.mtl").string() + ":8");
   std::ofstream(folder / "a.mtl") << "newmtl x\nKd 1 2 three\n";
   EXPECT_NE(message_of([&] { (void)load_polygon_mesh(folder / "a.obj"); }).find("a.mtl:2: "),
             std::string::npos);

@@ -48,7 +48,7 @@ f 1/3 2/3 1/3
   EXPECT_EQ(report.counts.faces, 4U);
   EXPECT_EQ(report.counts.degenerate_faces, 1U);
   EXPECT_EQ(report.counts.nonmanifold_edges, 1U);  // from 1 to 2
-  EXPECT_EQ(report.counts.open_edges, 9U);
+  EXPECT_EQ(report.counts.open_edges, 10U);        // that one, too: two run one way, one the other
   ASSERT_EQ(report.parts.size(), 3U);
   EXPECT_EQ(report.parts[0].labels, std::vector<std::string>{"up"});
   EXPECT_EQ(report.parts[1].counts.open_edges, 3U);

@@ -120,7 +120,8 @@ TEST(SceneFile, ReadsEveryKey) {
   EXPECT_EQ(skin.color.value, (Vec3f{1, 0.9F, 0.8F}));
   EXPECT_EQ(skin.color.map->scale, 0.5F);
   EXPECT_EQ(skin.color.map->offset, 0.1F);
-  EXPECT_EQ(std::get<ImageMap>(skin.color.map->source).repeat, (Vec2f{2, 3}));
+  EXPECT_EQ(std::get<ImageMap>(skin.color.map->source).placement,
+            (UvPlacement{.u_axis = {2, 0}, .v_axis = {0, 3}}));
   EXPECT_EQ(std::get<NoiseMap>(skin.thickness.map->source).size, 3.0F);
   EXPECT_EQ(std::get<NoiseMap>(skin.single_scattering_weight.map->source).size, 4.0F);
   EXPECT_EQ(skin.single_scattering_blur.value, 0.3F);

@@ -18,6 +18,7 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/file_materials.h"
 #include "lamina/scene/internal/scene_file.h"
+#include "lamina/scene/plausible_size.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/map_range.h"
 #include "lamina/surface/texture.h"
@@ -202,6 +203,138 @@ TEST_F(SceneMeshes, MaterialsOfMaterialXStandInForThoseOfTheFile) {
   EXPECT_EQ(diffuse_of(scene, 2).color.value, (Vec3f{0.5f, 0.5f, 0.5f}));
   EXPECT_EQ(scene.images.size(), 1U);
   EXPECT_FALSE(scene.materials[2].coat);
+}
+
+TEST_F(SceneMeshes, ColorsOfVerticesAreAFactorOfTheBaseColorOfGltf) {
+  const Scene scene = load(R"("other": { "diffuse": 0.1 })", R"({ "file": "triangle.gltf" })");
+  const TextureStore textures(scene.images);
+  const SurfacePoint point = make_surface_point(
+      scene.meshes, {.distance = 0, .u = 0.25f, .v = 0.25f, .mesh = 0, .triangle = 0}, 0.0f);
+  const Vec3f color = textures.color(diffuse_of(scene, 1).color, point);
+  const Vec3f base{0.8f, 0.4f, 0.2f};
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(color[c], base[c] * point.color[c], 1e-6f);
+  EXPECT_NEAR(point.color.x + point.color.y + point.color.z, 1.0f, 1e-6f);
+  const auto [low, high] = range_of(scene.images, diffuse_of(scene, 1).color);
+  EXPECT_EQ(high, base);
+  EXPECT_EQ(low, (Vec3f{0, 0, 0}));
+}
+
+TEST_F(SceneMeshes, ColorsOfVerticesAreAFactorOfAnImageToo) {
+  const Scene scene = load(
+      R"("p": { "diffuse": { "map": "tiles.1002.png", "encoding": "srgb", "vertex_colors": true,
+         "value": 0.5 } })",
+      R"({ "file": "triangle.gltf", "material": "p" })");
+  const TextureStore textures(scene.images);
+  const SurfacePoint point = make_surface_point(
+      scene.meshes, {.distance = 0, .u = 0.25f, .v = 0.5f, .mesh = 0, .triangle = 0}, 0.0f);
+  const Vec3f color = textures.color(diffuse_of(scene, 0).color, point);  // the image is green
+  EXPECT_EQ(color.x, 0.0f);
+  EXPECT_NEAR(color.y, 0.5f * point.color.y, 1e-6f);
+  const auto [low, high] = range_of(scene.images, diffuse_of(scene, 0).color);
+  EXPECT_EQ(high.x, 0.0f);
+  EXPECT_NEAR(high.y, 0.5f, 1e-6f);
+}
+
+// The example of KHR_texture_transform, "only the lower left quadrant of the source image, rotated
+// clockwise 90 degrees", in the words of a scene.
+TEST_F(SceneMeshes, ImagesAreRepeatedTurnedAndMoved) {
+  Image image = make_image(4, 4, {"R", "G", "B"});
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) {
+      image.at(x, y)[0] = static_cast<float>(x) / 3.0f;
+      image.at(x, y)[1] = static_cast<float>(y) / 3.0f;  // from above
+    }
+  save_png(image, folder_ / "ramp.png");
+  FileMaterial said{.has_specular = false};
+  said.base_color_texture = FileTexture{.map = "ramp.png",
+                                        .repeat_u = 0.5,
+                                        .repeat_v = 0.5,
+                                        .rotate = std::acos(0.0),
+                                        .shift_u = 0.5};
+  const Scene scene = load("\"t\": " + scene_material_text(said, 1.0, 0).json,
+                           R"({ "shape": "rectangle", "material": "t" })");
+  const auto& placement = std::get<ImageMap>(diffuse_of(scene, 0).color.map->source).placement;
+  // Texture coordinates with v upward: the corners of the rectangle and of the quadrant.
+  const auto expect = [&](Vec2f at, Vec2f wanted) {
+    const Vec2f found = place_uv(placement, at);
+    EXPECT_NEAR(found.x, wanted.x, 1e-6f);
+    EXPECT_NEAR(found.y, wanted.y, 1e-6f);
+  };
+  expect({0, 1}, {0, 0});  // top left shows the bottom left
+  expect({1, 1}, {0, 0.5f});
+  expect({0, 0}, {0.5f, 0});
+  expect({1, 0}, {0.5f, 0.5f});
+  const TextureStore textures(scene.images);
+  SurfacePoint point{};
+  point.uv = {0.25f, 0.75f};  // a quarter from the left and from above
+  const Vec3f color = textures.color(diffuse_of(scene, 0).color, point);
+  EXPECT_LT(color.x, 0.1f);  // left in the image
+  EXPECT_GT(color.y, 0.9f);  // and below
+}
+
+TEST_F(SceneMeshes, PrimitivesWithoutAMaterialHaveThatOfTheStandard) {
+  std::ifstream file(good / "triangle.gltf");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string_view gone : {R"(, "material": 0)", R"(, "COLOR_0": 3)"})
+    text.erase(text.find(gone), gone.size());
+  std::ofstream(folder_ / "bare.gltf") << text;
+  const Scene scene = load(R"("other": { "diffuse": 0.1 })", R"({ "file": "bare.gltf" })");
+  ASSERT_EQ(scene.materials.size(), 2U);
+  EXPECT_EQ(diffuse_of(scene, 1).color.value, (Vec3f{1, 1, 1}));
+  EXPECT_FALSE(diffuse_of(scene, 1).color.map);
+}
+
+TEST_F(SceneMeshes, SurveyedCoordinatesAreMovedInDoubleOrRefused) {
+  std::ofstream(folder_ / "survey.obj")
+      << "v 332499.642 5621873.207 87.4\nv 332500.642 5621873.207 87.4\n"
+         "v 332499.642 5621873.457 87.4\nf 1 2 3\n";
+  const std::string materials = R"("a": { "diffuse": 0.1 })";
+  const Scene scene = load(materials,
+                           R"({ "file": "survey.obj", "material": "a",
+      "transform": { "translate": [-332499.642, -5621873.207, -87.4] } })");
+  const Mesh& mesh = scene.meshes[0];  // 10 mm to the unit
+  EXPECT_NEAR(length(mesh.positions[1] - mesh.positions[0]), 10.0f, 1e-5f);
+  EXPECT_NEAR(length(mesh.positions[2] - mesh.positions[0]), 2.5f, 1e-5f);
+  try {
+    (void)load(materials, R"({ "file": "survey.obj", "material": "a" })");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("survey.obj: its middle lies at (3325001.42"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW((void)load(materials, R"({ "shape": "box", "material": "a",
+      "instances": [ {}, { "translate": [1e7, 0, 0] } ] })"),
+               InvalidInput);
+}
+
+TEST_F(SceneMeshes, TexturesThatAreMissingAreNamedByTheLineOfTheirLibrary) {
+  std::ofstream(folder_ / "a.obj") << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+                                      "usemtl red\nf 1/1 2/1 3/1\n";
+  std::ofstream(folder_ / "a.mtl") << "newmtl red\nKd 1 0 0\nmap_Kd none.png\n";
+  try {
+    (void)load(R"("other": { "diffuse": 0.1 })", R"({ "file": "a.obj" })");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("a.mtl:3: must name an image, but there is no "),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(SceneMeshes, SizesOfTranslucentThingsThatAreUnlikelyAreSaid) {
+  const std::string materials =
+      R"("a": { "subsurface": "jensen_marble" }, "b": { "diffuse": 0.1 })";
+  const auto sizes = [&](const std::string& radius, const std::string& material) {
+    return implausible_sizes(load(materials, R"({ "shape": "sphere", "radius": )" + radius +
+                                                 R"(, "material": ")" + material + "\" }"));
+  };
+  EXPECT_TRUE(sizes("1", "a").empty());  // 20 mm
+  EXPECT_TRUE(sizes("1000", "b").empty());
+  ASSERT_EQ(sizes("1000", "a").size(), 1U);  // 20 m
+  EXPECT_NE(sizes("1000", "a")[0].find("sphere is 20 m long"), std::string::npos);
+  EXPECT_NE(sizes("1000", "a")[0].find("with mm_per_unit 0.1 it would be 200 mm"),
+            std::string::npos);
 }
 
 /// The material of a file as a scene decodes it.

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/image/map_description.h"
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,11 +15,15 @@ constexpr double largest_factor = 1e6;  // beyond, taken for a mistake
 
 }  // namespace
 
-MapDescription decode_map_description(const JsonInput& value) {
-  const JsonObject object = value.object(
-      {"map", "noise", "value", "channel", "encoding", "repeat", "scale", "offset", "clamp"});
+MapDescription decode_map_description(const JsonInput& value, bool may_have_vertex_colors) {
+  std::vector<std::string_view> keys = {"map",    "noise", "value", "channel", "encoding", "repeat",
+                                        "rotate", "shift", "scale", "offset",  "clamp"};
+  if (may_have_vertex_colors) keys.push_back("vertex_colors");
+  const JsonObject object = value.object(keys);
   const bool has_file = object.has("map"), has_noise = object.has("noise");
-  if (has_file == has_noise)
+  const auto colors = may_have_vertex_colors ? object.optional("vertex_colors") : std::nullopt;
+  const bool has_colors = colors && colors->boolean();
+  if (has_file == has_noise && (has_file || !has_colors))
     value.fail(has_file ? "must have \"map\" or \"noise\", but has both"
                         : "must have \"map\" or \"noise\", but has neither");
   MapDescription map{.self = value,
@@ -26,9 +32,12 @@ MapDescription decode_map_description(const JsonInput& value) {
                      .value = object.optional("value"),
                      .channel = object.optional("channel"),
                      .encoding = object.optional("encoding"),
-                     .repeat = object.optional("repeat")};
-  if (has_noise)
-    for (const auto& given : {map.channel, map.encoding, map.repeat})
+                     .repeat = object.optional("repeat"),
+                     .rotate = object.optional("rotate"),
+                     .shift = object.optional("shift"),
+                     .has_vertex_colors = has_colors};
+  if (!has_file)
+    for (const auto& given : {map.channel, map.encoding, map.repeat, map.rotate, map.shift})
       if (given) given->fail("is for a \"map\" only");
   const NumberRange range = closed_interval(-largest_factor, largest_factor);
   if (const auto scale = object.optional("scale")) map.scale = scale->number(range);
@@ -42,10 +51,27 @@ MapDescription decode_map_description(const JsonInput& value) {
   return map;
 }
 
-Vec2f repeat_of(const MapDescription& map) {
-  if (!map.repeat) return {1.0f, 1.0f};
-  const auto times = map.repeat->number_or_numbers(2, closed_interval(-1e4, 1e4));
-  return {static_cast<float>(times[0]), static_cast<float>(times[1])};
+UvPlacement placement_of(const MapDescription& map) {
+  constexpr double radians_per_degree = std::numbers::pi / 180.0;
+  const NumberRange factor = closed_interval(-1e4, 1e4);
+  const std::vector<double> repeat =
+      map.repeat ? map.repeat->number_or_numbers(2, factor) : std::vector<double>{1.0, 1.0};
+  const double angle =
+      map.rotate ? map.rotate->number(closed_interval(-1e6, 1e6, "deg")) * radians_per_degree : 0.0;
+  const std::vector<double> shift =
+      map.shift ? map.shift->numbers(2, factor) : std::vector<double>{0.0, 0.0};
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto vector = [](double x, double y) {
+    return Vec2f{static_cast<float>(x), static_cast<float>(y)};
+  };
+  return {.u_axis = vector(c * repeat[0], s * repeat[0]),
+          .v_axis = vector(-s * repeat[1], c * repeat[1]),
+          .shift = vector(shift[0], shift[1])};
+}
+
+void refuse_placement(const MapDescription& map, std::string_view why) {
+  for (const auto& given : {map.repeat, map.rotate, map.shift})
+    if (given) given->fail(why);
 }
 
 ColorEncoding encoding_of(const MapDescription& map, bool is_color) {

@@ -16,7 +16,10 @@ struct FileTexture {
   std::string map;
   int uv_set = 0;
   std::string encoding;  ///< of colors, where the file says it: one of rgb_encoding_names
-  double repeat_u = 1.0, repeat_v = 1.0;  ///< KHR_texture_transform, its scale
+  double repeat_u = 1.0, repeat_v = 1.0;  ///< factors of texture coordinates, v upward
+  double rotate = 0.0;                    ///< then turned counterclockwise [rad]
+  double shift_u = 0.0, shift_v = 0.0;    ///< then moved
+  std::string place;                      ///< in the file, for messages: `head.mtl:12`
 };
 
 /// A material as mesh files say it: what glTF 2.0 has with its extensions of materials; MTL has
@@ -25,6 +28,7 @@ struct FileMaterial {
   std::string name;
   std::array<double, 3> base_color{1, 1, 1};
   std::optional<FileTexture> base_color_texture;
+  bool has_vertex_colors = false;  ///< a factor of the base color, white where there are none
   double metallic = 0.0;
   double roughness = 1.0;  ///< perceptual: the square root of microfacet alpha
   double ior = 1.5;

@@ -41,6 +41,7 @@ void move_to_world(PolygonMesh& mesh, const Transform& to_world) {
   if (!std::isfinite(det) || det == 0.0)
     throw InvalidInput(mesh.name + ": its transform must not flatten it");
   transform_mesh(to_world, mesh);
+  settle_in_world(mesh);
   constexpr float most = 1e9F;  // [mm]; beyond, squares of lengths in float lose all meaning
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     for (const float x : {mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z})
@@ -48,28 +49,6 @@ void move_to_world(PolygonMesh& mesh, const Transform& to_world) {
         throw InvalidInput(mesh.name + ": vertex " + std::to_string(i) +
                            " must lie within 1e9 mm of the origin, but has a coordinate " +
                            number_text(x) + " mm");
-}
-
-/// Takes out corners that repeat the one before, and the faces that this leaves without area.
-/// @return how many faces went.
-std::size_t drop_collapsed_faces(PolygonMesh& mesh) {
-  PolygonMesh kept = mesh;
-  kept.corners.clear();
-  kept.face_begin = {0};
-  kept.part.clear();
-  std::vector<MeshCorner> corners;
-  for (std::size_t f = 0; f < face_count(mesh); ++f) {
-    corners.clear();
-    for (const MeshCorner& corner : face(mesh, f))
-      if (corners.empty() || corners.back().position != corner.position) corners.push_back(corner);
-    while (corners.size() > 1 && corners.front().position == corners.back().position)
-      corners.pop_back();
-    const bool is_spike = corners.size() == 3 && corners[0].position == corners[2].position;
-    if (corners.size() >= 3 && !is_spike) add_face(kept, corners, mesh.part[f]);
-  }
-  const std::size_t dropped = face_count(mesh) - face_count(kept);
-  mesh = std::move(kept);
-  return dropped;
 }
 
 /// Gives white to the corners without a color if others have one.
@@ -332,6 +311,9 @@ PreparedMesh make_mesh(PolygonMesh polygons, const MeshOptions& options,
                                   be(oriented.turned_faces) + " turned");
   warn(oriented.inside_out, counted(oriented.inside_out, "closed surface") + " inside out " +
                                 be(oriented.inside_out) + " turned");
+  warn(oriented.open_inside_out, counted(oriented.open_inside_out, "surface") +
+                                     " inside out, open by little, " +
+                                     be(oriented.open_inside_out) + " turned");
   warn(oriented.turned_normals, "normals of " + counted(oriented.turned_normals, "face") +
                                     " pointed to the back and are turned");
   return result;

@@ -10,6 +10,7 @@
 
 #include "lamina/core/vec_precision.h"
 #include "lamina/mesh/mesh_edges.h"
+#include "lamina/mesh/mesh_orientation.h"
 
 namespace lamina {
 namespace {
@@ -89,32 +90,24 @@ std::vector<int> tiles_of(const PolygonMesh& mesh) {
   return {tiles.begin(), tiles.end()};
 }
 
-/// Whether a face has a corner twice, as those at the poles of spheres do; its edges are no edges.
-bool is_collapsed(const PolygonMesh& mesh, std::size_t f) {
-  std::set<std::uint32_t> positions;
-  for (const MeshCorner& corner : face(mesh, f)) positions.insert(corner.position);
-  return positions.size() < face(mesh, f).size();
-}
-
-void count_edges(const PolygonMesh& mesh, MeshReport& report) {
-  std::vector<std::uint32_t> face_begin{0}, positions, face_of;
-  for (std::uint32_t f = 0; f < face_count(mesh); ++f) {
-    if (is_collapsed(mesh, f)) continue;
-    for (const MeshCorner& corner : face(mesh, f)) {
-      positions.push_back(corner.position);
-      face_of.push_back(f);
-    }
-    face_begin.push_back(static_cast<std::uint32_t>(positions.size()));
-  }
-  const MeshEdges edges = make_mesh_edges(face_begin, positions, mesh.positions.size());
+void count_edges(PolygonMesh mesh, MeshReport& report) {
+  (void)drop_collapsed_faces(mesh);  // as those at the poles of spheres
+  std::vector<std::uint32_t> positions, face_of = faces_of_corners(mesh);
+  for (const MeshCorner& corner : mesh.corners) positions.push_back(corner.position);
+  const MeshEdges edges = make_mesh_edges(mesh.face_begin, positions, mesh.positions.size());
   std::vector<bool> is_counted(edges.edges.size());
   for (std::size_t c = 0; c < positions.size(); ++c) {
     const std::uint32_t e = edges.edge_of_corner[c];
-    const MeshEdge& edge = edges.edges[e];
-    if (is_counted[e] || edge.face_count == 2) continue;
+    if (is_counted[e] || edges.edges[e].face_count <= 2) continue;
     is_counted[e] = true;
     for (FaceCounts* counts : {&report.counts, &report.parts[mesh.part[face_of[c]]].counts})
-      ++(edge.face_count == 1 ? counts->open_edges : counts->nonmanifold_edges);
+      ++counts->nonmanifold_edges;
+  }
+  const OrientedMesh oriented = orient_mesh(std::move(mesh));
+  report.is_closed = oriented.is_closed;
+  for (const OpenEdges& open : oriented.open) {
+    report.counts.open_edges += open.count;
+    report.parts[open.part].counts.open_edges += open.count;
   }
 }
 

@@ -15,7 +15,7 @@ namespace lamina {
 struct FaceCounts {
   std::size_t faces = 0, triangles = 0;
   std::size_t degenerate_faces = 0;   ///< without area
-  std::size_t open_edges = 0;         ///< of one face
+  std::size_t open_edges = 0;         ///< that do not join faces two by two
   std::size_t nonmanifold_edges = 0;  ///< of more than two
   Vec3f low, high;                    ///< corners of the smallest box [unit of the mesh]
 };
@@ -31,6 +31,7 @@ struct MeshReport {
   FaceCounts counts;
   std::size_t vertices = 0;    ///< distinct positions
   std::size_t surfaces = 0;    ///< that edges connect
+  bool is_closed = false;      ///< as it is for what is rendered (orient_mesh)
   std::size_t uv_islands = 0;  ///< of the texture coordinates
   std::size_t faces_without_uv = 0;
   int uv_sets = 0;

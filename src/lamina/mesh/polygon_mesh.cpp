@@ -4,15 +4,53 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "lamina/core/error.h"
+#include "lamina/core/number_text.h"
 #include "lamina/core/vec_precision.h"
 #include "lamina/mesh/internal/mesh_borders.h"
 
 namespace lamina {
 namespace {
+
+struct Extent {
+  Vec3 low, high;
+  [[nodiscard]] Vec3 middle() const { return 0.5 * (low + high); }
+  [[nodiscard]] double longest_side() const {
+    const Vec3 d = high - low;
+    return std::max({d.x, d.y, d.z});
+  }
+  /// The step between floats as large as the largest coordinate.
+  [[nodiscard]] double float_step() const {
+    double most = 0.0;
+    for (int a = 0; a < 3; ++a) most = std::max({most, std::abs(low[a]), std::abs(high[a])});
+    const auto rounded = static_cast<float>(most);
+    return static_cast<double>(std::nextafter(rounded, std::numeric_limits<float>::max())) -
+           static_cast<double>(rounded);
+  }
+};
+
+/// Around the corners of all faces, or around all positions if there are no faces.
+/// @param position  of an index
+template <class Position>
+Extent extent_of(const PolygonMesh& mesh, std::size_t count, const Position& position) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Extent box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  const auto add = [&](const Vec3& p) {
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], p[a]);
+      box.high[a] = std::max(box.high[a], p[a]);
+    }
+  };
+  for (const MeshCorner& corner : mesh.corners)
+    if (corner.position < count) add(position(corner.position));
+  for (std::size_t i = 0; mesh.corners.empty() && i < count; ++i) add(position(i));
+  return box.low.x <= box.high.x ? box : Extent{};
+}
 
 /// For each position the index of the first one that equals it.
 std::vector<std::uint32_t> first_equal_positions(std::span<const Vec3f> positions) {
@@ -110,10 +148,68 @@ double determinant(const Transform& transform) {
   return dot(cross(transform.x_axis, transform.y_axis), transform.z_axis);
 }
 
+void set_positions(PolygonMesh& mesh, std::span<const Vec3> positions) {
+  constexpr double finest = 1e-6;
+  const Extent box = extent_of(mesh, positions.size(), [&](std::size_t i) { return positions[i]; });
+  mesh.origin = box.float_step() > finest * box.longest_side() ? box.middle() : Vec3{};
+  mesh.positions.clear();
+  mesh.positions.reserve(positions.size());
+  for (const Vec3& p : positions) mesh.positions.push_back(to_float(p - mesh.origin));
+}
+
+std::optional<std::string> too_far_from_origin(const PolygonMesh& mesh, std::string_view unit) {
+  constexpr double coarsest = 1e-4;
+  if (mesh.origin == Vec3{}) return std::nullopt;
+  const Extent box = extent_of(mesh, mesh.positions.size(), [&](std::size_t i) {
+    return mesh.origin + to_double(mesh.positions[i]);
+  });
+  const double size = box.longest_side(), step = box.float_step();
+  if (!(size > 0.0) || step <= coarsest * size) return std::nullopt;
+  const auto text = [](double value) { return number_text(static_cast<float>(value)); };
+  const Vec3 middle = box.middle();
+  std::string place;
+  for (int a = 0; a < 3; ++a)
+    place += (a == 0 ? "" : ", ") + number_text(std::round(middle[a] * 1e3) / 1e3);
+  return "its middle lies at (" + place + ") " + std::string(unit) +
+         ", where numbers of single precision are " + text(step) + " " + std::string(unit) +
+         " apart, " + text(step / size) + " of its longest side of " + text(size) + " " +
+         std::string(unit) + "; \"translate\" of its \"transform\" brings it near the origin";
+}
+
+void settle_in_world(PolygonMesh& mesh) {
+  if (const auto why = too_far_from_origin(mesh, "mm")) throw InvalidInput(mesh.name + ": " + *why);
+  for (Vec3f& p : mesh.positions) p = to_float(mesh.origin + to_double(p));
+  mesh.origin = {};
+}
+
+std::size_t drop_collapsed_faces(PolygonMesh& mesh) {
+  PolygonMesh kept = mesh;
+  kept.corners.clear();
+  kept.face_begin = {0};
+  kept.part.clear();
+  std::vector<MeshCorner> corners;
+  for (std::size_t f = 0; f < face_count(mesh); ++f) {
+    corners.clear();
+    for (const MeshCorner& corner : face(mesh, f))
+      if (corners.empty() || corners.back().position != corner.position) corners.push_back(corner);
+    while (corners.size() > 1 && corners.front().position == corners.back().position)
+      corners.pop_back();
+    const bool is_spike = corners.size() == 3 && corners[0].position == corners[2].position;
+    if (corners.size() >= 3 && !is_spike) add_face(kept, corners, mesh.part[f]);
+  }
+  const std::size_t dropped = face_count(mesh) - face_count(kept);
+  mesh = std::move(kept);
+  return dropped;
+}
+
 void transform_mesh(const Transform& transform, PolygonMesh& mesh) {
   const double det = determinant(transform);
   assert(det != 0.0);
-  for (Vec3f& p : mesh.positions) p = to_float(transform_point(transform, to_double(p)));
+  std::vector<Vec3> moved;
+  moved.reserve(mesh.positions.size());
+  for (const Vec3f& p : mesh.positions)
+    moved.push_back(transform_point(transform, mesh.origin + to_double(p)));
+  set_positions(mesh, moved);
   // Normals go with the cofactors of the axes, whose sign a mirror would turn.
   const double side = std::copysign(1.0, det);
   const Vec3 x_cofactor = side * cross(transform.y_axis, transform.z_axis);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lamina/core/vec.h"
@@ -42,6 +43,8 @@ struct MeshPart {
 /// apart, so that the surface stays connected across seams of the texture.
 struct PolygonMesh {
   std::string name;  ///< the file or shape, for messages
+  /// That positions are counted from: 0 unless floats were too coarse for the mesh where it lies.
+  Vec3 origin;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;  ///< of corners; may be empty
   std::vector<Vec2f> uvs;      ///< v upward; may be empty
@@ -86,9 +89,27 @@ struct Transform {
 /// Negative if the transform mirrors, 0 if it flattens space.
 [[nodiscard]] double determinant(const Transform& transform);
 
+/// Makes positions of numbers in double. Far from the origin of its file, where floats lie more
+/// than 1e-6 of the mesh's size apart, they are counted from the middle of its faces.
+void set_positions(PolygonMesh& mesh, std::span<const Vec3> positions);
+
+/// Says so if floats lie more than 1e-4 of a mesh's size apart where it lies, so that its shape
+/// would be lost without `origin`.
+/// @param unit  of its lengths, for the sentence
+[[nodiscard]] std::optional<std::string> too_far_from_origin(const PolygonMesh& mesh,
+                                                             std::string_view unit);
+
+/// Counts positions [mm] from 0. @throws InvalidInput if the mesh lies too far away for that
+void settle_in_world(PolygonMesh& mesh);
+
 /// Moves positions and normals. A mirroring transform also reverses the order of the corners, so
 /// that outside stays outside. The determinant must not be 0.
 void transform_mesh(const Transform& transform, PolygonMesh& mesh);
+
+/// Takes out corners that repeat the one before, and the faces that this leaves without area.
+/// Indices must be unified.
+/// @return how many faces went.
+std::size_t drop_collapsed_faces(PolygonMesh& mesh);
 
 /// Gives equal positions one index and, at each position, equal texture coordinates one index, and
 /// equal colors, so that indices tell how the surface and its texture are connected. Along open

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"
@@ -111,28 +112,36 @@ class SceneMaterialWriter {
     }
     JsonOutput map = JsonOutput::object();
     map["map"] = given.map;
-    if (given.repeat_u != 1.0 || given.repeat_v != 1.0) {
-      map["repeat"].push_back(given.repeat_u);
-      map["repeat"].push_back(given.repeat_v);
-    }
+    if (given.repeat_u != 1.0 || given.repeat_v != 1.0)
+      map["repeat"] = std::vector<double>{given.repeat_u, given.repeat_v};
+    if (given.rotate != 0.0) map["rotate"] = given.rotate * 180.0 / std::numbers::pi;
+    if (given.shift_u != 0.0 || given.shift_v != 0.0)
+      map["shift"] = std::vector<double>{given.shift_u, given.shift_v};
     return map;
   }
 
   [[nodiscard]] double alpha() const { return material_.roughness * material_.roughness; }
 
   JsonOutput color() {
+    JsonOutput result = JsonOutput::object();
     if (material_.base_color_texture)
       if (auto map = texture(*material_.base_color_texture, "base color texture")) {
         const std::string& said = material_.base_color_texture->encoding;
-        (*map)["encoding"] = said.empty() ? "srgb" : said;
-        (*map)["value"] = material_.base_color;
-        return *map;
+        result = *map;
+        result["encoding"] = said.empty() ? "srgb" : said;
       }
-    return material_.base_color;
+    if (material_.has_vertex_colors) result["vertex_colors"] = true;
+    if (result.size() == 0) return material_.base_color;
+    result["value"] = material_.base_color;
+    return result;
+  }
+
+  [[nodiscard]] bool varies() const {
+    return material_.base_color_texture || material_.has_vertex_colors;
   }
 
   [[nodiscard]] bool is_white() const {
-    return material_.base_color == Color{1, 1, 1} && !material_.base_color_texture;
+    return material_.base_color == Color{1, 1, 1} && !varies();
   }
 
   void write_coat(JsonOutput& scene) const {
@@ -216,7 +225,7 @@ class SceneMaterialWriter {
     const FileMaterial& m = material_;
     constexpr double thickness = 0.2;  // [mm]; only the optical one counts
     const auto coefficients = [&](std::size_t c) {
-      const double base = m.base_color_texture ? 1.0 : m.base_color[c];
+      const double base = varies() ? 1.0 : m.base_color[c];
       return sheet_of(base * (1.0 - m.diffuse_transmission),
                       m.diffuse_transmission_color[c] * m.diffuse_transmission);
     };
@@ -229,7 +238,7 @@ class SceneMaterialWriter {
     layer["ior"] = 1.0;
     scene["thin"] = file_of_layer(layer);
     scene["thin"]["ior_below"] = 1.0;
-    if (m.base_color_texture) scene["color"] = color();
+    if (varies()) scene["color"] = color();
     write_coat(scene);
     (void)write_opacity(scene);
   }

@@ -20,6 +20,7 @@
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
 #include "lamina/image/tone.h"
+#include "lamina/image/uv_placement.h"
 #include "lamina/io/json_file.h"
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
@@ -31,7 +32,7 @@ namespace lamina {
 /// An image that varies a quantity over a surface.
 struct ImageMap {
   std::size_t image = 0;  ///< index into Scene::images
-  Vec2f repeat{1, 1};     ///< copies over the unit square of texture coordinates
+  UvPlacement placement;  ///< on the texture coordinates, of a single image
   /// UDIM: [10 v + u] images of the unit squares of texture coordinates, no_tile where there is
   /// none; `image` is the first of them. Empty: one image everywhere.
   std::vector<std::uint32_t> tiles = {};
@@ -80,6 +81,7 @@ inline constexpr auto enum_names<NoiseMap::Kind> = std::to_array<EnumName<NoiseM
 /// A source of texture values, mapped as offset + scale * value.
 struct TextureMap {
   std::variant<ImageMap, NoiseMap, VertexColorMap> source;
+  std::optional<VertexColorMap> vertex_colors = {};  ///< a factor of a color
   float scale = 1.0f, offset = 0.0f;
   float low = -std::numeric_limits<float>::infinity();  ///< the result is kept in [low, high]
   float high = std::numeric_limits<float>::infinity();
@@ -397,6 +399,7 @@ struct BandChange {
 
 /// Everything that a picture is made of. Lengths are in mm: the file's `mm_per_unit` is applied.
 struct Scene {
+  double mm_per_unit = 0.0;  ///< of the file, whose lengths are in mm here; 0: it has none
   Camera camera;
   Film film;
   RenderSettings render;

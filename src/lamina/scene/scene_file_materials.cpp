@@ -74,7 +74,8 @@ class MaterialDecoder {
       material.bump = texture_map(map, Use::scalar);
     }
     if (const auto normals = object.optional("normal_map")) {
-      if (normals->is_object()) (void)normals->object({"map", "repeat"});  // no quantity to scale
+      if (normals->is_object())
+        (void)normals->object({"map", "repeat", "rotate", "shift"});  // no quantity to scale
       material.normal_map =
           image_map(normals->is_object() ? decode_map_description(*normals)
                                          : MapDescription{.self = *normals, .file = normals},
@@ -313,7 +314,7 @@ class MaterialDecoder {
       parameter.value = decode_color(value, closed_interval(0.0, 1.0));
       return parameter;
     }
-    const MapDescription map = decode_map_description(value);
+    const MapDescription map = decode_map_description(value, true);
     if (map.value) parameter.value = decode_color(*map.value, closed_interval(0.0, 1.0));
     parameter.map = texture_map(map, Use::color);
     return parameter;
@@ -337,10 +338,17 @@ class MaterialDecoder {
                        .offset = static_cast<float>(map.offset),
                        .low = static_cast<float>(map.low),
                        .high = static_cast<float>(map.high)};
-    if (map.noise)
+    if (map.has_vertex_colors) result_.vertex_colored = map.self.path();
+    if (map.noise && map.has_vertex_colors)
+      map.self.fail("\"vertex_colors\" goes with a \"map\" or alone, not with \"noise\"");
+    if (map.noise) {
       texture.source = decode_noise(*map.noise);
-    else
+    } else if (map.file) {
       texture.source = image_map(map, use);
+      if (map.has_vertex_colors) texture.vertex_colors = VertexColorMap{};
+    } else {
+      texture.source = VertexColorMap{};
+    }
     return texture;
   }
 
@@ -351,7 +359,7 @@ class MaterialDecoder {
     const JsonInput& file = *map.file;
     if (result_.mapped.empty()) result_.mapped = file.path();
     if (is_tiled(file)) {
-      if (map.repeat) map.repeat->fail("must be left out, for the tiles of <UDIM> do not repeat");
+      refuse_placement(map, "must be left out, for the tiles of <UDIM> do not repeat");
       ImageMap tiled;
       tiled.tiles = images_.load_tiles(file, encoding, map.channel, use == Use::coverage);
       tiled.image = images_of(tiled).front();
@@ -361,7 +369,7 @@ class MaterialDecoder {
     const std::size_t image = map.channel ? images_.load_channel(file, encoding, *map.channel)
                               : use == Use::coverage ? images_.load_coverage(file, encoding)
                                                      : images_.load(file, encoding);
-    return {.image = image, .repeat = repeat_of(map)};
+    return {.image = image, .placement = placement_of(map)};
   }
 
   Images& images_;

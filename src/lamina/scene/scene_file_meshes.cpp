@@ -12,7 +12,9 @@
 #include "lamina/core/vec_precision.h"
 #include "lamina/image/bilinear.h"
 #include "lamina/image/map_description.h"
+#include "lamina/io/files_read.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/mesh/files/gltf_image.h"
 #include "lamina/mesh/files/materialx_file.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
@@ -253,6 +255,19 @@ class PartTable {
   std::vector<std::pair<std::string, std::uint32_t>> patterns_;
 };
 
+/// Names the line of the mesh file, or of its library, whose texture is not there.
+void require_textures(const JsonInput& value, const FileMaterial& said,
+                      const std::filesystem::path& folder) {
+  for (const auto& texture : {said.base_color_texture, said.normal_texture, said.bump_texture}) {
+    if (!texture || texture->place.empty() || gltf_image_name(texture->map)) continue;
+    std::error_code ignored;
+    note_file(folder / texture->map);  // also where it may come to be
+    if (!std::filesystem::exists(folder / texture->map, ignored))
+      throw FileError(value.where() + ": " + texture->place +
+                      ": must name an image, but there is no " + (folder / texture->map).string());
+  }
+}
+
 /// The scene material of one of a mesh file: one that the scene lists under its name, or else one
 /// made of what the file says, which is decoded once.
 std::uint32_t file_surface(const JsonInput& value, const PolygonMesh& polygons, std::uint32_t index,
@@ -266,6 +281,7 @@ std::uint32_t file_surface(const JsonInput& value, const PolygonMesh& polygons, 
       polygons.name + "\n" + std::to_string(index) + "\n" + std::to_string(uv_set);
   if (const auto found = materials.of_files.find(key); found != materials.of_files.end())
     return found->second;
+  require_textures(value, said, std::filesystem::path(polygons.name).parent_path());
   const SceneMaterialText text = scene_material_text(said, mm_per_unit, uv_set);
   const std::string name =
       polygons.name + ": " + (said.name.empty() ? std::to_string(index) : said.name);
@@ -355,7 +371,8 @@ CreaseOptions decode_creases(const JsonInput& value, int subdivision) {
 
 /// An image as heights: scale * (value - mid).
 Displacement decode_displacement(const JsonInput& value, Images& images) {
-  const JsonObject object = value.object({"map", "channel", "encoding", "repeat", "scale", "mid"});
+  const JsonObject object =
+      value.object({"map", "channel", "encoding", "repeat", "rotate", "shift", "scale", "mid"});
   const JsonInput file = object.required("map");
   const MapDescription map{.self = value,
                            .file = file,
@@ -363,14 +380,16 @@ Displacement decode_displacement(const JsonInput& value, Images& images) {
                            .value = {},
                            .channel = object.optional("channel"),
                            .encoding = object.optional("encoding"),
-                           .repeat = object.optional("repeat")};
+                           .repeat = object.optional("repeat"),
+                           .rotate = object.optional("rotate"),
+                           .shift = object.optional("shift")};
   const auto scale =
       static_cast<float>(object.required("scale").number(closed_interval(-1e6, 1e6, "mm")));
   const auto mid = static_cast<float>(object.required("mid").number(closed_interval(-1e6, 1e6)));
   const ColorEncoding encoding = encoding_of(map, false);
-  ImageMap source{.repeat = repeat_of(map)};
+  ImageMap source{.placement = placement_of(map)};
   if (is_tiled(file)) {
-    if (map.repeat) map.repeat->fail("must be left out, for the tiles of <UDIM> do not repeat");
+    refuse_placement(map, "must be left out, for the tiles of <UDIM> do not repeat");
     source.tiles = images.load_tiles(file, encoding, map.channel, false);
     source.image = images_of(source).front();
   } else {
@@ -378,7 +397,7 @@ Displacement decode_displacement(const JsonInput& value, Images& images) {
                                : images.load(file, encoding);
   }
   return [source, scale, mid, file, &images](Vec2f uv, Vec2f middle) {
-    Vec2f at{uv.x * source.repeat.x, uv.y * source.repeat.y};
+    Vec2f at = place_uv(source.placement, uv);
     std::size_t index = source.image;
     const bool is_tile = !source.tiles.empty();
     if (is_tile) {
@@ -422,9 +441,11 @@ Mesh placed_copy(const Mesh& mesh, const Transform& transform, const std::string
   Mesh copy = mesh;
   copy.name = name;
   PolygonMesh moved;  // for its positions and normals
+  moved.name = name;
   moved.positions = std::move(copy.positions);
   moved.normals = std::move(copy.normals);
   transform_mesh(transform, moved);
+  settle_in_world(moved);
   copy.positions = std::move(moved.positions);
   copy.normals = std::move(moved.normals);
   if (determinant(transform) < 0.0)

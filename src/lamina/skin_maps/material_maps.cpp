@@ -36,7 +36,7 @@ Image decode_values(const MappableNumber& number, const JsonInput& value) {
   if (map.noise)
     map.noise->fail(
         "maps of what materials are made of are images: give \"map\", which `lamina maps` makes");
-  if (map.repeat) map.repeat->fail("maps of what materials are made of cover the surface once");
+  refuse_placement(map, "maps of what materials are made of cover the surface once");
   Image image;
   try {
     image = load_image(map.file->file_path(), encoding_of(map, false), map.file->memory());

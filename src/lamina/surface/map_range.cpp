@@ -78,7 +78,10 @@ std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images, const ColorPa
   Vec3f low = color.value, high = color.value;
   if (const auto& map = color.map)
     for (int c = 0; c < 3; ++c) {
-      const Range source = range_of(images, *map, [c](const float* texel) { return texel[c]; });
+      Range source = range_of(images, *map, [c](const float* texel) { return texel[c]; });
+      if (const auto& factor = map->vertex_colors)
+        source = {std::min(source.first * factor->low[c], source.first * factor->high[c]),
+                  std::max(source.second * factor->low[c], source.second * factor->high[c])};
       const float a = clamp_to_range(*map, map->offset + map->scale * source.first);
       const float b = clamp_to_range(*map, map->offset + map->scale * source.second);
       low[c] *= std::min(a, b);

@@ -62,12 +62,18 @@ Vec3f bend_by_bump(const TextureStore& textures, const TextureMap& bump,
 Vec3f bend_by_normal_map(const TextureStore& textures, const ImageMap& map,
                          const SurfacePoint& point, const Vec3f& n) {
   if (dot(point.du, point.du) == 0.0f || dot(point.dv, point.dv) == 0.0f) return n;
+  // Along the axes of the image, which its placement turns and mirrors.
+  const auto& [u_axis, v_axis, shift] = map.placement;
+  const float area = u_axis.x * v_axis.y - u_axis.y * v_axis.x;
+  if (area == 0.0f) return n;
+  const Vec3f along_u = (v_axis.y * point.du - u_axis.y * point.dv) / area;
+  const Vec3f along_v = (u_axis.x * point.dv - v_axis.x * point.du) / area;
   const Vec3f m = 2.0f * textures.color(map, point) - Vec3f{1, 1, 1};
-  Vec3f t = point.du - dot(point.du, n) * n;
+  Vec3f t = along_u - dot(along_u, n) * n;
   if (!(dot(t, t) > 0.0f)) return n;
   t = normalize(t);
   Vec3f b = cross(n, t);
-  if (dot(b, point.dv) < 0.0f) b = -b;
+  if (dot(b, along_v) < 0.0f) b = -b;
   const Vec3f bent = m.x * t + m.y * b + std::max(m.z, 0.05f) * n;
   return normalize(bent);
 }
@@ -120,10 +126,13 @@ Vec3f TextureStore::bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv
 
 Vec3f TextureStore::color(const ImageMap& map, const SurfacePoint& point) const {
   if (map.tiles.empty()) {
-    Vec2f uv{point.uv.x * map.repeat.x, point.uv.y * map.repeat.y};
+    Vec2f uv = place_uv(map.placement, point.uv);
     uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
     if (!(uv.x >= 0.0f && uv.y >= 0.0f)) uv = {};  // coordinates that are not numbers
-    return filtered(pyramids_[map.image], uv, map.repeat, point, false);
+    const auto& [u_axis, v_axis, shift] = map.placement;
+    const Vec2f stretch{std::max(std::abs(u_axis.x), std::abs(v_axis.x)),
+                        std::max(std::abs(u_axis.y), std::abs(v_axis.y))};
+    return filtered(pyramids_[map.image], uv, stretch, point, false);
   }
   // The tile of the triangle, so that its far edges do not belong to the next one.
   const std::optional<std::uint32_t> tile = tile_at(map, point.uv_middle);
@@ -134,11 +143,11 @@ Vec3f TextureStore::color(const ImageMap& map, const SurfacePoint& point) const 
   return filtered(pyramids_[*tile], uv, {1, 1}, point, true);
 }
 
-Vec3f TextureStore::filtered(const Pyramid& pyramid, Vec2f at, Vec2f repeat,
+Vec3f TextureStore::filtered(const Pyramid& pyramid, Vec2f at, Vec2f stretch,
                              const SurfacePoint& point, bool is_tile) const {
   const float texels =
-      point.uv_footprint * std::max(repeat.x * static_cast<float>(pyramid.levels[0].width),
-                                    repeat.y * static_cast<float>(pyramid.levels[0].height));
+      point.uv_footprint * std::max(stretch.x * static_cast<float>(pyramid.levels[0].width),
+                                    stretch.y * static_cast<float>(pyramid.levels[0].height));
   // Tiles end at their edges, where others come round to the other side.
   const auto bilinear = [&](std::size_t level) {
     if (!is_tile) return this->bilinear(pyramid, level, at);
@@ -171,7 +180,9 @@ Vec3f TextureStore::mean_color(const ImageMap& map) const {
 
 Vec3f TextureStore::source_color(const TextureMap& map, const SurfacePoint& point) const {
   if (std::holds_alternative<VertexColorMap>(map.source)) return point.color;
-  return color(std::get<ImageMap>(map.source), point);
+  Vec3f value = color(std::get<ImageMap>(map.source), point);
+  for (int c = 0; c < 3 && map.vertex_colors; ++c) value[c] *= point.color[c];
+  return value;
 }
 
 float TextureStore::scalar(const TextureMap& map, const SurfacePoint& point) const {

@@ -48,7 +48,7 @@ class TextureStore {
   [[nodiscard]] Vec3f source_color(const TextureMap& map, const SurfacePoint& point) const;
   [[nodiscard]] Vec3f texel(const Pyramid& pyramid, std::size_t level, int x, int y) const;
   [[nodiscard]] Vec3f bilinear(const Pyramid& pyramid, std::size_t level, Vec2f uv) const;
-  [[nodiscard]] Vec3f filtered(const Pyramid& pyramid, Vec2f uv, Vec2f repeat,
+  [[nodiscard]] Vec3f filtered(const Pyramid& pyramid, Vec2f uv, Vec2f stretch,
                                const SurfacePoint& point, bool is_tile) const;
 
   std::vector<Pyramid> pyramids_;

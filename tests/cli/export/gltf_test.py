@@ -25,14 +25,15 @@ def validate_gltf(file):
     assert issues["numErrors"] == 0, issues
 
 
-def triangle_glb():
-    """A triangle, twice, with a red material."""
+def triangle_glb(changes=()):
+    """A triangle, twice, with a red material; `changes` replace what the file says."""
     binary = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
     root = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
             "buffers": [{"byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}, {"attributes": {"POSITION": 0}}]}],
             "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}]}
+    root.update(changes)
     text = json.dumps(root).encode()
     text += b" " * (-len(text) % 4)
     return (struct.pack("<III", 0x46546C67, 2, 28 + len(text) + len(binary)) + struct.pack("<II", len(text), 0x4E4F534A) + text +
@@ -89,6 +90,18 @@ class Gltf(Folder):
             result = run("export", "leaf", "--to", "gltf", "--mesh", mesh, "-o", self.folder / "out.glb")
             self.assertEqual(result.returncode, 2, content)
             self.assertIn(word, result.stderr)
+            self.assertEqual(len(result.stderr.strip().splitlines()), 1)
+            self.assertFalse((self.folder / "out.glb").exists())
+
+    def test_wrong_glb_is_refused_with_its_place(self):
+        for changes, words in (({"meshes": [{"primitives": [7]}]}, "meshes[0].primitives[0]"),
+                               ({"bufferViews": None}, "accessors[0].bufferView"), ({"accessors": 3}, "accessors"),
+                               ({"materials": [1, 2], "extensionsUsed": [5]}, "extensionsUsed[0]")):
+            mesh = self.folder / "mesh.glb"
+            mesh.write_bytes(triangle_glb(changes))
+            result = run("export", "leaf", "--to", "gltf", "--mesh", mesh, "-o", self.folder / "out.glb")
+            self.assertEqual(result.returncode, 2, (changes, result.stderr))
+            self.assertIn(words, result.stderr)
             self.assertEqual(len(result.stderr.strip().splitlines()), 1)
             self.assertFalse((self.folder / "out.glb").exists())
 

@@ -43,7 +43,8 @@ constexpr std::size_t fine = 0, wide = 1;  // images
 
 TextureMap map_of(std::size_t image) {
   const float repeat = image == fine ? 2.0f : 0.45f;
-  return {.source = ImageMap{.image = image, .repeat = {repeat, repeat}}};
+  return {.source = ImageMap{.image = image,
+                             .placement = {.u_axis = {repeat, 0}, .v_axis = {0, repeat}}}};
 }
 
 /// What is asked for beside the material itself.

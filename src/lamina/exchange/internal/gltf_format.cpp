@@ -12,6 +12,7 @@
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/misfit_json.h"
+#include "lamina/mesh/files/mesh_file.h"
 #include "lamina/optics/fresnel.h"
 
 // Names and meanings: [glTF2] with KHR_materials_ior, _diffuse_transmission, _volume, and drafts of
@@ -27,26 +28,10 @@ struct Glb {
 };
 
 Glb read_glb(std::string_view bytes, const std::string& name) {
-  const auto word = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    if (at + 4 > bytes.size()) throw InvalidInput(name + ": is cut off");
-    std::memcpy(&value, bytes.data() + at, 4);
-    return value;
-  };
-  if (bytes.size() < 12 || word(0) != glb_magic || word(4) != 2)
-    throw InvalidInput(name + ": must be a GLB of glTF 2");
-  Glb glb;
-  for (std::size_t at = 12; at + 8 <= bytes.size();) {
-    const std::size_t size = word(at);
-    const std::uint32_t kind = word(at + 4);
-    if (size > bytes.size() - at - 8) throw InvalidInput(name + ": is cut off");
-    const std::string_view chunk = bytes.substr(at + 8, size);
-    if (kind == json_chunk && glb.json.empty()) glb.json = chunk;
-    if (kind == binary_chunk && glb.binary.empty()) glb.binary = chunk;
-    at += 8 + size;
-  }
-  if (glb.json.empty()) throw InvalidInput(name + ": has no chunk of JSON");
-  return glb;
+  if (!bytes.starts_with("glTF"))
+    throw InvalidInput(name + ": must be a GLB of glTF 2, which begins with \"glTF\"");
+  const GltfChunks chunks = check_gltf(bytes, name);
+  return {.json = std::string(chunks.json), .binary = std::string(chunks.binary)};
 }
 
 std::string glb_bytes(Glb glb) {

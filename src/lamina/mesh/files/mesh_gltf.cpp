@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "lamina/core/checked_size.h"
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/vec_precision.h"
 #include "lamina/mesh/files/internal/gltf_data.h"
 #include "lamina/mesh/files/internal/gltf_materials.h"
 #include "lamina/mesh/files/mesh_file.h"
@@ -107,6 +109,16 @@ class GltfReader {
         pieces_(meshes_.size()) {
     mesh_.name = file.string();
     mesh_.file_materials = decode_gltf_materials(root, file);
+    named_materials_ = mesh_.file_materials.size();
+  }
+
+  /// Reads all there is, also what no node has; compressed meshes are passed over.
+  void check() {
+    passes_over_compressed_ = true;
+    check_header();
+    for (const JsonInput& node : nodes_) (void)node_transform(node);
+    for (const JsonInput& index : gltf_list(root_, "scenes")) (void)index.peek("nodes");
+    for (std::size_t m = 0; m < meshes_.size(); ++m) (void)pieces_at(m);
   }
 
   PolygonMesh read() {
@@ -129,6 +141,7 @@ class GltfReader {
         for (const JsonInput& child : children->array()) stack.emplace_back(child, to_world);
     }
     if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no triangles");
+    set_positions(mesh_, positions_);
     if (options_.uv_set > 0 && options_.uv_set >= mesh_.uv_sets)
       throw FileError(mesh_.name + ": has no set " + std::to_string(options_.uv_set) +
                       " of texture coordinates, but " + std::to_string(mesh_.uv_sets) +
@@ -144,6 +157,7 @@ class GltfReader {
     if (!version->string().starts_with("2.")) version->refuse("must be 2.0");
     for (const JsonInput& extension : gltf_list(root_, "extensionsRequired")) {
       const std::string name = extension.string();
+      if (passes_over_compressed_) continue;
       if (name == "KHR_draco_mesh_compression")
         extension.fail(
             "the mesh is Draco compressed (KHR_draco_mesh_compression), which lamina does not "
@@ -153,17 +167,25 @@ class GltfReader {
   }
 
   /// Values of the file that are indices of nodes.
-  std::vector<JsonInput> root_nodes() const {
+  std::vector<JsonInput> root_nodes() {
     const std::vector<JsonInput> scenes = gltf_list(root_, "scenes");
     if (scenes.empty()) throw FileError(mesh_.name + ": holds no scene");
     const auto index = root_.peek("scene");
-    const auto nodes = (index ? gltf_element(scenes, *index) : scenes[0]).peek("nodes");
+    const JsonInput& scene = index ? gltf_element(scenes, *index) : scenes[0];
+    if (scenes.size() > 1)
+      mesh_.notes.push_back(scene.where() + ": of " + std::to_string(scenes.size()) +
+                            " scenes this one is read");
+    const auto nodes = scene.peek("nodes");
     return nodes ? nodes->array() : std::vector<JsonInput>{};
   }
 
   void add_mesh(const JsonInput& index, const JsonInput& node, const Transform& to_world) {
     if (node.peek("skin"))
       mesh_.notes.push_back(node.where() + ": the mesh is read at rest, without its skeleton");
+    const auto extensions = node.peek("extensions");
+    if (extensions && extensions->peek("EXT_mesh_gpu_instancing"))
+      mesh_.notes.push_back(node.where() +
+                            ": its instances (EXT_mesh_gpu_instancing) are left out but for one");
     if (determinant(to_world) == 0.0) {
       mesh_.notes.push_back(node.where() + ": its mesh is left out, for the node flattens it");
       return;
@@ -173,11 +195,23 @@ class GltfReader {
 
   /// What a mesh is made of, which is read once for all nodes that have it.
   const std::vector<Piece>& pieces_of(const JsonInput& index) {
-    const JsonInput& mesh = gltf_element(meshes_, index);
-    std::optional<std::vector<Piece>>& pieces = pieces_[static_cast<std::size_t>(index.number())];
+    (void)gltf_element(meshes_, index);
+    return pieces_at(static_cast<std::size_t>(index.number()));
+  }
+
+  const std::vector<Piece>& pieces_at(std::size_t place) {
+    const JsonInput& mesh = meshes_[place];
+    std::optional<std::vector<Piece>>& pieces = pieces_[place];
     if (pieces) return *pieces;
     pieces.emplace();
     const auto primitives = mesh.peek("primitives");
+    if (const auto weights = mesh.peek("weights"))
+      for (const JsonInput& weight : weights->array())
+        if (weight.number() != 0.0) {
+          mesh_.notes.push_back(weights->where() +
+                                ": morph targets are left out, though not all weights are 0");
+          break;
+        }
     if (!primitives) mesh.fail("\"primitives\" is required, but missing");
     for (const JsonInput& primitive : primitives->array()) {
       const auto mode = primitive.peek("mode");
@@ -185,26 +219,40 @@ class GltfReader {
         mesh_.notes.push_back(primitive.where() + ": points and lines are left out");
         continue;
       }
+      if (passes_over_compressed_ && is_compressed(primitive)) continue;
       Piece piece{
           .polygons = read_primitive(primitive), .labels = {}, .material = {}, .input = primitive};
       if (const auto material = primitive.peek("material")) {
-        if (mesh_.file_materials.empty()) material->fail("is an index into a list that is empty");
-        const auto last = static_cast<std::int64_t>(mesh_.file_materials.size()) - 1;
+        if (named_materials_ == 0) material->fail("is an index into a list that is empty");
+        const auto last = static_cast<std::int64_t>(named_materials_) - 1;
         piece.material = static_cast<std::uint32_t>(material->integer(0, last));
         piece.labels.push_back(mesh_.file_materials[*piece.material].name);
+      } else {
+        if (mesh_.file_materials.size() == named_materials_)
+          mesh_.file_materials.push_back(default_gltf_material());
+        piece.material = static_cast<std::uint32_t>(named_materials_);
       }
+      if (!piece.polygons.colors.empty())
+        mesh_.file_materials[*piece.material].has_vertex_colors |=
+            std::ranges::any_of(piece.polygons.colors, [](const Vec3f& color) {
+              return color != Vec3f{1, 1, 1};
+            });
       piece.labels.push_back(name_of(mesh));
       pieces->push_back(std::move(piece));
     }
     return *pieces;
   }
 
+  static bool is_compressed(const JsonInput& primitive) {
+    const auto extensions = primitive.peek("extensions");
+    return extensions && extensions->peek("KHR_draco_mesh_compression");
+  }
+
   PolygonMesh read_primitive(const JsonInput& primitive) {
-    if (const auto extensions = primitive.peek("extensions"))
-      if (extensions->peek("KHR_draco_mesh_compression"))
-        primitive.fail(
-            "is Draco compressed (KHR_draco_mesh_compression), which lamina does not "
-            "read; save it without compression");
+    if (is_compressed(primitive))
+      primitive.fail(
+          "is Draco compressed (KHR_draco_mesh_compression), which lamina does not read; save it "
+          "without compression");
     const auto attributes = primitive.peek("attributes");
     const auto position = attributes ? attributes->peek("POSITION") : std::nullopt;
     if (!position) primitive.fail("attribute POSITION is required, but missing");
@@ -223,14 +271,7 @@ class GltfReader {
     while (attributes->peek("TEXCOORD_" + std::to_string(sets))) ++sets;
     mesh_.uv_sets = std::max(mesh_.uv_sets, sets);
     const auto color = attributes->peek("COLOR_0");
-    const GltfAccessor* colors = nullptr;
-    if (color) {
-      colors = &data_.accessor(*color, 0);
-      if (colors->components() != 3 && colors->components() != 4)
-        color->fail("must have 3 or 4 components, but has " + std::to_string(colors->components()));
-      if (colors->count() != positions.count())
-        color->fail("has not one element for each position");
-    }
+    const GltfAccessor* colors = color ? &color_accessor(*color, positions.count()) : nullptr;
 
     const std::vector<std::uint32_t> indices =
         triangle_indices(read_indices(primitive, positions.count()), primitive);
@@ -245,7 +286,7 @@ class GltfReader {
     piece.positions = read_vectors(positions, used, &*position);
     if (normals) piece.normals = read_vectors(*normals, used, nullptr);
     if (uvs) piece.uvs = read_uvs(*uvs, used, *attributes->peek(texcoord));
-    if (colors) piece.colors = read_vectors(*colors, used, &*color);
+    if (colors) piece.colors = read_colors(*colors, used, *color);
     piece.corners.reserve(indices.size());
     const bool are_all = used.size() == positions.count();
     for (const std::uint32_t index : indices) {
@@ -259,6 +300,33 @@ class GltfReader {
                                .color = colors ? i : no_index});
     }
     return piece;
+  }
+
+  /// Source: [glTF2] §3.7.2.1.
+  const GltfAccessor& color_accessor(const JsonInput& input, std::size_t count) {
+    const GltfAccessor& colors = data_.accessor(input, 0);
+    if (colors.components() != 3 && colors.components() != 4)
+      input.fail("must have 3 or 4 components, but has " + std::to_string(colors.components()));
+    if (colors.count() != count) input.fail("has not one element for each position");
+    if (colors.largest_color() == 0.0)
+      input.fail(
+          "colors of vertices must be floats, unsigned bytes or unsigned shorts (componentType "
+          "5126, 5121 or 5123)");
+    if (colors.largest_color() > 1.0 && !colors.is_normalized())
+      mesh_.notes.push_back(input.where() +
+                            ": its integers must be \"normalized\" to be colors; they are read as "
+                            "if they were");
+    return colors;
+  }
+
+  /// Within [0, 1], as the standard has it.
+  std::vector<Vec3f> read_colors(const GltfAccessor& given, std::span<const std::uint32_t> used,
+                                 const JsonInput& input) {
+    std::vector<Vec3f> colors = read_vectors(given, used, &input);
+    const auto largest = static_cast<float>(given.is_normalized() ? 1.0 : given.largest_color());
+    for (Vec3f& color : colors)
+      for (int c = 0; c < 3; ++c) color[c] = std::clamp(color[c] / largest, 0.0F, 1.0F);
+    return colors;
   }
 
   /// The vertices that a primitive reads, in rising order: all, unless it uses few of many.
@@ -330,7 +398,7 @@ class GltfReader {
   void append(const Piece& piece, const std::string& node_name, const Transform& to_world) {
     PolygonMesh moved = piece.polygons;
     if (moved.corners.size() > most_corners - mesh_.corners.size() ||
-        moved.positions.size() > most_corners - mesh_.positions.size())
+        moved.positions.size() > most_corners - positions_.size())
       piece.input.fail("the file must not hold more than 100 million corners of triangles");
     std::vector<std::string> labels = piece.labels;
     labels.push_back(node_name);
@@ -338,26 +406,29 @@ class GltfReader {
     std::size_t label_bytes = sizeof(MeshPart);
     for (const std::string& label : labels) label_bytes += sizeof label + label.size();
     // Twice, for the room that vectors keep to grow.
-    take_memory(
-        piece.input.memory(),
-        2 * (moved.corners.size() * per_corner +
-             (moved.positions.size() + moved.normals.size() + moved.colors.size()) * sizeof(Vec3f) +
-             moved.uvs.size() * sizeof(Vec2f) + label_bytes),
-        piece.input.where());
+    take_memory(piece.input.memory(),
+                2 * (moved.corners.size() * per_corner +
+                     moved.positions.size() * (sizeof(Vec3) + sizeof(Vec3f)) +
+                     (moved.normals.size() + moved.colors.size()) * sizeof(Vec3f) +
+                     moved.uvs.size() * sizeof(Vec2f) + label_bytes),
+                piece.input.where());
     for (std::uint32_t c = 3; c <= moved.corners.size(); c += 3) moved.face_begin.push_back(c);
-    transform_mesh(to_world, moved);
+    const auto first_position = static_cast<std::uint32_t>(positions_.size());
     for (std::size_t i = 0; i < moved.positions.size(); ++i) {
-      const Vec3f& p = moved.positions[i];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      const Vec3 p = transform_point(to_world, to_double(moved.positions[i]));
+      constexpr double most = std::numeric_limits<float>::max();
+      if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
         piece.input.fail("the transform of its node must leave vertex " + std::to_string(i) +
                          " finite, but does not");
+      positions_.push_back(p);
     }
+    moved.positions.clear();
+    transform_mesh(to_world, moved);  // normals and winding
     const auto offset = [](auto& from, auto& to) {
       const auto begin = static_cast<std::uint32_t>(to.size());
       to.insert(to.end(), from.begin(), from.end());
       return begin;
     };
-    const std::uint32_t first_position = offset(moved.positions, mesh_.positions);
     const std::uint32_t first_normal = offset(moved.normals, mesh_.normals);
     const std::uint32_t first_uv = offset(moved.uvs, mesh_.uvs);
     const std::uint32_t first_color = offset(moved.colors, mesh_.colors);
@@ -377,18 +448,34 @@ class GltfReader {
   GltfData data_;
   std::vector<JsonInput> nodes_, meshes_;
   std::vector<std::optional<std::vector<Piece>>> pieces_;  // [mesh], of those that nodes have
+  std::size_t named_materials_ = 0;  // of the file; that of primitives without one comes behind
+  bool passes_over_compressed_ = false;
   PolygonMesh mesh_;
+  std::vector<Vec3> positions_;
 };
+
+JsonDocument parse_gltf_json(const GltfChunks& chunks, const std::filesystem::path& file,
+                             MemoryBudget& memory) {
+  std::string_view text = chunks.json;
+  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
+  return parse_json(text, file.string(), memory);
+}
 
 }  // namespace
 
 PolygonMesh parse_gltf(std::string_view bytes, const std::filesystem::path& file,
                        MemoryBudget memory, const MeshFileOptions& options) {
   const GltfChunks chunks = split_gltf(bytes, file.string());
-  std::string_view text = chunks.json;
-  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
-  const JsonDocument document = parse_json(text, file.string(), memory);
+  const JsonDocument document = parse_gltf_json(chunks, file, memory);
   return GltfReader(document.root(), chunks.binary, file, options).read();
+}
+
+GltfChunks check_gltf(std::string_view bytes, const std::filesystem::path& file,
+                      MemoryBudget memory) {
+  const GltfChunks chunks = split_gltf(bytes, file.string());
+  const JsonDocument document = parse_gltf_json(chunks, file, memory);
+  GltfReader(document.root(), chunks.binary, file, {}).check();
+  return chunks;
 }
 
 }  // namespace lamina

@@ -50,8 +50,10 @@ class ObjReader {
 
   PolygonMesh read(std::string_view text) {
     std::string joined;  // a line that goes on after a backslash
+    text = without_byte_order_mark(text);
+    const char end_of_line = end_of_lines(text);
     while (!text.empty()) {
-      const std::size_t end = text.find('\n');
+      const std::size_t end = text.find(end_of_line);
       std::string_view line = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       ++line_;
@@ -71,10 +73,8 @@ class ObjReader {
     }
     if (face_count(mesh_) == 0) throw FileError(mesh_.name + ": holds no faces");
     mesh_.uv_sets = mesh_.uvs.empty() ? 0 : 1;
-    if (!mesh_.colors.empty()) {
-      mesh_.colors.resize(mesh_.positions.size(), {1, 1, 1});
-      for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
-    }
+    finish_colors();
+    set_positions(mesh_, positions_);
     mesh_.material_libraries = std::move(libraries_);
     return std::move(mesh_);
   }
@@ -88,10 +88,11 @@ class ObjReader {
     Words words(line.substr(0, line.find('#')));
     const std::string_view keyword = words.next();
     if (keyword == "v" || keyword == "vt" || keyword == "vn")
-      take_growing(memory_, sizeof(Vec3f), mesh_.name);
+      take_growing(memory_, sizeof(Vec3), mesh_.name);
     if (keyword == "v") {
-      const auto what = [&] { return "vertex " + std::to_string(mesh_.positions.size() + 1); };
-      mesh_.positions.push_back({number(words, what), number(words, what), number(words, what)});
+      const auto what = [&] { return "vertex " + std::to_string(positions_.size() + 1); };
+      const double x = exact_number(words, what), y = exact_number(words, what);
+      positions_.push_back({x, y, exact_number(words, what)});
       read_color(words, what);
     } else if (keyword == "vt") {
       const auto what = [&] { return "vt " + std::to_string(mesh_.uvs.size() + 1); };
@@ -112,6 +113,10 @@ class ObjReader {
         libraries_.push_back(library);
     } else if (keyword == "t") {
       read_tag(words);
+    } else if ((keyword == "surf" || keyword == "curv") && !has_free_forms_) {
+      has_free_forms_ = true;
+      mesh_.notes.push_back(mesh_.name + ":" + std::to_string(line_) +
+                            ": free-form curves and surfaces are left out");
     }  // the rest (smoothing groups, lines, points) does not concern the shape
   }
 
@@ -121,11 +126,32 @@ class ObjReader {
     const std::string_view r = words.next(), g = words.next(), b = words.next();
     if (b.empty()) return;
     take_growing(memory_, sizeof(Vec3f), mesh_.name);
-    mesh_.colors.resize(mesh_.positions.size() - 1, {1, 1, 1});
-    const auto linear = [&](std::string_view word) {
-      return srgb_to_linear(std::clamp(parse_number(word, what), 0.0F, 1.0F));
+    mesh_.colors.resize(positions_.size() - 1, no_color);
+    const auto given = [&](std::string_view word) {
+      const float value = std::max(parse_number(word, what), 0.0F);
+      color_range_.add(static_cast<double>(value), line_);
+      return value;
     };
-    mesh_.colors.push_back({linear(r), linear(g), linear(b)});
+    const float red = given(r), green = given(g);
+    mesh_.colors.push_back({red, green, given(b)});
+  }
+
+  /// Makes linear colors of what vertices have, once the range of all is known.
+  void finish_colors() {
+    if (mesh_.colors.empty()) return;
+    const std::string place = mesh_.name + ":" + std::to_string(color_range_.line());
+    if (!color_range_.is_known()) {
+      mesh_.notes.push_back(place + colors_left_out(color_range_.largest()));
+      mesh_.colors.clear();
+      return;
+    }
+    if (color_range_.is_bytes()) mesh_.notes.push_back(place + std::string(colors_are_bytes));
+    const float largest = color_range_.is_bytes() ? 255.0F : 1.0F;
+    mesh_.colors.resize(positions_.size(), no_color);
+    for (Vec3f& color : mesh_.colors)
+      for (int c = 0; c < 3; ++c)
+        color[c] = color[c] < 0.0F ? 1.0F : srgb_to_linear(std::min(color[c] / largest, 1.0F));
+    for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
   }
 
   /// `t crease 2/1/0 A B SHARPNESS`, vertices counted from 0, as OpenSubdiv's examples have it.
@@ -136,10 +162,9 @@ class ObjReader {
     std::array<std::uint32_t, 2> ends{};
     for (std::uint32_t& end : ends) {
       const float given = number(words, what);
-      if (!(given >= 0.0F && given < static_cast<float>(mesh_.positions.size())) ||
+      if (!(given >= 0.0F && given < static_cast<float>(positions_.size())) ||
           given != std::floor(given))
-        refuse("a vertex of t crease must lie in [0, " + std::to_string(mesh_.positions.size()) +
-               ")");
+        refuse("a vertex of t crease must lie in [0, " + std::to_string(positions_.size()) + ")");
       end = static_cast<std::uint32_t>(given);
     }
     const float sharpness = number(words, what);
@@ -167,6 +192,14 @@ class ObjReader {
   }
 
   template <class What>
+  double exact_number(Words& words, const What& what) const {
+    const std::string_view word = words.next();
+    if (word.empty()) refuse(what() + " is cut off: a number is missing");
+    (void)parse_number(word, what);  // refuses what is none
+    return *spelled_number(word);
+  }
+
+  template <class What>
   float optional_number(Words& words, const What& what) const {
     const std::string_view word = words.next();
     return word.empty() ? 0.0F : parse_number(word, what);
@@ -184,7 +217,7 @@ class ObjReader {
     face_.clear();
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       MeshCorner corner;
-      corner.position = index(word, mesh_.positions.size(), "v");
+      corner.position = index(word, positions_.size(), "v");
       if (take_slash(word)) {
         if (!word.empty() && word.front() != '/') corner.uv = index(word, mesh_.uvs.size(), "vt");
         if (take_slash(word)) corner.normal = index(word, mesh_.normals.size(), "vn");
@@ -239,12 +272,16 @@ class ObjReader {
   }
 
   MemoryBudget memory_;
+  static constexpr Vec3f no_color{-1, -1, -1};  // of vertices, which are white then
   PolygonMesh mesh_;
+  std::vector<Vec3> positions_;
+  VertexColorRange color_range_;
   std::vector<MeshCorner> face_;
   std::string material_, group_, object_;
   std::vector<std::string> libraries_;
   std::map<std::vector<std::string>, std::uint32_t> part_of_labels_;
   std::optional<std::uint32_t> part_;  // that material, group and object name
+  bool has_free_forms_ = false;
   int line_ = 0;
 };
 

@@ -196,8 +196,10 @@ class PlyReader {
   void read_header(std::string_view& bytes) {
     bool has_format = false;
     std::set<std::string> element_names;
+    // Old Macs end lines by a carriage return alone.
+    const bool is_of_mac = bytes.starts_with("ply\r") && !bytes.starts_with("ply\r\n");
     for (int line_number = 1;; ++line_number) {
-      const std::size_t end = bytes.find('\n');
+      const std::size_t end = bytes.find(is_of_mac ? '\r' : '\n');
       if (line_number == 1 && !bytes.starts_with("ply"))
         refuse("must begin with \"ply\", but does not: it is no PLY file");
       if (end == std::string_view::npos) refuse("the header is cut off: \"end_header\" is missing");
@@ -300,11 +302,30 @@ class PlyReader {
 
   void read_vertices(const Element& element, Values& values) {
     enum Slot { x, y, z, nx, ny, nz, u, v, r, g, b, slots, ignored = slots };
-    constexpr std::array<std::pair<std::string_view, Slot>, 20> names{{
-        {"x", x},         {"y", y},         {"z", z},         {"nx", nx},       {"ny", ny},
-        {"nz", nz},       {"u", u},         {"v", v},         {"s", u},         {"t", v},
-        {"texture_u", u}, {"texture_v", v}, {"texture_s", u}, {"texture_t", v}, {"red", r},
-        {"green", g},     {"blue", b},      {"r", r},         {"g", g},         {"b", b},
+    constexpr std::array<std::pair<std::string_view, Slot>, 23> names{{
+        {"x", x},
+        {"y", y},
+        {"z", z},
+        {"nx", nx},
+        {"ny", ny},
+        {"nz", nz},
+        {"u", u},
+        {"v", v},
+        {"s", u},
+        {"t", v},
+        {"texture_u", u},
+        {"texture_v", v},
+        {"texture_s", u},
+        {"texture_t", v},
+        {"red", r},
+        {"green", g},
+        {"blue", b},
+        {"r", r},
+        {"g", g},
+        {"b", b},
+        {"diffuse_red", r},
+        {"diffuse_green", g},
+        {"diffuse_blue", b},
     }};
     std::vector<Slot> slot_of;  // [property]
     std::array<bool, slots + 1> has{};
@@ -324,14 +345,15 @@ class PlyReader {
     for (const Property& property : element.properties)
       types.push_back(property.list_count.value_or(property.type));
     const std::size_t most = std::min(element.count, values.most(types) + 1);  // one may be cut
-    take_memory(memory_, most, (has_colors_ ? 3 : 2) * sizeof(Vec3f) + sizeof(Vec2f),
+    take_memory(memory_, most, sizeof(Vec3) + (has_colors_ ? 3 : 2) * sizeof(Vec3f) + sizeof(Vec2f),
                 mesh_.name + ": its vertices");
-    mesh_.positions.reserve(most);
+    positions_.reserve(most);
     if (has_normals) mesh_.normals.reserve(most);
     if (has_uvs_) mesh_.uvs.reserve(most);
     for (std::size_t i = 0; i < element.count; ++i) {
       const auto what = [&] { return place(element, i); };
       std::array<float, slots + 1> given{};
+      Vec3 position;
       for (std::size_t p = 0; p < slot_of.size(); ++p) {
         if (slot_of[p] == ignored) {
           skip(element.properties[p], values, what);
@@ -339,24 +361,42 @@ class PlyReader {
         }
         const double value = values.next(element.properties[p].type, what);
         given[slot_of[p]] = static_cast<float>(value);
+        if (slot_of[p] <= z) position[slot_of[p] - x] = value;
         if (r <= slot_of[p] && slot_of[p] <= b)
-          given[slot_of[p]] = linear_color(value, element.properties[p].type);
+          given[slot_of[p]] = color_component(value, element.properties[p].type);
         if (!std::isfinite(given[slot_of[p]]) && !(nx <= slot_of[p] && slot_of[p] <= nz))
           refuse(what() + ": " + element.properties[p].name + " must be finite, but is " +
                  number_text(value));
       }
-      mesh_.positions.push_back({given[x], given[y], given[z]});
+      positions_.push_back(position);
       if (has_normals) mesh_.normals.push_back({given[nx], given[ny], given[nz]});
       if (has_uvs_) mesh_.uvs.push_back({given[u], given[v]});
       if (has_colors_) mesh_.colors.push_back({given[r], given[g], given[b]});
     }
   }
 
-  /// Of 8 and 16 bits by sRGB; others are linear.
-  static float linear_color(double value, Type type) {
+  /// Of 8 and 16 bits by sRGB; others as they are until the range of all is known.
+  float color_component(double value, Type type) {
     const double largest = type == Type::uint8 ? 255.0 : type == Type::uint16 ? 65535.0 : 0.0;
-    return largest > 0.0 ? srgb_to_linear(static_cast<float>(value / largest))
-                         : static_cast<float>(value);
+    if (largest > 0.0) return srgb_to_linear(static_cast<float>(value / largest));
+    color_range_.add(value, 0);
+    return static_cast<float>(value);
+  }
+
+  /// Colors of other types are linear in [0, 1], or bytes in wider numbers.
+  void finish_colors() {
+    if (!has_colors_) return;
+    if (!color_range_.is_known()) {
+      mesh_.notes.push_back(mesh_.name + colors_left_out(color_range_.largest()));
+      mesh_.colors.clear();
+      return;
+    }
+    if (color_range_.is_bytes()) {
+      mesh_.notes.push_back(mesh_.name + std::string(colors_are_bytes));
+      for (Vec3f& color : mesh_.colors)
+        for (int c = 0; c < 3; ++c) color[c] = srgb_to_linear(std::max(color[c], 0.0F) / 255.0F);
+    }
+    for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
   }
 
   /// Creases: vertex1, vertex2, and a sharpness under the name crease or sharpness.
@@ -388,6 +428,10 @@ class PlyReader {
     };
     if (element.count > 0 && std::ranges::none_of(properties, is_indices))
       refuse("element face must have a list vertex_indices");
+    if (element.count > 0 &&
+        std::ranges::any_of(properties, [](const Property& p) { return p.name == "red"; }))
+      mesh_.notes.push_back(mesh_.name +
+                            ": colors of faces are left out, for lamina takes those of vertices");
     std::vector<MeshCorner> corners;
     std::vector<double> texcoords;  // u, v of each corner
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -441,25 +485,26 @@ class PlyReader {
     for (std::size_t f = 0; f < face_count(mesh_); ++f)
       for (std::size_t c = mesh_.face_begin[f]; c < mesh_.face_begin[f + 1]; ++c) {
         MeshCorner& corner = mesh_.corners[c];
-        if (corner.position >= mesh_.positions.size())
+        if (corner.position >= positions_.size())
           refuse("face " + std::to_string(f) + ": a vertex index must be < " +
-                 std::to_string(mesh_.positions.size()) + ", but is " +
-                 std::to_string(corner.position));
+                 std::to_string(positions_.size()) + ", but is " + std::to_string(corner.position));
         if (!mesh_.normals.empty()) corner.normal = corner.position;
         if (face_uvs_.empty() && has_uvs_) corner.uv = corner.position;
       }
     if (!face_uvs_.empty()) mesh_.uvs = std::move(face_uvs_);
     mesh_.uv_sets = mesh_.uvs.empty() ? 0 : 1;
-    if (has_colors_)
-      for (MeshCorner& corner : mesh_.corners) corner.color = corner.position;
+    finish_colors();
     for (const MeshCrease& crease : mesh_.creases)
-      if (crease.a >= mesh_.positions.size() || crease.b >= mesh_.positions.size())
-        refuse("element edge: a vertex index must be < " + std::to_string(mesh_.positions.size()));
+      if (crease.a >= positions_.size() || crease.b >= positions_.size())
+        refuse("element edge: a vertex index must be < " + std::to_string(positions_.size()));
+    set_positions(mesh_, positions_);
   }
 
   static constexpr std::size_t per_declaration = 256;  // of an element or a property
   MemoryBudget memory_;
   PolygonMesh mesh_;
+  std::vector<Vec3> positions_;
+  VertexColorRange color_range_;
   Format format_ = Format::ascii;
   std::vector<Element> elements_;
   bool has_uvs_ = false;         // per vertex

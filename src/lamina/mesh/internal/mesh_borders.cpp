@@ -28,14 +28,32 @@ double longest_side(const PolygonMesh& mesh) {
   return longest;
 }
 
-/// The ends of open edges, and the vertices that edges join to them.
+/// The ends of open edges, and the vertices that edges join to them and must not become one.
 struct Borders {
   std::vector<std::uint32_t> vertices;        // in rising order
   std::vector<std::uint32_t> first_neighbor;  // [vertex of the mesh], one more ends the last
   std::vector<std::uint32_t> neighbors;
 };
 
-Borders find_borders(const PolygonMesh& mesh) {
+/// [edge], whether it is open, shorter than what joins vertices, and the only one of its face that
+/// is: such as at the pole of a lathe, whose faces have two corners there.
+std::vector<bool> shrinking_edges(const PolygonMesh& mesh, const MeshEdges& edges, double reach) {
+  std::vector<bool> shrinks(edges.edges.size());
+  const auto is_short = [&](std::uint32_t corner) {
+    const auto& [a, b] = edges.edges[edges.edge_of_corner[corner]].vertex;
+    return length(to_double(mesh.positions[a]) - to_double(mesh.positions[b])) <= reach;
+  };
+  for (std::size_t f = 0; f < face_count(mesh); ++f) {
+    std::uint32_t found = no_index;
+    int count = 0;
+    for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c)
+      if (is_short(c)) found = edges.edge_of_corner[c], ++count;
+    if (count == 1 && edges.edges[found].face_count == 1) shrinks[found] = true;
+  }
+  return shrinks;
+}
+
+Borders find_borders(const PolygonMesh& mesh, double reach) {
   std::vector<std::uint32_t> corners;
   corners.reserve(mesh.corners.size());
   for (const MeshCorner& corner : mesh.corners) corners.push_back(corner.position);
@@ -49,10 +67,13 @@ Borders find_borders(const PolygonMesh& mesh) {
     if (is_on_border[v]) borders.vertices.push_back(v);
   if (borders.vertices.empty()) return borders;
   borders.first_neighbor.resize(mesh.positions.size() + 1);
+  const std::vector<bool> shrinks = shrinking_edges(mesh, edges, reach);
   const auto for_each_pair = [&](const auto& act) {
-    for (const MeshEdge& edge : edges.edges)
-      for (const std::size_t end : {0, 1})
-        if (is_on_border[edge.vertex[end]]) act(edge.vertex[end], edge.vertex[1 - end]);
+    for (std::size_t e = 0; e < edges.edges.size(); ++e)
+      for (const std::size_t end : {0, 1}) {
+        const auto& vertex = edges.edges[e].vertex;
+        if (is_on_border[vertex[end]] && !shrinks[e]) act(vertex[end], vertex[1 - end]);
+      }
   };
   for_each_pair([&](std::uint32_t v, std::uint32_t) { ++borders.first_neighbor[v + 1]; });
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
@@ -120,8 +141,8 @@ class Grid {
 }  // namespace
 
 std::size_t join_borders(PolygonMesh& mesh) {
-  const Borders borders = find_borders(mesh);
   const double reach = tolerance * longest_side(mesh);
+  const Borders borders = find_borders(mesh, reach);
   if (borders.vertices.empty() || !(reach > 0.0)) return 0;
   std::vector<std::uint32_t> joined(mesh.positions.size());  // [vertex], what it becomes
   for (std::uint32_t v = 0; v < joined.size(); ++v) joined[v] = v;

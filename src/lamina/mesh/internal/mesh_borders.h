@@ -11,7 +11,8 @@ namespace lamina {
 /// two ends of a seam do that was computed twice. The first of them says where they are.
 ///
 /// Vertices on edges of two faces stay apart, so that a thin sheet keeps its two sides however near
-/// they are; so do the two ends of an edge. Equal positions must have one index already.
+/// they are; so do the two ends of an edge, unless it is the one short edge of a face and open, as
+/// at the pole of a lathe. Equal positions must have one index already.
 ///
 /// @return  how many vertices went.
 std::size_t join_borders(PolygonMesh& mesh);

@@ -52,9 +52,11 @@ void add(SceneHash& hash, const Mesh& mesh) {
 }
 
 void add(SceneHash& hash, const ImageMap& map) {
-  const auto& [image, repeat, tiles] = map;
+  const auto& [image, placement, tiles] = map;
   hash.add(image);
-  hash.add(repeat);
+  hash.add(placement.u_axis);
+  hash.add(placement.v_axis);
+  hash.add(placement.shift);
   hash.add_all(tiles);
 }
 
@@ -73,9 +75,10 @@ void add(SceneHash& hash, const NoiseMap& map) {
 }
 
 void add(SceneHash& hash, const TextureMap& map) {
-  const auto& [source, scale, offset, low, high] = map;
+  const auto& [source, vertex_colors, scale, offset, low, high] = map;
   hash.add(source.index());
   std::visit([&](const auto& kind) { add(hash, kind); }, source);
+  hash.add_optional(vertex_colors, [&](const VertexColorMap& colors) { add(hash, colors); });
   hash.add(scale);
   hash.add(offset);
   hash.add(low);

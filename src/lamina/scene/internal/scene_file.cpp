@@ -319,6 +319,7 @@ void measure_vertex_colors(Scene& scene) {
   for (std::uint32_t m = 0; m < scene.materials.size(); ++m)
     for_each_color_map(scene.materials[m], [&](TextureMap& map) {
       auto* colors = std::get_if<VertexColorMap>(&map.source);
+      if (!colors && map.vertex_colors) colors = &*map.vertex_colors;
       if (!colors) return;
       Vec3 sum;
       double total = 0.0;
@@ -350,7 +351,7 @@ Scene decode_scene(const JsonInput& root, const std::vector<SceneMethod>& method
                                            {"$schema", "name", "mm_per_unit", "camera", "film",
                                             "materials", "meshes", "lights", "render"});
   const double mm_per_unit = file.required("mm_per_unit").number(closed_interval(1e-6, 1e6, "mm"));
-  Scene scene;
+  Scene scene{.mm_per_unit = mm_per_unit};
   for (const std::string_view text : {"$schema", "name"})  // for other readers
     if (const auto given = file.optional(text)) (void)given->string();
   // What is cheap to check comes before what takes time to load.

@@ -9,13 +9,9 @@
 #include <vector>
 
 #include "lamina/io/json_input.h"
+#include "lamina/mesh/files/mesh_file.h"
 
 namespace lamina {
-
-/// The two parts of a glTF file; `binary` is empty unless it is a GLB that has such a part.
-struct GltfChunks {
-  std::string_view json, binary;
-};
 
 /// @throws FileError if the bytes are a GLB that is cut off or malformed.
 [[nodiscard]] GltfChunks split_gltf(std::string_view bytes, const std::string& name);

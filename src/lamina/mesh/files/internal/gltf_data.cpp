@@ -97,6 +97,11 @@ double GltfAccessor::Elements::operator()(std::size_t element, std::size_t compo
   return lamina::component(bytes.data() + element * stride + component * size_of(type), type);
 }
 
+double GltfAccessor::largest_color() const {
+  const bool is_unsigned = elements_.type == unsigned_byte || elements_.type == unsigned_short;
+  return is_unsigned || elements_.type == float_32 ? largest(elements_.type) : 0.0;
+}
+
 double GltfAccessor::operator()(std::size_t element, std::size_t component) const {
   const auto found = std::ranges::lower_bound(replaced_, element);
   const double value =

@@ -147,20 +147,29 @@ class MaterialReader {
                  std::to_string(static_cast<std::size_t>(source->number()));
     if (const auto set = info.peek("texCoord"))
       result.uv_set = static_cast<int>(set->integer(0, 1000));
+    result.place = info.where();
     const auto extensions = info.peek("extensions");
-    if (const auto moved = extensions ? extensions->peek("KHR_texture_transform") : std::nullopt) {
-      if (const auto scale = moved->peek("scale")) {
-        const std::vector<double> s = scale->numbers(2, closed_interval(-1e4, 1e4));
-        result.repeat_u = s[0], result.repeat_v = s[1];
-      }
-      if (const auto set = moved->peek("texCoord"))
-        result.uv_set = static_cast<int>(set->integer(0, 1000));
-      for (const std::string_view key : {"offset", "rotation"})
-        if (moved->peek(key)) ignore("KHR_texture_transform." + std::string(key));
-      if (result.repeat_v != 1.0)
-        ignore("KHR_texture_transform.scale of v, which counts from below");
-    }
+    if (const auto moved = extensions ? extensions->peek("KHR_texture_transform") : std::nullopt)
+      read_transform(*moved, result);
     return result;
+  }
+
+  /// KHR_texture_transform: uv' = offset + R(rotation) (scale uv), with v downward there and R
+  /// counterclockwise as one sees the image, R = [[cos, sin], [-sin, cos]]. With v upward it is the
+  /// same turn, and the shift takes up where the axes start.
+  static void read_transform(const JsonInput& moved, FileTexture& into) {
+    const NumberRange range = closed_interval(-1e4, 1e4);
+    const auto pair = [&](std::string_view key, double otherwise) {
+      const auto given = moved.peek(key);
+      return given ? given->numbers(2, range) : std::vector<double>{otherwise, otherwise};
+    };
+    const std::vector<double> scale = pair("scale", 1.0), offset = pair("offset", 0.0);
+    if (const auto rotation = moved.peek("rotation")) into.rotate = rotation->number(range);
+    if (const auto set = moved.peek("texCoord"))
+      into.uv_set = static_cast<int>(set->integer(0, 1000));
+    into.repeat_u = scale[0], into.repeat_v = scale[1];
+    into.shift_u = offset[0] + scale[1] * std::sin(into.rotate);
+    into.shift_v = 1.0 - offset[1] - scale[1] * std::cos(into.rotate);
   }
 
   const std::filesystem::path& file_;
@@ -170,6 +179,10 @@ class MaterialReader {
 };
 
 }  // namespace
+
+FileMaterial default_gltf_material() {
+  return {.name = "default material of glTF", .metallic = 1.0};
+}
 
 std::vector<FileMaterial> decode_gltf_materials(const JsonInput& root,
                                                 const std::filesystem::path& file) {

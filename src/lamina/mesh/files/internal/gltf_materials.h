@@ -15,4 +15,7 @@ namespace lamina {
 [[nodiscard]] std::vector<FileMaterial> decode_gltf_materials(const JsonInput& root,
                                                               const std::filesystem::path& file);
 
+/// The material of primitives that name none. Source: [glTF2] §3.7.2.1, §3.9.6.
+[[nodiscard]] FileMaterial default_gltf_material();
+
 }  // namespace lamina

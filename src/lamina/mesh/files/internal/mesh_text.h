@@ -24,9 +24,49 @@ namespace lamina {
   return value;
 }
 
+/// Text without the byte order mark that some editors put in front.
+[[nodiscard]] inline std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
+/// The character that ends lines: of old Macs a carriage return, with no line feed in the file.
+[[nodiscard]] inline char end_of_lines(std::string_view text) {
+  return text.find('\n') == std::string_view::npos ? '\r' : '\n';
+}
+
 /// IEC 61966-2-1, for colors of vertices.
 [[nodiscard]] inline float srgb_to_linear(float value) {
   return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
+}
+
+/// The range of the colors of vertices in files that do not say it: [0, 1], or whole numbers in
+/// [0, 255].
+class VertexColorRange {
+ public:
+  void add(double value, int line) {
+    are_whole_ = are_whole_ && value == std::floor(value);
+    if (value > largest_) largest_ = value, line_ = line;
+  }
+  [[nodiscard]] bool is_bytes() const { return largest_ > slack && are_whole_ && largest_ <= 255; }
+  [[nodiscard]] bool is_known() const { return largest_ <= slack || is_bytes(); }
+  [[nodiscard]] double largest() const { return largest_; }
+  [[nodiscard]] int line() const { return line_; }  ///< of the largest
+
+ private:
+  static constexpr double slack = 1.001;  // of rounded sums
+  double largest_ = 0.0;
+  bool are_whole_ = true;
+  int line_ = 0;
+};
+
+inline constexpr std::string_view colors_are_bytes =
+    ": colors of vertices reach beyond 1 and are whole numbers up to 255: they are taken as sRGB "
+    "of 8 bits";
+[[nodiscard]] inline std::string colors_left_out(double largest) {
+  return ": colors of vertices are left out: they must lie in [0, 1] or be whole numbers in "
+         "[0, 255], but one is " +
+         number_text(largest);
 }
 
 /// Takes what a face or vertex adds to vectors that grow as the file is read: they may have room

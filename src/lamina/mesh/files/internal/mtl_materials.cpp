@@ -15,11 +15,14 @@ namespace {
 
 class MtlReader {
  public:
-  explicit MtlReader(const std::string& name) : name_(name) {}
+  MtlReader(std::filesystem::path file, std::filesystem::path folder)
+      : name_(file.string()), file_(std::move(file)), folder_(std::move(folder)) {}
 
-  std::vector<FileMaterial> read(std::string_view text) {
+  MtlFile read(std::string_view text) {
+    text = without_byte_order_mark(text);
+    const char end_of_line = end_of_lines(text);
     while (!text.empty()) {
-      const std::size_t end = text.find('\n');
+      const std::size_t end = text.find(end_of_line);
       std::string_view line = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       ++line_;
@@ -27,7 +30,7 @@ class MtlReader {
     }
     for (std::size_t m = 0; m < materials_.size(); ++m)
       materials_[m].ignored.assign(ignored_[m].begin(), ignored_[m].end());
-    return std::move(materials_);
+    return {.materials = std::move(materials_), .notes = std::move(notes_)};
   }
 
  private:
@@ -71,26 +74,31 @@ class MtlReader {
       if (word.empty()) return std::nullopt;
       if (word.front() != '-') break;
       rest = ahead;
-      const auto skip_numbers = [&] {
+      const auto take_numbers = [&] {
+        std::vector<double> numbers;
         for (int i = 0; i < 3; ++i) {
           std::string_view look = rest;
-          if (!spelled_number(next(look))) return;
+          const std::optional<double> value = spelled_number(next(look));
+          if (!value) break;
+          numbers.push_back(std::isfinite(*value) ? std::clamp(*value, -1e4, 1e4) : 0.0);
           rest = look;
         }
+        return numbers;
       };
       if (word == "-s") {
-        result.repeat_u = number(rest, -1e4, 1e4);
-        result.repeat_v = result.repeat_u;
-        for (double* repeat : {&result.repeat_v}) {
-          std::string_view look = rest;
-          if (const auto value = spelled_number(next(look))) *repeat = *value, rest = look;
-        }
-        std::string_view look = rest;
-        if (spelled_number(next(look))) rest = look;
+        const std::vector<double> s = take_numbers();
+        if (s.empty()) refuse("-s must be followed by numbers");
+        result.repeat_u = s[0];
+        result.repeat_v = s.size() > 1 ? s[1] : s[0];
+      } else if (word == "-o") {
+        const std::vector<double> o = take_numbers();
+        if (o.empty()) refuse("-o must be followed by numbers");
+        result.shift_u = o[0];
+        result.shift_v = o.size() > 1 ? o[1] : 0.0;
       } else if (word == "-bm" && bump_scale != nullptr) {
         *bump_scale = number(rest, -1e6, 1e6);
-      } else if (word == "-o" || word == "-t" || word == "-mm") {
-        skip_numbers();
+      } else if (word == "-t" || word == "-mm") {
+        (void)take_numbers();
         ignore(std::string(word));
       } else {
         (void)next(rest);
@@ -102,12 +110,30 @@ class MtlReader {
     while (rest.starts_with(' ') || rest.starts_with('\t')) rest.remove_prefix(1);
     result.map = rest;
     std::ranges::replace(result.map, '\\', '/');
+    result.place = name_ + ":" + std::to_string(line_);
     const std::filesystem::path path = result.map;
-    const bool leads_out = path.is_absolute() || std::ranges::find(path, "..") != path.end();
-    if (result.map.empty() || leads_out || result.map.find('\0') != std::string::npos) {
-      ignore("a texture outside of the folder");
+    if (result.map.empty() || result.map.find('\0') != std::string::npos) {
+      ignore("a texture without a name");
       return std::nullopt;
     }
+    const bool has_drive = result.map.size() > 1 && result.map[1] == ':';
+    if (has_drive || path.is_absolute() || std::ranges::find(path, "..") != path.end()) {
+      // The folder of who made the file; its textures are mostly sent along beside it.
+      const std::filesystem::path beside = path.filename();
+      std::error_code ignored;
+      const bool lies_beside = std::filesystem::exists(file_.parent_path() / beside, ignored);
+      notes_.push_back(result.place + ": the texture " + result.map +
+                       (lies_beside
+                            ? " lies elsewhere: " + beside.string() +
+                                  " beside the file is "
+                                  "taken"
+                            : " is left out: it must lie in the folder of the file or below "
+                              "it, and there is no " +
+                                  beside.string()));
+      if (!lies_beside) return std::nullopt;
+      result.map = beside.string();
+    }
+    result.map = (folder_ / result.map).string();
     return result;
   }
 
@@ -163,6 +189,8 @@ class MtlReader {
   }
 
   std::string name_;
+  std::filesystem::path file_, folder_;
+  std::vector<std::string> notes_;
   std::vector<FileMaterial> materials_;
   std::vector<std::set<std::string>> ignored_;  // [material], each name once
   int line_ = 0;
@@ -170,8 +198,9 @@ class MtlReader {
 
 }  // namespace
 
-std::vector<FileMaterial> parse_mtl(std::string_view text, const std::string& name) {
-  return MtlReader(name).read(text);
+MtlFile parse_mtl(std::string_view text, const std::filesystem::path& file,
+                  const std::filesystem::path& folder) {
+  return MtlReader(file, folder).read(text);
 }
 
 }  // namespace lamina

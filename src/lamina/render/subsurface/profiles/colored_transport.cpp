@@ -39,6 +39,8 @@ Vec3f mean_of_map(const TextureStore& textures, const ColorParameter& color) {
     of_source = colors->mean;
   else
     return mean;
+  for (int c = 0; c < 3 && color.map->vertex_colors; ++c)
+    of_source[c] *= color.map->vertex_colors->mean[c];  // as if they varied apart from the image
   for (int c = 0; c < 3; ++c)
     mean[c] = std::max(color.map->offset + color.map->scale * of_source[c], 1e-4f);
   return mean;
