@@ -248,6 +248,7 @@ void run_acquire(const AcquireOptions& options) {
   Capture capture = load_capture(options.capture, options.common.memory, options.settings);
   const fs::path folder =
       options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
+  require_writable_folder(folder);
   if (capture.leaf && options.only_checks) return print_tiles(options, 1, folder);
   if (capture.leaf) {
     run_leaf(options, capture, folder);

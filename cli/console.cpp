@@ -2,6 +2,7 @@
 #include "console.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <system_error>
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
@@ -22,6 +24,18 @@
 namespace lamina::cli {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Why the system takes no file of this name, such as one that is too long; "" if it does, or would
+/// were the folder there.
+std::string refusal_of_name(const fs::path& file) {
+  struct stat status {};
+  if (lstat(file.c_str(), &status) == 0 || errno == ENOENT) return {};
+  return std::generic_category().message(errno);
+}
+
+}  // namespace
 
 void write_output(std::string_view text) {
   const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
@@ -87,7 +101,20 @@ void require_writable(const std::string& file) {
   const fs::path parent = fs::path(file).parent_path();
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
   if (!fs::is_directory(folder, error)) fail("there is no folder " + folder.string());
+  if (const std::string refusal = refusal_of_name(file); !refusal.empty()) fail(refusal);
   if (access(is_device(file) ? file.c_str() : folder.c_str(), W_OK) != 0) fail("no permission");
+}
+
+void require_writable_folder(const fs::path& folder) {
+  const auto fail = [&](const std::string& reason) {
+    throw WriteError(folder.string() + ": the folder cannot be written to: " + reason);
+  };
+  if (const std::string refusal = refusal_of_name(folder); !refusal.empty()) fail(refusal);
+  std::error_code error;
+  fs::path there = fs::absolute(folder, error).lexically_normal();
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, error)) fail(there.string() + " is a file");
+  if (access(there.c_str(), W_OK | X_OK) != 0) fail("no permission");
 }
 
 void require_different(const std::vector<NamedFile>& files) {

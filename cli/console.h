@@ -40,6 +40,9 @@ void add_settings_option(const Command& command, std::vector<std::string>& setti
 /// @throws WriteError
 void require_writable(const std::string& file);
 
+/// Before the work: the same of files in a folder, which may have to be made. @throws WriteError
+void require_writable_folder(const std::filesystem::path& folder);
+
 /// A file that an option names; "" and "-" are none.
 struct NamedFile {
   std::string option, file;

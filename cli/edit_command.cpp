@@ -120,6 +120,7 @@ void require_other_folder(const EditOptions& options) {
   std::error_code ignored;
   if (fs::exists(options.output, ignored) && !fs::is_directory(options.output, ignored))
     throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
+  require_writable_folder(options.output);
   fs::path from = options.maps;
   if (!fs::is_directory(from, ignored)) from = fs::absolute(from, ignored).parent_path();
   if (fs::equivalent(from, options.output, ignored))

@@ -70,6 +70,9 @@ void run_maps(const MapsOptions& options) {
   for (const char* ending : {".exr", ".png", ".json"})
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
+  const fs::path folder =
+      options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
+  require_writable_folder(folder);
   const bool has_seed = options.seed.is_given();
   const Progress progress = make_progress("making maps", Keeps::nothing);
   std::vector<SkinMap> maps;
@@ -105,8 +108,6 @@ void run_maps(const MapsOptions& options) {
     user = "patch";
     user_json = patch_json(recipe, maps);
   }
-  const fs::path folder =
-      options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
   make_folder(folder);
   json["maps"] = JsonOutput::array();
   for (const SkinMap& map : maps) {

@@ -12,8 +12,15 @@ namespace lamina::cli {
 namespace fs = std::filesystem;
 
 PhotonWork::PhotonWork(const PhotonsOptions& options) : options_(options) {
-  if (options.resumes && fs::exists(options.checkpoint))
-    runs_ = load_photon_runs(options.checkpoint, options.common.memory);
+  if (options.checkpoint.empty() || is_device(options.checkpoint) ||
+      !fs::exists(options.checkpoint))
+    return;
+  if (!options.resumes)
+    throw InvalidInput(
+        fmt::format("--checkpoint: {} keeps what an earlier run has counted; --resume goes on from "
+                    "it, else remove it",
+                    options.checkpoint));
+  runs_ = load_photon_runs(options.checkpoint, options.common.memory);
 }
 
 void PhotonWork::count(const Place& place, const LayerStack& stack, MonteCarloOptions photons) {

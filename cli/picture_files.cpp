@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "picture_files.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "console.h"
@@ -41,6 +43,11 @@ PictureFiles picture_files(const std::string& output, const std::string& source)
   require_writable(files.exr);
   require_writable(files.png);
   return files;
+}
+
+std::string describe_noise(const std::optional<double>& median, const std::optional<double>& rms) {
+  return (median ? fmt::format("{:.2f} % noise, ", 100.0 * *median) : "") +
+         (rms ? fmt::format("{:.2f} % root mean square, ", 100.0 * *rms) : "");
 }
 
 }  // namespace lamina::cli

@@ -84,7 +84,7 @@ std::string PictureLook::write(const Image& image, const PictureFiles& files,
       if (note.name == "lamina/exposure_stops") note.text = number_text(exposure);
     }
     save_exr(channels.empty() ? image : select_channels(image, channels), files.exr,
-             ExrPrecision::half, said, space_);
+             ExrPrecision::half, said, space_, scene.frame);
     written += files.exr;
   }
   if (!files.png.empty()) {

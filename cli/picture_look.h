@@ -9,6 +9,7 @@
 
 #include "console.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/image/ocio_view.h"
 #include "lamina/image/tone.h"
 #include "picture_files.h"
@@ -41,6 +42,7 @@ class PictureLook {
   struct OfScene {
     View view = View::filmic;
     double exposure = 0.0;
+    ImageFrame frame;  ///< of the EXR, where the picture is a region of a larger one
   };
 
   /// Writes a picture, linear Rec.709, to those files that are wanted.

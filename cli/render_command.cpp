@@ -3,6 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -10,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -54,11 +57,31 @@ std::vector<std::string> names_as_text() {
   return {names.begin(), names.end()};
 }
 
+/// "64,32,16,8": the left and the upper border, width and height [pixel].
+PixelRectangle read_region(const std::string& text) {
+  PixelRectangle region;
+  std::array<int*, 4> numbers = {&region.x, &region.y, &region.width, &region.height};
+  const char *at = text.data(), *const end = at + text.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool has_comma = i == 0 || (at != end && *at == ',');
+    if (i > 0 && has_comma) ++at;
+    const auto [next, error] = std::from_chars(at, end, *numbers[i]);
+    at = next;
+    if (!has_comma || error != std::errc() || (i == 3 && at != end))
+      throw InvalidInput(
+          "--region: must be X,Y,WIDTH,HEIGHT, whole numbers of pixels from the upper left "
+          "corner, but is " +
+          text);
+  }
+  return region;
+}
+
 /// What the command line asks for in place of the scene file; another method leaves out what it
 /// does not honour of the file's settings, with a warning.
 void apply(const RenderCommandOptions& options, Scene& scene) {
   if (options.samples > 0) scene.render.samples_per_pixel = options.samples;
   if (options.noise >= 0.0f) scene.render.noise = options.noise;
+  if (options.clamp >= 0.0f) scene.render.clamp = options.clamp;
   if (options.max_bounces >= 0) scene.render.max_bounces = options.max_bounces;
   if (!options.method.empty()) {
     scene.render.method = method_named("--method", options.method);
@@ -91,6 +114,10 @@ void apply(const RenderCommandOptions& options, Scene& scene) {
     scene.film.width = std::max(1, static_cast<int>(std::lround(options.height * aspect)));
   if (options.width > 0) scene.film.width = options.width;
   if (options.height > 0) scene.film.height = options.height;
+  if (!options.region.empty()) scene.film.region = read_region(options.region);
+  if (scene.film.region)
+    require_inside(*scene.film.region, scene.film.width, scene.film.height,
+                   options.region.empty() ? "film.region" : "--region");
 }
 
 void run_comparison(const RenderCommandOptions& options, const PictureFiles& files, Scene scene) {
@@ -100,7 +127,9 @@ void run_comparison(const RenderCommandOptions& options, const PictureFiles& fil
   for (const auto& [name, is_given] :
        {std::pair{"--method", !options.method.empty()},
         std::pair{"--cache", !options.cache.empty()},
-        std::pair{"--cache-only", options.needs_cache}, std::pair{"--resume", options.resumes},
+        std::pair{"--cache-only", options.needs_cache},
+        std::pair{"--foreign-light", options.takes_foreign_light},
+        std::pair{"--resume", options.resumes}, std::pair{"--fresh", options.starts_anew},
         std::pair{"--keep", options.keeps}, std::pair{"--progressive", options.is_progressive},
         std::pair{"--cryptomatte", options.has_mattes}, std::pair{"--stamp", options.is_stamped},
         std::pair{"--light-layers", options.has_light_layers},
@@ -122,6 +151,7 @@ void run_preparation(const RenderCommandOptions& options, const Scene& scene) {
   const RenderResult result = render(scene,
                                      {.cache = options.cache,
                                       .memory = options.common.memory,
+                                      .takes_foreign_light = options.takes_foreign_light,
                                       .only_prepares = true,
                                       .on_notice = say},
                                      make_progress("preparing", Keeps::nothing));
@@ -146,6 +176,8 @@ void print_check(const RenderCommandOptions& options, const Scene& scene,
   json["height"] = scene.film.height;
   json["samples_per_pixel"] = scene.render.samples_per_pixel;
   json["noise"] = scene.render.noise;
+  if (const auto& region = scene.film.region)
+    json["region"] = JsonOutput::array({region->x, region->y, region->width, region->height});
   json["files"] = files;
   write_json(json, options.common);
   print(options.common,
@@ -168,12 +200,20 @@ void run_render(const RenderCommandOptions& options) {
                      {"the scene", options.scene}});
   if (options.needs_cache && options.cache.empty())
     throw InvalidInput("--cache-only: goes with --cache, which is not given");
+  if (options.takes_foreign_light && options.cache.empty())
+    throw InvalidInput("--foreign-light: goes with --cache, which is not given");
   const PictureLook look(options.look);
   if (options.watches) return watch_picture(options, files, look);
+  const bool may_keep =
+      !options.only_prepares && options.compared.empty() && !options.has_light_layers;
+  const fs::path checkpoint = may_keep ? checkpoint_beside(options, is_shard            ? shard
+                                                                    : files.exr.empty() ? files.png
+                                                                                        : files.exr)
+                                       : fs::path();
   Scene scene = load_scene_to_render(options);
   if (options.has_light_layers && !is_shard && options.compared.empty())
     refuse_with_light_layers(options, files, scene);
-  if (!options.needs_cache) require_writable(options.cache);
+  if (!options.needs_cache && !options.takes_foreign_light) require_writable(options.cache);
   if (options.only_checks) {
     if (is_shard) refuse_with_shard(options, scene);
     std::vector<std::string> written;
@@ -185,11 +225,11 @@ void run_render(const RenderCommandOptions& options) {
   if (is_shard) {
     if (!options.compared.empty()) throw InvalidInput("--compare: does not go with --shard");
     refuse_with_shard(options, scene);
-    return render_shard(options, scene, shard);
+    return render_shard(options, scene, shard, checkpoint);
   }
   if (!options.compared.empty()) return run_comparison(options, files, std::move(scene));
 
-  render_picture(options, files, look, std::move(scene), {});
+  render_picture(options, files, look, std::move(scene), checkpoint, {});
 }
 
 }  // namespace
@@ -236,6 +276,8 @@ void add_render_command(CLI::App& app) {
                    "goes on with a picture that was stopped or killed: the result is the same as "
                    "without. A file IMAGE.unfinished keeps what there is, every half minute. More "
                    "--samples than were wanted then add to it");
+  command.add_flag("--fresh", options->starts_anew,
+                   "starts anew in place of what IMAGE.unfinished keeps, which stays otherwise");
   command.add_flag("--keep", options->keeps,
                    "keeps IMAGE.unfinished of a finished picture, too: --resume with more "
                    "--samples, or less --noise, then adds to it, and without --noise makes the "
@@ -264,6 +306,12 @@ void add_render_command(CLI::App& app) {
   command.add_option("--height", options->height, "height in pixels")
       .type_name("N")
       .range(1, 16384);
+  command
+      .add_option("--region", options->region,
+                  "renders these pixels alone, from the upper left corner: they are those of the "
+                  "whole picture. The EXR has them in their place (its data window), the PNG is of "
+                  "their size")
+      .type_name("X,Y,WIDTH,HEIGHT");
   command.add_option("--bounces", options->max_bounces, "bounces of light between surfaces")
       .type_name("N")
       .range(0, 1000);
@@ -278,6 +326,13 @@ void add_render_command(CLI::App& app) {
                   "with all side by side over their differences from the slowest, and a table")
       .type_name("NAME,NAME,...")
       .delimiter(',');
+  command
+      .add_option(
+          "--clamp", options->clamp,
+          "cuts the light of single samples to X per channel, against fireflies: the picture "
+          "lacks what is cut")
+      .type_name("X")
+      .range(0.0, 1e6);
   command.add_flag("--denoise", options->denoises,
                    "averages over what looks alike within the noise: for viewing, not measuring. "
                    "The EXR keeps the noisy colors too");
@@ -299,6 +354,10 @@ void add_render_command(CLI::App& app) {
       .type_name("FILE");
   command.add_flag("--cache-only", options->needs_cache,
                    "ends with what differs where the light of --cache would have to be made anew");
+  command.add_flag(
+      "--foreign-light", options->takes_foreign_light,
+      "takes the light of --cache as it is, whoever made it and for whatever scene, and "
+      "leaves the file alone");
   command
       .add_option("--profile", options->profile,
                   "model of the profile of light below surfaces: radiative_transfer, the default, "

@@ -10,6 +10,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/image/tone.h"
 #include "lamina/plot/picture_sheet.h"
 #include "lamina/render/render.h"
@@ -97,7 +98,8 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
     try {
       MethodResult result{method, render(scene, {}, make_progress(method))};
       if (!result.render.statistics.is_complete) break;
-      save_exr(result.render.image, beside("_" + method + ".exr"));
+      save_exr(result.render.image, beside("_" + method + ".exr"), ExrPrecision::half, {},
+               RgbSpace::rec709, frame_of(scene.film));
       save_png(view_image(unpremultiplied(result.render.image), scene.film.view,
                           static_cast<double>(scene.film.exposure)),
                beside("_" + method + ".png"));
@@ -133,6 +135,7 @@ void run_comparison(Scene scene, const std::vector<NamedMethod>& methods, const 
                       {"cpu_seconds", s.cpu_seconds},
                       {"samples_per_pixel", s.samples_per_pixel}};
     if (s.relative_noise) row["relative_noise"] = *s.relative_noise;
+    if (s.relative_noise_rms) row["relative_noise_rms"] = *s.relative_noise_rms;
     if (is_slowest) {
       table += "        -   the reference\n";
     } else {

@@ -152,14 +152,16 @@ void merge_render(const MergeOptions& options) {
     return;
   }
   MergedPicture picture = merged_picture(shards, options);
-  const std::optional<double> noise =
-      relative_noise(picture.image, measured_pixels(picture.covers));
+  const std::vector<bool> is_measured = measured_pixels(picture.covers);
+  const std::optional<double> noise = relative_noise(picture.image, is_measured);
+  const std::optional<double> rms = relative_noise_rms(picture.image, is_measured);
   if (options.denoises) picture.image = denoise(picture.image);
   std::vector<ImageNote> notes = info.notes;
   notes.push_back({"lamina/version", info.version});
-  const std::string written =
-      look.write(picture.image, files, notes, {info.view, info.exposure}, options.channels);
+  const std::string written = look.write(picture.image, files, notes,
+                                         {info.view, info.exposure, info.frame}, options.channels);
   if (noise) json["relative_noise"] = *noise;
+  if (rms) json["relative_noise_rms"] = *rms;
   std::string noisy;
   if (options.noise > 0.0f) {
     const auto limit = static_cast<double>(options.noise);
@@ -175,11 +177,9 @@ void merge_render(const MergeOptions& options) {
           std::ceil(static_cast<double>(samples) * factor * factor));
   }
   write_json(json, options.common);
-  print(
-      options.common,
-      fmt::format("{}\n{} of {} samples per pixel, {}{:.1f} s CPU of all shards\n", written,
-                  samples, info.samples,
-                  noise ? fmt::format("{:.2f} % noise, ", 100.0 * *noise) : "", info.cpu_seconds));
+  print(options.common,
+        fmt::format("{}\n{} of {} samples per pixel, {}{:.1f} s CPU of all shards\n", written,
+                    samples, info.samples, describe_noise(noise, rms), info.cpu_seconds));
   if (!noisy.empty()) throw std::runtime_error(noisy);
 }
 

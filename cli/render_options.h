@@ -17,13 +17,13 @@ namespace lamina::cli {
 /// What `lamina render` was asked for.
 struct RenderCommandOptions {
   CommonOptions common;
-  std::string scene, output, method, profile, cache, single_scattering, shard;
+  std::string scene, output, method, profile, cache, single_scattering, shard, region;
   int samples = 0, width = 0, height = 0, max_bounces = -1;
-  float noise = -1.0f;
-  bool needs_cache = false, resumes = false, keeps = false, is_progressive = false,
-       has_alpha = false, has_mattes = false, has_light_layers = false, is_stamped = false,
-       denoises = false, watches = false, corrects = false, only_prepares = false,
-       only_checks = false;
+  float noise = -1.0f, clamp = -1.0f;
+  bool needs_cache = false, takes_foreign_light = false, resumes = false, keeps = false,
+       is_progressive = false, has_alpha = false, has_mattes = false, has_light_layers = false,
+       is_stamped = false, starts_anew = false, denoises = false, watches = false, corrects = false,
+       only_prepares = false, only_checks = false;
   std::vector<std::string> compared, settings;
   LookOptions look;
   Option seed;
@@ -35,11 +35,25 @@ struct RenderCommandOptions {
 /// Says warnings.
 void warn(const std::vector<std::string>& lines);
 
+/// Where a render keeps its samples while it is at work: a file beside the picture or the shard.
+///
+/// What an earlier render has kept there is worth as much as the hours it took: it stays, as is
+/// said, unless --resume goes on from it or --fresh replaces it.
+///
+/// @param file  the picture or the shard
+/// @return      empty: the render keeps none
+/// @throws      InvalidInput if --keep asks for the place of what is there; WriteError if the file
+///              cannot be written, and --keep or --resume needs it
+[[nodiscard]] std::filesystem::path checkpoint_beside(const RenderCommandOptions& options,
+                                                      const std::filesystem::path& file);
+
 /// Renders and writes the picture.
+/// @param checkpoint   as of checkpoint_beside
 /// @param has_changed  whether what it is made from has: the work then ends without a picture.
 ///                     Empty where that is not asked for
 void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
-                    const PictureLook& look, Scene scene, const std::function<bool()>& has_changed);
+                    const PictureLook& look, Scene scene, const std::filesystem::path& checkpoint,
+                    const std::function<bool()>& has_changed);
 
 /// Renders again whenever one of the files changes that loading the scene has read or looked for.
 void watch_picture(const RenderCommandOptions& options, const PictureFiles& files,
@@ -57,7 +71,8 @@ void refuse_with_light_layers(const RenderCommandOptions& options, const Picture
 void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene);
 
 /// Renders the part of --shard.
+/// @param checkpoint  as of checkpoint_beside
 void render_shard(const RenderCommandOptions& options, const Scene& scene,
-                  const std::filesystem::path& file);
+                  const std::filesystem::path& file, const std::filesystem::path& checkpoint);
 
 }  // namespace lamina::cli

@@ -24,12 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Keeps an unfinished picture beside where the picture will be.
-fs::path checkpoint_file(const PictureFiles& files) {
-  fs::path file(files.exr.empty() ? files.png : files.exr);
-  return file.replace_extension(".unfinished");
-}
-
 /// What a file says of how it was made beyond what the same command always makes.
 std::vector<ImageNote> stamp(const RenderCommandOptions& options, const RenderStatistics& s) {
   const std::time_t now = std::time(nullptr);
@@ -46,7 +40,7 @@ std::vector<ImageNote> stamp(const RenderCommandOptions& options, const RenderSt
 }
 
 PictureLook::OfScene of_film(const Film& film) {
-  return {film.view, static_cast<double>(film.exposure)};
+  return {film.view, static_cast<double>(film.exposure), frame_of(film)};
 }
 
 /// Writes pictures as they grow. One that cannot be written is said once: the last may fit again.
@@ -74,9 +68,8 @@ Progress until_changed(Progress progress, const std::function<bool()>& has_chang
 }  // namespace
 
 void render_picture(const RenderCommandOptions& options, const PictureFiles& files,
-                    const PictureLook& look, Scene scene,
+                    const PictureLook& look, Scene scene, const fs::path& checkpoint,
                     const std::function<bool()>& has_changed) {
-  const fs::path checkpoint = checkpoint_file(files);
   const auto say_how_to_go_on = [&] {
     if (fs::exists(checkpoint))
       say("stopped early; the same command with --resume goes on from " + checkpoint.string());
@@ -87,7 +80,8 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
         .cache = options.cache,
         .memory = options.common.memory,
         .needs_cache = options.needs_cache,
-        .checkpoint = has_changed ? fs::path() : checkpoint,
+        .takes_foreign_light = options.takes_foreign_light,
+        .checkpoint = checkpoint,
         .resumes = options.resumes,
         .keeps_samples = options.keeps,
         .has_mattes = options.has_mattes,
@@ -105,8 +99,6 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
     throw;
   }
   if (has_changed && !result.statistics.is_complete && !was_interrupted()) return;
-  if (options.keeps && result.statistics.is_complete && !fs::exists(checkpoint))
-    say("warning: " + checkpoint.string() + " cannot be written: the samples are not kept");
   if (options.denoises) {
     const Progress denoising = make_progress("denoising");
     result.image = denoise(result.image);
@@ -138,8 +130,7 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
   std::string skins;
   for (const SkinTotals& totals : skin_totals(scene))
     skins += describe_skin_totals(totals, scene) + "\n";
-  const std::string noise =
-      s.relative_noise ? fmt::format("{:.2f} % noise, ", 100.0 * *s.relative_noise) : "";
+  const std::string noise = describe_noise(s.relative_noise, s.relative_noise_rms);
   JsonOutput json = make_result("render");
   json["method"] = std::string(s.method.name());
   if (!s.why_method.empty()) json["method_chosen_because"] = s.why_method;
@@ -149,6 +140,7 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
   json["cpu_seconds"] = s.cpu_seconds;
   json["samples_per_pixel"] = s.samples_per_pixel;
   if (s.relative_noise) json["relative_noise"] = *s.relative_noise;
+  if (s.relative_noise_rms) json["relative_noise_rms"] = *s.relative_noise_rms;
   json["peak_memory_mib"] = s.peak_memory_mib;
   for (const LightSamples& light : s.light_samples) {
     auto& entry = json["light_samples"].emplace_back();
@@ -169,6 +161,8 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
     for (const LightGroup& group : light_groups(scene)) json["light_layers"].push_back(group.name);
   json["width"] = scene.film.width;
   json["height"] = scene.film.height;
+  if (const auto& region = scene.film.region)
+    json["region"] = JsonOutput::array({region->x, region->y, region->width, region->height});
   json["is_complete"] = s.is_complete;
   for (const SkinTotals& totals : skin_totals(scene))
     json["skin"].push_back({{"material", scene.materials[totals.material].name},
@@ -190,12 +184,15 @@ void render_picture(const RenderCommandOptions& options, const PictureFiles& fil
       fmt::format("{}{}\n{}{}{:.1f} s wall, {:.1f} s CPU, {:.4g} samples per pixel, {}{:.0f} MiB\n",
                   s.is_complete ? "" : "stopped early: ", written, skins, sampled, s.wall_seconds,
                   s.cpu_seconds, s.samples_per_pixel, noise, s.peak_memory_mib));
+  if (options.keeps && !s.unkept.empty())
+    throw WriteError(s.unkept + ": the picture is whole, but its samples are not kept");
 }
 
 void refuse_with_light_layers(const RenderCommandOptions& options, const PictureFiles& files,
                               const Scene& scene) {
   for (const auto& [name, is_given] :
        {std::pair{"--resume", options.resumes}, std::pair{"--keep", options.keeps},
+        std::pair{"--fresh", options.starts_anew},
         std::pair{"--progressive", options.is_progressive},
         std::pair{"--cache", !options.cache.empty()}, std::pair{"--denoise", options.denoises},
         std::pair{"--prepare", options.only_prepares}})

@@ -43,8 +43,8 @@ void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) 
         "merge --noise` tells it. Where the scene file has it, --noise 0");
 }
 
-void render_shard(const RenderCommandOptions& options, const Scene& scene, const fs::path& file) {
-  const fs::path checkpoint = fs::path(file).replace_extension(".unfinished");
+void render_shard(const RenderCommandOptions& options, const Scene& scene, const fs::path& file,
+                  const fs::path& checkpoint) {
   const auto say_how_to_go_on = [&] {
     if (fs::exists(checkpoint))
       say("stopped early; the same command with --resume goes on from " + checkpoint.string());
@@ -55,6 +55,7 @@ void render_shard(const RenderCommandOptions& options, const Scene& scene, const
                     {.cache = options.cache,
                      .memory = options.common.memory,
                      .needs_cache = options.needs_cache,
+                     .takes_foreign_light = options.takes_foreign_light,
                      .checkpoint = checkpoint,
                      .resumes = options.resumes,
                      .part = RenderOptions::Part{.shard = read_shard(options.shard),

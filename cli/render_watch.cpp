@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 void refuse_with_watch(const RenderCommandOptions& options) {
   for (const auto& [name, is_given] :
        {std::pair{"--resume", options.resumes}, std::pair{"--keep", options.keeps},
-        std::pair{"--shard", !options.shard.empty()}, std::pair{"--prepare", options.only_prepares},
-        std::pair{"--check", options.only_checks},
+        std::pair{"--fresh", options.starts_anew}, std::pair{"--shard", !options.shard.empty()},
+        std::pair{"--prepare", options.only_prepares}, std::pair{"--check", options.only_checks},
         std::pair{"--compare", !options.compared.empty()}})
     if (is_given) throw InvalidInput(std::string(name) + ": does not go with --watch");
   std::error_code ignored;
@@ -43,7 +43,7 @@ void watch_picture(const RenderCommandOptions& options, const PictureFiles& file
       Scene scene = load_scene_to_render(options);
       if (options.has_light_layers) refuse_with_light_layers(options, files, scene);
       watched.emplace(reading.files());
-      render_picture(options, files, look, std::move(scene),
+      render_picture(options, files, look, std::move(scene), {},
                      [&] { return watched->has_changed(); });
     } catch (const Interrupted&) {
       throw;

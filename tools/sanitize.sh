@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A fast subset, for every change: the address and undefined-behavior sanitizers on the tests of all
-# that reads files and on those of optics and materials; the thread sanitizer on the tests of core and
+# that reads files, on those of optics and materials and on all options of what renders write; the thread sanitizer on the tests of core and
 # on small runs of the solvers and of every method of rendering. All tests run with
 # `cmake --preset asan && cmake --build --preset asan && ctest --preset asan`; so does `tsan`.
 set -euo pipefail
@@ -22,9 +22,10 @@ run_all() {
 }
 
 cmake --preset asan >/dev/null
-cmake --build --preset asan --target core_test optics_test image_test materials_test mesh_test acquire_test
-echo "address and undefined behavior: core, io, spectrum, optics, image, plot, reproduction, materials, maps, mesh, files of patches and captures"
+cmake --build --preset asan --target core_test optics_test image_test materials_test mesh_test acquire_test lamina_command
+echo "address and undefined behavior: core, io, spectrum, optics, image, plot, reproduction, materials, maps, mesh, files of patches and captures, options of pictures"
 run_all <<'END'
+python3 tests/cli/output_options_test.py build/asan/lamina
 build/asan/tests/materials_test --gtest_brief=1
 build/asan/tests/optics_test --gtest_brief=1
 build/asan/tests/mesh_test --gtest_brief=1 --gtest_filter=-SkinPatch.*:MaterialPatches.*:PatchFiles.Shade*

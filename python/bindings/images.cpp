@@ -18,6 +18,7 @@
 #include "lamina/image/compare.h"
 #include "lamina/image/envi_file.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/image/ocio_view.h"
 #include "lamina/image/tone.h"
 #include "lamina/spectrum/srgb.h"
@@ -112,17 +113,19 @@ void bind_images(py::module_& module) {
     const py::gil_scoped_release unlocked;
     save_png(image, file);
   });
-  module.def(
-      "save_exr",
-      [](const Floats& pixels, const std::vector<std::string>& channels, const std::string& file,
-         const std::map<std::string, std::string>& notes, const std::string& space) {
-        const Image image = image_of(pixels, channels);
-        std::vector<ImageNote> said;
-        for (const auto& [name, text] : notes) said.push_back({name, text});
-        const auto of = choice<RgbSpace>(space);
-        const py::gil_scoped_release unlocked;
-        save_exr(image, file, ExrPrecision::single_float, said, of);
-      });
+  module.def("save_exr",
+             [](const Floats& pixels, const std::vector<std::string>& channels,
+                const std::string& file, const std::map<std::string, std::string>& notes,
+                const std::string& space, const std::optional<std::array<int, 4>>& frame) {
+               const Image image = image_of(pixels, channels);
+               std::vector<ImageNote> said;
+               for (const auto& [name, text] : notes) said.push_back({name, text});
+               const auto of = choice<RgbSpace>(space);
+               ImageFrame place;
+               if (frame) place = {(*frame)[0], (*frame)[1], (*frame)[2], (*frame)[3]};
+               const py::gil_scoped_release unlocked;
+               save_exr(image, file, ExrPrecision::single_float, said, of, place);
+             });
   module.def("load_envi", &load_part);
   module.def("compare_images", &compare);
 }

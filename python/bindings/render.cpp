@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -43,6 +44,7 @@ void apply(const py::dict& changes, Scene& scene) {
   const auto given = [&](const char* name) { return changes.contains(name); };
   if (given("samples")) scene.render.samples_per_pixel = changes["samples"].cast<int>();
   if (given("noise")) scene.render.noise = changes["noise"].cast<float>();
+  if (given("clamp")) scene.render.clamp = changes["clamp"].cast<float>();
   if (given("bounces")) scene.render.max_bounces = changes["bounces"].cast<int>();
   if (given("method")) {
     scene.render.method = method_named(changes["method"].cast<std::string>());
@@ -74,6 +76,12 @@ void apply(const py::dict& changes, Scene& scene) {
     scene.film.width = std::max(1, static_cast<int>(std::lround(height * aspect)));
   if (width > 0) scene.film.width = width;
   if (height > 0) scene.film.height = height;
+  if (given("region")) {
+    const auto region = changes["region"].cast<std::array<int, 4>>();
+    scene.film.region = {region[0], region[1], region[2], region[3]};
+  }
+  if (scene.film.region)
+    require_inside(*scene.film.region, scene.film.width, scene.film.height, "region");
 }
 
 py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
@@ -85,6 +93,7 @@ py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
   result["cpu_seconds"] = s.cpu_seconds;
   result["samples_per_pixel"] = s.samples_per_pixel;
   result["noise"] = s.relative_noise;
+  result["noise_rms"] = s.relative_noise_rms;
   result["is_complete"] = s.is_complete;
   py::list light, corrections, profiles;
   for (const LightSamples& one : s.light_samples) {
@@ -120,8 +129,8 @@ py::dict statistics_dict(const RenderStatistics& s, const Scene& scene) {
 
 py::dict render_scene(const std::string& path, const std::optional<std::string>& text,
                       const std::vector<std::string>& settings, const py::dict& changes,
-                      const std::string& cache, bool denoises, bool has_mattes,
-                      bool has_light_layers, const py::object& callback) {
+                      const std::string& cache, bool takes_foreign_light, bool denoises,
+                      bool has_mattes, bool has_light_layers, const py::object& callback) {
   Scene scene = load_unlocked(json_file(path, text),
                               [&](const JsonFile& file) { return load_scene(file, {}, settings); });
   for (std::string& line : implausible_sizes(scene)) scene.warnings.push_back(std::move(line));
@@ -130,6 +139,7 @@ py::dict render_scene(const std::string& path, const std::optional<std::string>&
   RenderResult rendered = work.run_partly([&](const Progress& progress) {
     RenderOptions options;
     options.cache = cache;
+    options.takes_foreign_light = takes_foreign_light;
     options.has_mattes = has_mattes;
     RenderResult result = has_light_layers ? render_light_layers(scene, options, progress)
                                            : render(scene, options, progress);
@@ -142,6 +152,11 @@ py::dict render_scene(const std::string& path, const std::optional<std::string>&
   std::map<std::string, std::string> notes;
   for (const ImageNote& note : rendered.notes) notes[note.name] = note.text;
   result["notes"] = notes;
+  const ImageFrame frame = frame_of(scene.film);
+  if (frame.width > 0)
+    result["frame"] = py::make_tuple(frame.x, frame.y, frame.width, frame.height);
+  else
+    result["frame"] = py::none();
   result["channels"] = rendered.image.channels;
   result["pixels"] = image_array(std::move(rendered.image));
   result["was_interrupted"] = work.was_interrupted();

@@ -140,6 +140,7 @@ def render(
     settings: list[str],
     changes: dict[str, Any],
     cache: str,
+    takes_foreign_light: bool,
     denoises: bool,
     has_mattes: bool,
     has_light_layers: bool,
@@ -152,7 +153,12 @@ def ocio_view(
 def load_image(file: str, encoding: str) -> tuple[_Floats, list[str]]: ...
 def save_png(pixels: _Floats, channels: list[str], file: str) -> None: ...
 def save_exr(
-    pixels: _Floats, channels: list[str], file: str, notes: dict[str, str], space: str
+    pixels: _Floats,
+    channels: list[str],
+    file: str,
+    notes: dict[str, str],
+    space: str,
+    frame: Optional[tuple[int, int, int, int]],
 ) -> None: ...
 def method_names() -> list[str]: ...
 def photons(

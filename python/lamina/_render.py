@@ -50,8 +50,10 @@ class Picture(Result):
     warnings: list[str] = setting("a line each")
     exposure: float = setting("of the scene's film [stops]")
     view: str = setting("of the scene's film")
+    frame: tuple[int, int, int, int] | None = setting("x, y of a region, and width, height of all the picture")
     notes: dict[str, str] = setting("what an EXR of it says of itself, as attributes")
-    noise: float | None = quantity("of pixels of translucent surfaces, relative", optional=True)
+    noise: float | None = quantity("of pixels of translucent surfaces, relative: the median", optional=True)
+    noise_rms: float | None = quantity("of the same: root mean square, outliers included", optional=True)
 
     def layer(self, name: str) -> FloatImage:
         """Channels by the name before their dot, as "albedo", "normal", "depth", "subsurface",
@@ -115,7 +117,7 @@ class Picture(Result):
         name = path_text("path", path)
         space = one_of("color_space", color_space, COLOR_SPACES)
         if name.endswith(".exr"):
-            _lamina.save_exr(self.pixels, list(self.channels), name, self.notes, space)
+            _lamina.save_exr(self.pixels, list(self.channels), name, self.notes, space, self.frame)
         elif name.endswith(".png"):
             codes = self.srgb(view=view, exposure=exposure, ocio=ocio, display=display)
             seen = codes.astype(np.float32) / np.float32(255.0)
@@ -149,6 +151,8 @@ def render(
     height: int | None = None,
     samples: int | None = None,
     noise: float | None = None,
+    clamp: float | None = None,
+    region: Sequence[int] | None = None,
     method: str | None = None,
     correct: bool | None = None,
     profile: str | None = None,
@@ -161,6 +165,7 @@ def render(
     cryptomatte: bool = False,
     light_layers: bool = False,
     cache: PathLike | None = None,
+    foreign_light: bool = False,
     progress: Progress = None,
 ) -> Picture:
     """Renders a scene.
@@ -176,6 +181,9 @@ def render(
     :param height: [pixels], in [1, 16384].
     :param samples: per pixel, in [1, 2^24].
     :param noise: ends where the standard error is below this fraction of the brightness, in [0, 1].
+    :param clamp: cuts the light of single samples to so much per channel, against fireflies, in
+        [0, 10^6]; 0: not at all. The picture lacks what is cut.
+    :param region: x, y, width, height [pixels] of what is rendered alone, as in the whole picture.
     :param method: of light below surfaces: "auto", "probe", "hierarchy", "texture_space", "random_walk" …
     :param correct: corrects the light of hierarchy and texture_space by random walks.
     :param profile: "radiative_transfer", "diffusion" or "dipole".
@@ -189,6 +197,7 @@ def render(
     :param light_layers: layers "light.NAME" of each light, whose sum is the picture. Not with noise,
         denoise or cache.
     :param cache: a file that keeps light below surfaces for other cameras.
+    :param foreign_light: takes the light of the cache as it is, whoever made it, and leaves the file alone.
     :param progress: None, True for a bar, or a function of the finished fraction.
     :raises InvalidInput: naming the key of the scene that is wrong, with the command's message.
     :raises FileError: if a file cannot be read; WriteError if the cache cannot be written.
@@ -214,6 +223,11 @@ def render(
     ask("height", None if height is None else whole("height", height, 1, 16384))
     ask("samples", None if samples is None else whole("samples", samples, 1, 1 << 24))
     ask("noise", None if noise is None else number("noise", noise, 0.0, 1.0))
+    ask("clamp", None if clamp is None else number("clamp", clamp, 0.0, 1e6))
+    if region is not None:
+        if not isinstance(region, (list, tuple)) or len(region) != 4:
+            raise refuse("region", "be x, y, width, height", region)
+        ask("region", [whole(f"region[{i}]", value, 0, 16384) for i, value in enumerate(region)])
     ask("method", None if method is None else one_of("method", method, ("auto", *_lamina.method_names())))
     ask("correct", None if correct is None else flag("correct", correct))
     ask("profile", None if profile is None else one_of(
@@ -225,12 +239,15 @@ def render(
     ask("seed", None if seed is None else whole("seed", seed, 0, 2**64 - 1))
     ask("alpha", None if alpha is None else flag("alpha", alpha))
     file = "" if cache is None else path_text("cache", cache)
+    is_foreign = flag("foreign_light", foreign_light)
+    if is_foreign and not file:
+        raise InvalidInput("foreign_light: goes with cache, which is not given")
     is_denoised = flag("denoise", denoise)
     has_mattes, has_light_layers = flag("cryptomatte", cryptomatte), flag("light_layers", light_layers)
     if is_denoised and has_light_layers:
         raise InvalidInput("denoise: does not go with light_layers")
     with opened("scene", "scene", scene, folder) as (path, text), progress_of(progress, "rendering") as callback:
-        found = _lamina.render(path, text, settings_of(changes), asked, file, is_denoised, has_mattes, has_light_layers, callback)
+        found = _lamina.render(path, text, settings_of(changes), asked, file, is_foreign, is_denoised, has_mattes, has_light_layers, callback)
     interrupted = found.pop("was_interrupted")
     pixels = found["pixels"]
     channels = found["channels"] = tuple(found["channels"])
@@ -314,7 +331,7 @@ def save_image(
     numbers = np.require(pixels, np.float32, "C")
     space = one_of("color_space", color_space, COLOR_SPACES)
     if name.endswith(".exr"):
-        _lamina.save_exr(numbers, names, name, {}, space)
+        _lamina.save_exr(numbers, names, name, {}, space, None)
     else:
         _lamina.save_png(numbers, names, name)
 

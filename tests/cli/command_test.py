@@ -84,6 +84,23 @@ class ChangesOfMaterials(unittest.TestCase):
             self.assertEqual(json_of("slab", file)["material"], "my_board")
 
 
+class Outputs(unittest.TestCase):
+    def test_name_that_is_too_long_is_found_before_the_work(self):
+        name, inputs = "y" * 300, os.path.join(os.path.dirname(SCENES), "tests/inputs")
+        for args in (["photons", "jade", "--photons", "1e15", "--json", name + ".json"],
+                     ["photons", "jade", "--photons", "1e15", "--checkpoint", name],
+                     ["slab", "jade", "--json", name + ".json"],
+                     ["export", "jade", "--to", "mitsuba3", "-o", name + ".xml"],
+                     ["maps", inputs + "/maps/good/everything.json", "-o", name],
+                     ["acquire", inputs + "/capture/good/strips.json", "-o", name],
+                     ["patch", inputs + "/patch/good/minimal.json", "-o", name + ".png"]):
+            with self.subTest(" ".join(args)):
+                result = run(*args)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn("File name too long", result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+
 class WrongUse(unittest.TestCase):
     def check(self, args, *words):
         result = run(*args)

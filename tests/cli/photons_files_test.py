@@ -198,7 +198,13 @@ class Checkpoints(unittest.TestCase):
     def test_what_time_stops_goes_on_to_the_same_end(self):
         result = run(*self.MEDIUM, "--time", "0.2", "--checkpoint", "kept.json")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertTrue(os.path.exists("kept.json"))
+        with open("kept.json", "rb") as file:
+            kept = file.read()
+        again = run(*self.MEDIUM, "--checkpoint", "kept.json")  # a forgotten --resume
+        self.assertEqual(again.returncode, 2, again.stderr)
+        self.assertIn("--checkpoint: kept.json keeps what an earlier run has counted; --resume goes on", again.stderr)
+        with open("kept.json", "rb") as file:
+            self.assertEqual(file.read(), kept)
         other = run("photons", "marble", "--photons", "5e5", "--seed", "6", "--checkpoint", "kept.json", "--resume")
         self.assertEqual(other.returncode, 2)
         self.assertIn("kept.json", other.stderr)

@@ -28,7 +28,7 @@ expect 0 'Example:' --help
 # Without a name both files, named after the scene; with an ending only that one.
 expect 0 'sphere_skin.png' "$scene" "${small[@]}" --json result.json
 [ -s sphere_skin.exr ] && [ -s sphere_skin.png ] || fail "not both files"
-for key in wall_seconds cpu_seconds samples_per_pixel relative_noise peak_memory_mib; do
+for key in wall_seconds cpu_seconds samples_per_pixel relative_noise relative_noise_rms peak_memory_mib; do
   grep -q "\"$key\"" result.json || fail "no $key in the JSON"
 done
 expect 0 'only.png' "$scene" "${small[@]}" -o only.png
@@ -103,6 +103,11 @@ expect 0 'is damaged; it is made anew' "$scene" "${sphere[@]}" -o again.exr
 cmp -s kept.exr again.exr || fail "the picture shows damage of the cache"
 expect 0 'made for other settings' "$scene" "${sphere[@]}" --bounces 1 -o other.exr
 expect 2 'goes with --cache' "$scene" "${small[@]}" --cache-only
+expect 2 '--foreign-light: goes with --cache' "$scene" "${small[@]}" --foreign-light
+printf '\377' | dd of=cloud.ply bs=1 seek=40 conv=notrunc status=none
+cp cloud.ply as_it_was.ply
+expect 2 'cloud.ply: ' "$scene" "${sphere[@]}" --foreign-light -o other.exr
+cmp cloud.ply as_it_was.ply || fail "light of others was replaced"
 echo holiday >mine.ply
 expect 2 'another file' "$scene" --method hierarchy "${small[@]}" --cache mine.ply
 [ "$(cat mine.ply)" = holiday ] || fail "a file that is no cache was overwritten"
@@ -158,13 +163,44 @@ for method in probe hierarchy; do
   more=("$scene" --width 24 --height 16 --method "$method" --set render.hierarchy.irradiance_samples=32)
   [ "$method" = hierarchy ] || unset 'more[7]' 'more[8]'
   expect 0 '' "${more[@]}" --samples 40 -o once.exr
-  expect 0 '' "${more[@]}" --samples 24 -o more.exr --keep
+  expect 0 '' "${more[@]}" --samples 24 -o more.exr --keep --fresh
   [ -s more.unfinished ] || fail "$method: --keep keeps nothing"
   expect 0 '40 samples per pixel' "${more[@]}" --samples 40 -o more.exr --resume
   cmp once.exr more.exr || fail "$method: more samples make another picture than all at once"
   [ ! -e more.unfinished ] || fail "$method: samples are kept without --keep"
 done
 more=("$scene" --width 24 --height 16 --method probe)
+
+# What an earlier render has kept stays, which is said, until one goes on from it or is told to replace it.
+expect 0 '' "${more[@]}" --samples 8 -o held.exr --keep
+cp held.unfinished held.before
+expect 0 'held.unfinished keeps 8 samples per pixel of an earlier render. It stays' "${more[@]}" --samples 4 -o held.exr
+expect 2 '--keep: held.unfinished keeps 8 samples per pixel of an earlier render; --resume adds to it' "${more[@]}" --samples 4 -o held.exr --keep
+expect 2 '--fresh: does not go with --resume' "${more[@]}" --samples 9 -o held.exr --resume --fresh
+expect 0 'held.unfinished keeps 8 samples' "${more[@]}" --shard 0/2 --samples 4 -o held.shard
+cmp held.before held.unfinished || fail "samples that were kept are gone"
+expect 0 '' "${more[@]}" --samples 4 -o held.exr --keep --fresh
+cmp -s held.before held.unfinished && fail "--fresh keeps what was there"
+expect 0 '' "${more[@]}" --samples 4 -o held.exr --fresh
+[ ! -e held.unfinished ] || fail "--fresh leaves what was there"
+echo mine >held.unfinished
+expect 0 'held.unfinished is there, and is no unfinished picture of this version' "${more[@]}" --samples 4 -o held.exr
+[ "$(cat held.unfinished)" = mine ] || fail "a file that is no unfinished picture was replaced"
+
+# What cannot be kept is no success; and what cannot be written is known before the work.
+if [ -e /dev/full ]; then
+  ln -s /dev/full full.unfinished
+  expect 1 'full.unfinished: cannot be written: No space left on device: the picture is whole, but its samples are not kept' \
+    "${more[@]}" --samples 4 -o full.exr --keep --fresh
+  [ -s full.exr ] || fail "no picture where samples cannot be kept"
+fi
+long=$(printf 'y%.0s' $(seq 252))
+expect 1 'File name too long' "$scene" "${endless[@]}" -o "$long.exr"
+expect 1 '.unfinished: cannot be written: File name too long' "$scene" "${endless[@]}" -o "${long:6}.exr" --keep
+expect 1 '.unfinished: cannot be written: File name too long' "$scene" "${endless[@]}" --shard 0/2 -o "${long:4}.shard" --keep
+expect 1 'File name too long' "$scene" "${endless[@]}" --shard 0/2 -o "$long.shard"
+expect 1 'File name too long' "$scene" "${endless[@]}" -o x.exr --json "$long.json"
+expect 0 'nothing is kept if this render is stopped' "$scene" "${small[@]}" -o "${long:6}.exr"
 samples_of() { sed -n 's/.*"samples_per_pixel": \([0-9]*\).*/\1/p' "$1"; }
 expect 0 '' "${more[@]}" --samples 400 --noise .3 -o calm.exr --keep --json calm.json
 expect 0 '' "${more[@]}" --samples 400 --noise .05 -o calm.exr --resume --json calmer.json

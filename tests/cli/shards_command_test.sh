@@ -38,6 +38,7 @@ expect 0 whole.exr render "$scene" --method probe -o whole --denoise --json whol
 rm -f part.shard
 expect 0 merged.exr merge . -o merged --denoise --json merged.json
 cmp whole.exr merged.exr && cmp whole.png merged.png || fail "denoised pictures differ"
+[ "$(grep -o "relative_noise_rms.: [0-9.e-]*" whole.json)" = "$(grep -o "relative_noise_rms.: [0-9.e-]*" merged.json)" ] || fail "noise differs"
 [ "$(grep -o "relative_noise.: [0-9.e-]*" whole.json)" = "$(grep -o "relative_noise.: [0-9.e-]*" merged.json)" ] || fail "noise differs"
 expect 0 R.exr merge . -o R.exr --channels R,variance
 expect 1 'samples per pixel would do' merge . -o noisy.png --noise 0.0001

@@ -122,5 +122,52 @@ TEST(RelativeNoise, LooksOnlyInsideTheMask) {
   EXPECT_THROW((void)relative_noise(image, std::vector<bool>(80)), InvalidInput);
 }
 
+/// Independent noise of deviation s of the light 2, with its variance.
+Image noisy_image(double s) {
+  Image image = make_image(200, 200, {"R", "G", "B", "variance"});
+  for (std::size_t i = 0; i < 40000; ++i) {
+    Random random = make_random(5, i);
+    const auto value = static_cast<float>(2.0 * (1.0 + s * gaussian(random)));
+    for (std::size_t c = 0; c < 3; ++c) image.pixels[4 * i + c] = value;
+    image.pixels[4 * i + 3] = static_cast<float>(4.0 * s * s);
+  }
+  return image;
+}
+
+TEST(RelativeNoiseRms, IsTheStandardDeviation) {
+  const std::vector<bool> all(40000, true);
+  EXPECT_NEAR(relative_noise_rms(noisy_image(0.05), all).value(), 0.05, 0.0005);
+}
+
+// One pixel in 400 has 40 times the light, by one sample of many: its standard error is its light.
+// The root mean square of what it adds is 40 / sqrt(400) = 2 of the light; the median stays.
+TEST(RelativeNoiseRms, SeesOutliersThatTheMedianHides) {
+  Image image = noisy_image(0.05);
+  const std::vector<bool> all(40000, true);
+  const double median = relative_noise(image, all).value();
+  for (int y = 10; y < 200; y += 20)
+    for (int x = 10; x < 200; x += 20) {
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] += 80.0f;
+      image.at(x, y)[3] += 6400.0f;
+    }
+  EXPECT_NEAR(relative_noise(image, all).value(), median, 0.03 * median);
+  const double inside = 198.0 * 198.0, fireflies = 100.0;
+  const double wanted =
+      40.0 * std::sqrt(fireflies / inside / 1.25);  // the neighbours see little of it
+  EXPECT_NEAR(relative_noise_rms(image, all).value(), wanted, 0.02 * wanted);
+}
+
+// A step of a thousand standard errors is detail: columns 99 and 100 differ by at most three.
+TEST(RelativeNoiseRms, LeavesOutWhatNoNoiseExplains) {
+  Image image = noisy_image(0.01);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 100; x < 200; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] *= 10.0f;
+  const double noise = relative_noise_rms(image, std::vector<bool>(40000, true)).value();
+  EXPECT_LT(noise, 0.011);
+  EXPECT_FALSE(relative_noise_rms(noisy_image(0.0), std::vector<bool>(40000, true)));
+  EXPECT_FALSE(relative_noise_rms(make_image(9, 9, {"Y"}), std::vector<bool>(81, true)));
+}
+
 }  // namespace
 }  // namespace lamina

@@ -16,12 +16,12 @@ import math
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
-import zlib
 
 HERE = pathlib.Path(__file__).resolve()
+sys.path.insert(0, str(HERE.parents[2] / "tests/cli"))
+from exr_file import Exr  # noqa: E402
 
 
 def ball(radius, rows=48):
@@ -77,46 +77,9 @@ def write_obj(file, mesh):
 
 
 def read_exr(file):
-    """R, G, B of a picture of lamina, [row][column]: scanlines in floats or halves, by zip."""
-    data = file.read_bytes()
-    assert data[:4] == b"\x76\x2f\x31\x01"
-    at, channels, header = 8, [], {}
-    while data[at]:
-        name, kind = (data[at:].split(b"\0", 2)[i] for i in range(2))
-        at += len(name) + len(kind) + 2
-        (size,) = struct.unpack_from("<i", data, at)
-        header[name] = data[at + 4:at + 4 + size]
-        at += 4 + size
-    at += 1
-    rest = header[b"channels"]
-    while rest[0]:
-        name, rest = rest.split(b"\0", 1)
-        channels.append((name.decode(), {1: ("e", 2), 2: ("f", 4), 0: ("I", 4)}[struct.unpack_from("<i", rest)[0]]))
-        rest = rest[16:]
-    left, top, right, bottom = struct.unpack("<4i", header[b"dataWindow"])
-    width, height = right - left + 1, bottom - top + 1
-    lines_per_block = {0: 1, 2: 1, 3: 16}[header[b"compression"][0]]
-    line_size = sum(width * size for _, (_, size) in channels)
-    rows = [None] * height
-    for block in range(-(-height // lines_per_block)):
-        (offset,) = struct.unpack_from("<Q", data, at + 8 * block)
-        y, size = struct.unpack_from("<ii", data, offset)
-        packed, lines = data[offset + 8:offset + 8 + size], min(lines_per_block, height - (y - top))
-        if size < line_size * lines:
-            packed = bytearray(zlib.decompress(packed))
-            for i in range(1, len(packed)):
-                packed[i] = (packed[i - 1] + packed[i] - 128) & 255
-            half = (len(packed) + 1) // 2
-            mixed = bytearray(len(packed))
-            mixed[::2], mixed[1::2] = packed[:half], packed[half:]
-            packed = bytes(mixed)
-        for line in range(lines):
-            start, found = line * line_size, {}
-            for name, (code, size) in channels:
-                found[name] = struct.unpack_from(f"<{width}{code}", packed, start)
-                start += width * size
-            rows[y - top + line] = list(zip(found["R"], found["G"], found["B"]))
-    return rows
+    """R, G, B of a picture of lamina, [row][column]."""
+    planes = [Exr(file).channels[c] for c in "RGB"]
+    return [list(zip(*rows)) for rows in zip(*planes)]
 
 
 def edge_distances(csv):

@@ -30,6 +30,55 @@ double z_score(double difference, double variance) {
   return difference / std::sqrt(variance);  // infinite without variance
 }
 
+/// A lit pixel against its four neighbours.
+struct Residual {
+  double mean;        ///< of the neighbours
+  double difference;  ///< of the pixel from it
+  double variance;    ///< that noise gives the difference; 0 where it is not known
+};
+
+/// Of the pixels that are measured, with their neighbours: those whose mean is at least a quarter
+/// of the average.
+std::vector<Residual> lit_residuals(const Image& image, const std::vector<bool>& is_measured) {
+  const int w = image.width, h = image.height;
+  const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  if (is_measured.size() != pixels)
+    throw InvalidInput("relative_noise: an image of " + std::to_string(pixels) + " pixels, " +
+                       std::to_string(is_measured.size()) + " marks");
+  const auto value = [&](int x, int y) {
+    const float* p = image.at(x, y);
+    return static_cast<double>(image.channel_count() < 3 ? p[0] : luminance({p[0], p[1], p[2]}));
+  };
+  const auto place = channel_index(image, "variance");
+  const auto variance = [&](int x, int y) {
+    return place ? static_cast<double>(image.at(x, y)[*place]) : 0.0;
+  };
+  const auto is_inside = [&](int x, int y) {
+    return is_measured[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                       static_cast<std::size_t>(x)];
+  };
+  const auto of_neighbours = [](const auto& f, int x, int y) {
+    return f(x - 1, y) + f(x + 1, y) + f(x, y - 1) + f(x, y + 1);
+  };
+  std::vector<Residual> residuals;
+  double total = 0.0;
+  for (int y = 1; y + 1 < h; ++y)
+    for (int x = 1; x + 1 < w; ++x) {
+      if (!(is_inside(x, y) && is_inside(x - 1, y) && is_inside(x + 1, y) && is_inside(x, y - 1) &&
+            is_inside(x, y + 1)))
+        continue;
+      const double mean = 0.25 * of_neighbours(value, x, y);
+      if (!(mean > 0.0)) continue;
+      residuals.push_back(
+          {mean, value(x, y) - mean, variance(x, y) + of_neighbours(variance, x, y) / 16.0});
+      total += mean;
+    }
+  const double threshold =
+      0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
+  std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
+  return residuals;
+}
+
 }  // namespace
 
 ImageComparison compare_renders(const RenderEstimate& a, const RenderEstimate& b,
@@ -99,44 +148,24 @@ double root_mean_square_difference(const Image& a, const Image& b) {
 }
 
 std::optional<double> relative_noise(const Image& image, const std::vector<bool>& is_measured) {
-  const int w = image.width, h = image.height;
-  const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  if (is_measured.size() != pixels)
-    throw InvalidInput("relative_noise: an image of " + std::to_string(pixels) +
-                       " pixels, " + std::to_string(is_measured.size()) + " marks");
-  const auto value = [&](int x, int y) {
-    const float* p = image.at(x, y);
-    return static_cast<double>(image.channel_count() < 3 ? p[0] : luminance({p[0], p[1], p[2]}));
-  };
-  const auto is_inside = [&](int x, int y) {
-    return is_measured[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                       static_cast<std::size_t>(x)];
-  };
-  struct Residual {
-    double mean, relative;
-  };
-  std::vector<Residual> residuals;
-  double total = 0.0;
-  for (int y = 1; y + 1 < h; ++y)
-    for (int x = 1; x + 1 < w; ++x) {
-      if (!(is_inside(x, y) && is_inside(x - 1, y) && is_inside(x + 1, y) && is_inside(x, y - 1) &&
-            is_inside(x, y + 1)))
-        continue;
-      const double mean =
-          0.25 * (value(x - 1, y) + value(x + 1, y) + value(x, y - 1) + value(x, y + 1));
-      if (!(mean > 0.0)) continue;
-      residuals.push_back({mean, std::abs(value(x, y) - mean) / mean});
-      total += mean;
-    }
-  // Lit: at least a quarter as bright as the average.
-  const double threshold =
-      0.25 * total / static_cast<double>(std::max<std::size_t>(residuals.size(), 1));
-  std::erase_if(residuals, [&](const Residual& r) { return r.mean < threshold; });
+  std::vector<Residual> residuals = lit_residuals(image, is_measured);
   if (residuals.empty()) return std::nullopt;
+  const auto relative = [](const Residual& r) { return std::abs(r.difference) / r.mean; };
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end(),
-                   [](const Residual& a, const Residual& b) { return a.relative < b.relative; });
-  return middle->relative;
+  std::ranges::nth_element(residuals, middle, {}, relative);
+  return relative(*middle);
+}
+
+std::optional<double> relative_noise_rms(const Image& image, const std::vector<bool>& is_measured) {
+  const std::vector<Residual> residuals = lit_residuals(image, is_measured);
+  double sum = 0.0;
+  bool is_known = false;
+  for (const Residual& r : residuals) {
+    is_known = is_known || r.variance > 0.0;
+    sum += std::min(r.difference * r.difference, 9.0 * r.variance) / (r.mean * r.mean);
+  }
+  if (!is_known) return std::nullopt;
+  return std::sqrt(sum / (1.25 * static_cast<double>(residuals.size())));
 }
 
 }  // namespace lamina

@@ -57,4 +57,17 @@ struct ImageComparison {
 [[nodiscard]] std::optional<double> relative_noise(const Image& image,
                                                    const std::vector<bool>& is_measured);
 
+/// The noise of a render with its outliers, which the median of relative_noise does not see: root
+/// of the mean over the same pixels of (pixel - mean of its 4 neighbours)² over 5/4 of that mean
+/// squared. A difference counts up to three of its standard errors, by channel "variance": what is
+/// further apart is detail of the picture. Absent if there is no such pixel, no such channel, or no
+/// variance in it, as after one sample per pixel.
+///
+/// Independent noise of relative standard deviation s gives s, rare samples of much light included.
+///
+/// @param is_measured  as of relative_noise
+/// @throws             InvalidInput if the sizes differ.
+[[nodiscard]] std::optional<double> relative_noise_rms(const Image& image,
+                                                       const std::vector<bool>& is_measured);
+
 }  // namespace lamina

@@ -22,8 +22,10 @@
 #include "lamina/core/error.h"
 #include "lamina/image/color_space.h"
 #include "lamina/image/cryptomatte.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/image/internal/codec.h"
 #include "lamina/image/internal/color_statement.h"
+#include "lamina/io/file_bytes.h"
 
 namespace lamina {
 namespace {
@@ -273,7 +275,8 @@ Image in_rec709(Image image, const EncodedImage& file, const RgbPrimaries& prima
 
 /// @param space  that the colors of the image are of
 std::vector<std::byte> encode(const Image& image, ExrPrecision precision,
-                              std::span<const ImageNote> notes, RgbSpace space) {
+                              std::span<const ImageNote> notes, RgbSpace space,
+                              const ImageFrame& frame) {
   if (image.width < 1 || image.height < 1 || image.channels.empty())
     throw InvalidInput("image: an EXR file needs at least one pixel and one channel");
   if (std::set(image.channels.begin(), image.channels.end()).size() != image.channels.size())
@@ -290,6 +293,11 @@ std::vector<std::byte> encode(const Image& image, ExrPrecision precision,
     });
   }
   Imf::Header header(image.width, image.height);
+  if (frame.width > 0) {
+    header.displayWindow().max = {frame.width - 1, frame.height - 1};
+    header.dataWindow() = {{frame.x, frame.y},
+                           {frame.x + image.width - 1, frame.y + image.height - 1}};
+  }
   header.compression() = Imf::ZIP_COMPRESSION;
   if (has_colors(image)) Imf::addChromaticities(header, to_file(primaries_of(space)));
   for (const ImageNote& note : notes) header.insert(note.name, Imf::StringAttribute(note.text));
@@ -315,6 +323,15 @@ std::vector<std::byte> encode(const Image& image, ExrPrecision precision,
   return std::move(stream.bytes);
 }
 
+/// @param space  that the colors, linear Rec.709, are turned into
+std::vector<std::byte> encode_in(const Image& image, ExrPrecision precision,
+                                 std::span<const ImageNote> notes, RgbSpace space,
+                                 const ImageFrame& frame) {
+  if (space == RgbSpace::rec709) return encode(image, precision, notes, space, frame);
+  const Matrix3 conversion = rgb_conversion(rec709_primaries(), primaries_of(space));
+  return encode(converted_colors(image, conversion), precision, notes, space, frame);
+}
+
 }  // namespace
 
 Image decode_exr(const EncodedImage& file) {
@@ -336,9 +353,12 @@ Image decode_exr(const EncodedImage& file) {
 
 std::vector<std::byte> encode_exr(const Image& image, ExrPrecision precision,
                                   std::span<const ImageNote> notes, RgbSpace space) {
-  if (space == RgbSpace::rec709) return encode(image, precision, notes, space);
-  const Matrix3 conversion = rgb_conversion(rec709_primaries(), primaries_of(space));
-  return encode(converted_colors(image, conversion), precision, notes, space);
+  return encode_in(image, precision, notes, space, {});
+}
+
+void save_exr(const Image& image, const std::filesystem::path& file, ExrPrecision precision,
+              std::span<const ImageNote> notes, RgbSpace space, const ImageFrame& frame) {
+  write_file_bytes(file, encode_in(image, precision, notes, space, frame));
 }
 
 }  // namespace lamina

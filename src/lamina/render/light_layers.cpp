@@ -74,18 +74,26 @@ void check(const Scene& scene, const RenderOptions& options, std::size_t groups)
                        number_text(static_cast<double>(scene.render.noise)));
 }
 
-/// Adds what a group gives to the picture.
+/// Adds what a group gives to the picture. Channels are found by name in each of the two, which may
+/// have others: the picture has the mattes, too.
 void add(const Image& group, Image& sum) {
-  const std::size_t count = sum.channel_count();
-  const std::size_t variance = *channel_index(sum, "variance");
-  std::vector<std::size_t> places;
-  for (const std::string_view name : sums) places.push_back(*channel_index(sum, name));
-  for (std::size_t i = 0; i < sum.pixels.size(); i += count) {
-    for (const std::size_t place : places) sum.pixels[i + place] += group.pixels[i + place];
-    const float deviation =
-        std::sqrt(sum.pixels[i + variance]) + std::sqrt(group.pixels[i + variance]);
-    sum.pixels[i + variance] = deviation * deviation;
-  }
+  struct Places {
+    std::size_t in_group, in_sum;
+  };
+  const auto places_of = [&](std::string_view name) {
+    return Places{*channel_index(group, name), *channel_index(sum, name)};
+  };
+  const Places variance = places_of("variance");
+  std::vector<Places> colors;
+  for (const std::string_view name : sums) colors.push_back(places_of(name));
+  for (int y = 0; y < sum.height; ++y)
+    for (int x = 0; x < sum.width; ++x) {
+      const float* from = group.at(x, y);
+      float* to = sum.at(x, y);
+      for (const Places& color : colors) to[color.in_sum] += from[color.in_group];
+      const float deviation = std::sqrt(to[variance.in_sum]) + std::sqrt(from[variance.in_group]);
+      to[variance.in_sum] = deviation * deviation;
+    }
 }
 
 /// The image with the colors of each group behind its channels.
@@ -186,9 +194,13 @@ RenderResult render_light_layers(Scene& scene, RenderOptions options, const Prog
     all.wall_seconds += one.statistics.wall_seconds;
     all.cpu_seconds += one.statistics.cpu_seconds;
     all.peak_memory_mib = one.statistics.peak_memory_mib;
+    for (std::string& warning : one.statistics.warnings)
+      if (std::ranges::find(all.warnings, warning) == all.warnings.end())
+        all.warnings.push_back(std::move(warning));
   }
   scene.render.method = wanted;
   result.statistics.relative_noise.reset();
+  result.statistics.relative_noise_rms.reset();
   result.image = with_layers(result.image, groups, colors);
   return result;
 }

@@ -19,6 +19,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/image/compare.h"
+#include "lamina/image/pixel_rectangle.h"
 #include "lamina/render/film/film_accumulator.h"
 #include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/matte_film.h"
@@ -149,6 +150,21 @@ double picture_mib(const FilmAccumulator& film, const RenderOptions& options) {
          1048576.0;
 }
 
+double share_of_pixels(const Film& film) {
+  const PixelRectangle area = rendered_area(film);
+  return static_cast<double>(area.width) * static_cast<double>(area.height) /
+         (static_cast<double>(film.width) * static_cast<double>(film.height));
+}
+
+/// Cuts what a sample has beyond the most that a channel may have, in proportion.
+void clamp_sample(float most, CameraSample& sample) {
+  const auto largest = [](const Vec3f& c) {
+    return std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+  };
+  for (Vec3f* light : {&sample.beauty, &sample.subsurface, &sample.specular})
+    if (const float found = largest(*light); found > most) *light = (most / found) * *light;
+}
+
 /// The samples of each pixel that are asked for.
 IndexRange sample_range(const Scene& scene, const RenderOptions& options) {
   return range_of(options.part ? options.part->shard : Shard{}, scene.render.samples_per_pixel);
@@ -219,6 +235,7 @@ void save_part(const Scene& scene, const RenderOptions& options, std::uint64_t p
                    .seed = scene.render.seed,
                    .width = film.width(),
                    .height = film.height(),
+                   .frame = frame_of(scene.film),
                    .samples = scene.render.samples_per_pixel,
                    .shards = options.part->shard.count,
                    .ranges = {sample_range(scene, options)},
@@ -262,7 +279,8 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
   PreparationReport report;
   const Preparation<N> preparation{scene, tracer, camera, seen, cache, progress, report};
   statistics.expected_cpu_seconds =
-      cpu_seconds() - cpu_before + expected_cpu_seconds<N>(methods, preparation, tracer);
+      cpu_seconds() - cpu_before +
+      expected_cpu_seconds<N>(methods, preparation, tracer, share_of_pixels(scene.scene->film));
   statistics.expected_memory_mib = memory_mib() + picture_mib(film, options);
   if (options.on_notice) options.on_notice(describe(statistics, settings.noise > 0.0f));
   const bool is_prepared = prepare(methods, preparation);
@@ -275,14 +293,24 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
 
   key = picture_key(*scene.scene, options);
   const IndexRange range = sample_range(*scene.scene, options);
-  const auto sample = [&](int x, int y, int in_range) {
+  const PixelRectangle area = rendered_area(scene.scene->film);
+  const auto sample = [&](int in_x, int in_y, int in_range) {
+    const int x = area.x + in_x, y = area.y + in_y;
     const auto i = static_cast<int>(range.begin) + in_range;
     PixelSamples random(settings.seed, static_cast<std::uint32_t>(y * width + x),
                         static_cast<std::uint32_t>(i));
     const Ray ray = camera.make_ray(x, y, random);
-    const CameraSample found = tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
-    if (mattes) mattes->add(x, y, found);
+    CameraSample found = tracer.trace_camera_ray(ray, camera.pixel_angle(), random);
+    if (settings.clamp > 0.0f) clamp_sample(settings.clamp, found);
+    if (mattes) mattes->add(in_x, in_y, found);
     return found;
+  };
+  bool is_told = false;
+  const auto on_checkpoint = [&](const std::string& why) {
+    statistics.unkept = why;
+    if (why.empty() || is_told || !options.on_notice) return;
+    is_told = true;
+    options.on_notice("warning: " + why + ": the samples so far are not kept, the work goes on");
   };
   return add_tile_passes(
       sample,
@@ -294,6 +322,13 @@ bool trace_passes(const RenderScene& scene, const BandSet& bands, const RenderOp
        .resumes = options.resumes,
        .keeps = options.keeps_samples,
        .on_image = options.on_image,
+       .image_of =
+           [&](const FilmAccumulator& so_far) {
+             Image image = so_far.image(scene.scene->film.has_alpha);
+             if (mattes) (void)mattes->add_to(image, *scene.scene);
+             return image;
+           },
+       .on_checkpoint = on_checkpoint,
        .between_images = std::chrono::duration<double>(options.seconds_between_images)},
       progress, film);
 }
@@ -316,6 +351,14 @@ RenderResult render(const Scene& given, const RenderOptions& options, const Prog
           given.render.max_bounces);
   require(given.render.noise >= 0.0f && given.render.noise <= 1.0f,
           "render: noise must lie in [0, 1]", static_cast<double>(given.render.noise));
+  require(given.render.clamp >= 0.0f, "render: clamp must be >= 0",
+          static_cast<double>(given.render.clamp));
+  const PixelRectangle area = rendered_area(given.film);
+  require_inside(area, given.film.width, given.film.height, "film: the region");
+  if (given.film.region)
+    require(given.render.noise == 0.0f,
+            "render: noise must be 0 with a region, whose pixels are those of the whole picture",
+            static_cast<double>(given.render.noise));
   check_part(given, options);
   if (options.has_mattes && options.part) throw InvalidInput("render: a part has no mattes");
   if (options.has_mattes && options.resumes)
@@ -335,10 +378,10 @@ RenderResult render(const Scene& given, const RenderOptions& options, const Prog
   statistics.warnings = warnings_of_small_bodies(scene);
   const BandSet bands = common_bands(scene);
   const std::optional<Scene> with_layer_maps = with_material_maps_as_layer_maps(scene);
-  const RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
-  FilmAccumulator film(scene.film.width, scene.film.height);
+  RenderScene prepared(with_layer_maps ? *with_layer_maps : scene);
+  FilmAccumulator film(area.width, area.height);
   std::optional<MatteFilm> mattes;
-  if (options.has_mattes) mattes.emplace(scene.film.width, scene.film.height);
+  if (options.has_mattes) mattes.emplace(area.width, area.height);
   const auto measure = [&] {
     statistics.cpu_seconds = cpu_seconds() - cpu_before;
     statistics.peak_memory_mib = peak_memory_mib();
@@ -360,7 +403,9 @@ RenderResult render(const Scene& given, const RenderOptions& options, const Prog
     return result;
   }
   result.image = film.image(scene.film.has_alpha);
-  statistics.relative_noise = relative_noise(result.image, measured_pixels(film.covers()));
+  const std::vector<bool> is_measured = measured_pixels(film.covers());
+  statistics.relative_noise = relative_noise(result.image, is_measured);
+  statistics.relative_noise_rms = relative_noise_rms(result.image, is_measured);
   result.notes = picture_notes(scene, statistics.method);
   if (mattes)
     std::ranges::move(mattes->add_to(result.image, scene), std::back_inserter(result.notes));

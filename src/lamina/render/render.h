@@ -9,6 +9,7 @@
 #include "lamina/core/progress.h"
 #include "lamina/image/image.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/scene/render_options.h"
 #include "lamina/scene/scene.h"
 
@@ -31,12 +32,14 @@ struct RenderStatistics {
   std::optional<double> relative_noise;      ///< see image/compare.h, of the pixels that show
                                              ///< nothing but translucent surfaces, or, where there
                                              ///< are none, nothing but surfaces
+  std::optional<double> relative_noise_rms;  ///< of the same, with outliers
   double peak_memory_mib = 0.0;              ///< of the process so far
   bool is_complete = true;                   ///< false if progress asked to stop
   std::vector<LightSamples> light_samples;   ///< of method `hierarchy`
   std::vector<LightCorrection> corrections;  ///< where RenderSettings::is_corrected
   std::vector<ProfileUse> profiles;          ///< of methods that take profiles
   std::vector<std::string> warnings;         ///< one line each: texture coordinates that overlap
+  std::string unkept;  ///< why RenderOptions::checkpoint could not be written at last; else empty
 };
 
 struct RenderResult {
@@ -51,6 +54,12 @@ struct RenderResult {
   std::vector<ImageNote> notes;
   RenderStatistics statistics;
 };
+
+/// Where the picture of a film lies, if it is a region.
+[[nodiscard]] inline ImageFrame frame_of(const Film& film) {
+  if (!film.region) return {};
+  return {.x = film.region->x, .y = film.region->y, .width = film.width, .height = film.height};
+}
 
 /// Renders a scene as its render settings ask.
 ///

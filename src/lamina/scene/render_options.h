@@ -29,6 +29,9 @@ struct RenderOptions {
   std::filesystem::path cache;
   MemoryBudget memory;       ///< for reading the cache
   bool needs_cache = false;  ///< refuses to sample what the cache does not have
+  /// Takes the light that the cache has, whoever made it and for whatever scene: neither checksum
+  /// nor fingerprint is looked at, and the file stays as it is. What it lacks is refused.
+  bool takes_foreign_light = false;
 
   /// File that keeps an unfinished image, every half minute and at an early stop; removed when the
   /// image is complete. Empty: none.

@@ -19,6 +19,7 @@
 #include "lamina/core/memory_budget.h"
 #include "lamina/core/vec.h"
 #include "lamina/image/image.h"
+#include "lamina/image/pixel_rectangle.h"
 #include "lamina/image/tone.h"
 #include "lamina/image/uv_placement.h"
 #include "lamina/io/json_file.h"
@@ -272,7 +273,14 @@ struct Film {
   float exposure = 0.0f;  ///< [stops], for the PNG only
   View view = View::filmic;
   bool has_alpha = false;  ///< channel A of the picture: how much of a pixel surfaces cover
+  /// That is rendered alone; absent: all of the picture. Its pixels are those of the whole picture.
+  std::optional<PixelRectangle> region;
 };
+
+/// The pixels of a film that are rendered.
+[[nodiscard]] inline PixelRectangle rendered_area(const Film& film) {
+  return film.region.value_or(PixelRectangle{0, 0, film.width, film.height});
+}
 
 /// How the method `hierarchy` samples light on surfaces and sums it.
 struct HierarchySettings {
@@ -345,6 +353,9 @@ struct RenderSettings {
   /// Standard error over brightness below which a part of the picture gets no more samples; what is
   /// darker than a quarter of the mean counts as that bright. 0: all get the same.
   float noise = 0.0f;
+  /// Most that a channel of a sample may have, cut in proportion; 0: all that it has. A picture
+  /// with it lacks the light that is cut.
+  float clamp = 0.0f;
   int max_bounces = 4;  ///< of light between surfaces
   std::uint64_t seed = 0;
   HierarchySettings hierarchy;

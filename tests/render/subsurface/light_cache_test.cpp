@@ -2,6 +2,8 @@
 // Light that is kept for other pictures: used where it is the light of the scene, and only there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -244,6 +246,60 @@ TEST(LightCache, DamageNeverShowsInThePicture) {
   std::ofstream(file) << "holiday";
   EXPECT_THROW((void)render(scene, {.cache = file}), FileError);
   EXPECT_EQ(read_file_bytes(file), "holiday");
+}
+
+/// The file of a cache with other irradiance: `factor` times what it has.
+std::string with_light_times(float factor, std::string bytes) {
+  const std::string end_of_header = "end_header\n";
+  const std::size_t numbers = bytes.find(end_of_header) + end_of_header.size();
+  std::size_t properties = 0, first = 0;
+  for (std::size_t at = bytes.find("property float "); at < numbers;
+       at = bytes.find("property float ", at + 1), ++properties)
+    if (first == 0 && bytes.compare(at + 15, 11, "irradiance_") == 0) first = properties;
+  const std::size_t stride = properties * sizeof(float);
+  for (std::size_t vertex = numbers; vertex < bytes.size(); vertex += stride)
+    for (std::size_t k = first; k < properties; ++k) {
+      float value = 0.0f;
+      char* const at = bytes.data() + vertex + k * sizeof(float);
+      std::memcpy(&value, at, sizeof value);
+      value *= factor;
+      std::memcpy(at, &value, sizeof value);
+    }
+  return bytes;
+}
+
+// [Hery2003] 4: any engine may find the light. What leaves is linear in it, and a factor of 2 is
+// exact in floats.
+TEST(LightCache, ForeignLightIsTakenAndLeftAlone) {
+  Scene scene = ball_and_glass(Method::hierarchy, plate(5.0));
+  scene.materials[0].coat.reset();
+  scene.render.max_bounces = 0;  // the rest of the light below the surface is not the cloud's
+  const fs::path file = fresh_file("foreign");
+  const auto light_below = [](const Image& image) {
+    return select_channels(image, {"subsurface.R", "subsurface.G", "subsurface.B"}).pixels;
+  };
+  std::vector<float> wanted = light_below(render(scene, {.cache = file}).image);
+  EXPECT_GT(std::ranges::max(wanted), 0.0f);
+  for (float& value : wanted) value *= 2.0f;
+  const std::string foreign = with_light_times(2.0f, read_file_bytes(file));
+  std::ofstream(file, std::ios::binary) << foreign;
+  const RenderOptions takes{.cache = file, .takes_foreign_light = true};
+  EXPECT_EQ(light_below(render(scene, takes).image), wanted);
+  EXPECT_TRUE(read_file_bytes(file) == foreign);
+  // Of another scene, too: another seed has other samples, were they made anew.
+  Scene other = scene;
+  std::get<RectangleLight>(other.lights[1]).radiance = {9, 9, 9};
+  const Image of_other = render(other, takes).image;
+  EXPECT_EQ(light_below(of_other), wanted);
+  EXPECT_TRUE(read_file_bytes(file) == foreign);
+  // What it lacks is refused, not made.
+  std::ofstream(file, std::ios::binary) << foreign.substr(0, foreign.size() - 4);
+  EXPECT_THROW((void)render(scene, takes), InvalidInput);
+  std::ofstream(file, std::ios::binary) << with_light_times(-1.0f, foreign);
+  EXPECT_THROW((void)render(scene, takes), InvalidInput);
+  fs::remove(file);
+  EXPECT_THROW((void)render(scene, takes), InvalidInput);
+  EXPECT_FALSE(fs::exists(file));
 }
 
 }  // namespace

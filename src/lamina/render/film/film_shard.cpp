@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
 #include "lamina/core/parallel.h"
+#include "lamina/image/pixel_rectangle.h"
 #include "lamina/io/json_input.h"
 #include "lamina/io/json_output.h"
 #include "lamina/render/film/internal/packed_plane.h"
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<char, 16> magic = {'l', 'a', 'm', 'i', 'n', 'a', ' ',
-                                        's', 'h', 'a', 'r', 'd', ' ', '2'};
+                                        's', 'h', 'a', 'r', 'd', ' ', '3'};
 constexpr std::ptrdiff_t magic_name_bytes = 13;  // before the number of the version
 constexpr std::uint64_t most_info_bytes = std::uint64_t{16} << 20;
 
@@ -62,6 +63,8 @@ std::string text_of(const FilmShardInfo& info) {
                            {"seed", std::to_string(info.seed)},
                            {"width", info.width},
                            {"height", info.height},
+                           {"frame", JsonOutput::array({info.frame.x, info.frame.y,
+                                                        info.frame.width, info.frame.height})},
                            {"samples", info.samples},
                            {"shards", info.shards},
                            {"ranges", ranges},
@@ -86,8 +89,8 @@ std::uint64_t whole_number(const JsonInput& input) {
 FilmShardInfo read_info(const std::string& text, const std::string& name) {
   const JsonDocument document = parse_json(text, name);
   const JsonObject json = document.root().object(
-      {"version", "program", "key", "method", "seed", "width", "height", "samples", "shards",
-       "ranges", "view", "exposure", "alpha", "notes", "command", "cpu_seconds"});
+      {"version", "program", "key", "method", "seed", "width", "height", "frame", "samples",
+       "shards", "ranges", "view", "exposure", "alpha", "notes", "command", "cpu_seconds"});
   FilmShardInfo info;
   info.version = json.required("version").string();
   info.program = whole_number(json.required("program"));
@@ -96,6 +99,12 @@ FilmShardInfo read_info(const std::string& text, const std::string& name) {
   info.seed = whole_number(json.required("seed"));
   info.width = static_cast<int>(json.required("width").integer(1, 65536));
   info.height = static_cast<int>(json.required("height").integer(1, 65536));
+  const auto frame = json.required("frame").array(4, 4);
+  const auto of_frame = [&](std::size_t i) { return static_cast<int>(frame[i].integer(0, 65536)); };
+  info.frame = {of_frame(0), of_frame(1), of_frame(2), of_frame(3)};
+  if (info.frame.width > 0)
+    require_inside({info.frame.x, info.frame.y, info.width, info.height}, info.frame.width,
+                   info.frame.height, name + ": the region");
   info.samples = json.required("samples").integer(1, 1 << 24);
   info.shards = static_cast<int>(json.required("shards").integer(1, 1 << 24));
   std::int64_t end = 0;

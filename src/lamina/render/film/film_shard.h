@@ -10,6 +10,7 @@
 
 #include "lamina/core/shard.h"
 #include "lamina/image/image_file.h"
+#include "lamina/image/image_frame.h"
 #include "lamina/image/tone.h"
 #include "lamina/io/file_parts.h"
 #include "lamina/render/film/film_accumulator.h"
@@ -27,6 +28,7 @@ struct FilmShardInfo {
   std::string method;                  ///< its name
   std::uint64_t seed = 0;
   int width = 0, height = 0;
+  ImageFrame frame;                ///< where they lie in the picture, if they are a region of it
   std::int64_t samples = 0;        ///< per pixel, of the whole picture
   int shards = 1;                  ///< into which it was split
   std::vector<IndexRange> ranges;  ///< of samples that the sums hold; apart and in their order

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lamina/core/hash.h"
+#include "lamina/io/file_bytes.h"
 #include "render_fingerprint.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is
@@ -298,10 +299,12 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   for (const double number : {horizontal_fov, aperture_diameter, focus_distance}) hash.add(number);
   hash.add(scene.film.width);
   hash.add(scene.film.height);
+  const PixelRectangle area = rendered_area(scene.film);
+  for (const int number : {area.x, area.y, area.width, area.height}) hash.add(number);
   add_shared(hash, scene.render, options);
   const auto& [method, orders, factors, single_scattering, profile, exit_angle, is_corrected,
-               samples_per_pixel, noise, max_bounces, seed, hierarchy, texture_space, shadow_map] =
-      scene.render;
+               samples_per_pixel, noise, clamp, max_bounces, seed, hierarchy, texture_space,
+               shadow_map] = scene.render;
   (void)method, (void)profile, (void)max_bounces, (void)seed;  // shared
   (void)hierarchy, (void)texture_space, (void)shadow_map;      // numbers of methods
   hash.add(orders);
@@ -310,14 +313,16 @@ std::uint64_t picture_key(const Scene& scene, const RenderOptions& options) {
   hash.add(single_scattering);
   hash.add(exit_angle);
   hash.add(is_corrected);
+  hash.add(clamp);
   (void)samples_per_pixel, (void)noise;  // how many samples of it there are
   add_numbers(hash, scene.render);
-  const auto& [direct_light, cache, memory, needs_cache, checkpoint, resumes, keeps_samples, part,
-               has_mattes, only_prepares, more_methods, on_notice, on_image,
+  const auto& [direct_light, cache, memory, needs_cache, takes_foreign_light, checkpoint, resumes,
+               keeps_samples, part, has_mattes, only_prepares, more_methods, on_notice, on_image,
                seconds_between_images] = options;
   (void)direct_light;       // shared
   (void)more_methods;       // makes what the method's name stands for
   hash.add(cache.empty());  // light that is kept is sampled for any camera
+  if (takes_foreign_light) hash.add_text(read_file_bytes(cache));  // nothing else says what it is
   (void)needs_cache, (void)checkpoint, (void)resumes, (void)on_notice;  // change nothing in it
   (void)part, (void)only_prepares, (void)keeps_samples;
   (void)on_image, (void)seconds_between_images, (void)has_mattes;

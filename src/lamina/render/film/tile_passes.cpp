@@ -6,6 +6,7 @@
 #include <chrono>
 #include <mutex>
 #include <shared_mutex>
+#include <string>
 #include <system_error>
 #include <vector>
 #if defined(__SSE2__)
@@ -184,10 +185,13 @@ class Passes {
   /// A checkpoint that cannot be written is none: the image goes on without.
   void keep() {
     const auto start = Clock::now();
+    std::string why;
     try {
       save_checkpoint(options_.checkpoint, options_.key, film_, tiles_);
-    } catch (const WriteError&) {  // NOLINT(bugprone-empty-catch)
+    } catch (const WriteError& error) {
+      why = error.what();
     }
+    if (options_.on_checkpoint) options_.on_checkpoint(why);
     const auto end = Clock::now();
     next_checkpoint_ =
         end + std::max<Clock::duration>(between_checkpoints, least_share * (end - start));
@@ -211,7 +215,7 @@ class Passes {
     const Image image = [&] {
       const std::scoped_lock in_turn(gate_);
       const std::unique_lock all_tiles(tiles_in_work_);
-      return film_.image();
+      return options_.image_of ? options_.image_of(film_) : film_.image();
     }();
     options_.on_image(image);
     const auto wait = std::chrono::duration_cast<Clock::duration>(options_.between_images);

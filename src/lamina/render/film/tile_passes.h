@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include "lamina/core/progress.h"
 #include "lamina/render/film/film_accumulator.h"
@@ -22,9 +24,23 @@ struct TilePassOptions {
   /// Shown the image as it grows, from the first pass over the frame on, by one thread at a time
   /// while the others go on. May be empty.
   std::function<void(const Image&)> on_image;
+  /// Of a film, where it is more than its own image. May be empty.
+  std::function<Image(const FilmAccumulator&)> image_of;
+  /// Told why the checkpoint cannot be written, the image going on without; "" once it is there
+  /// after all. May be empty.
+  std::function<void(const std::string& why)> on_checkpoint;
   std::chrono::duration<double> between_images{
       5.0};  ///< at least; images take a tenth of the time at most
 };
+
+/// Samples per pixel that a checkpoint keeps.
+struct KeptSamples {
+  std::int64_t least = 0, most = 0;
+};
+
+/// What a file keeps, from its first bytes: damage behind them is not seen.
+/// @return  absent if it is no checkpoint of this version
+[[nodiscard]] std::optional<KeptSamples> kept_samples(const std::filesystem::path& file);
 
 /// Adds samples to all pixels of a film, in passes over the whole frame, so that it is complete
 /// though noisy from the first pass on. The result does not depend on the number of threads, nor on

@@ -42,9 +42,9 @@ SubsurfaceCost total_cost(const SubsurfaceMethods<N>& methods, const Preparation
 
 template <int N>
 double expected_cpu_seconds(const SubsurfaceMethods<N>& methods, const Preparation<N>& with,
-                            const PathTracer<N>& tracer) {
+                            const PathTracer<N>& tracer, double share) {
   const Scene& scene = *with.scene.scene;
-  const double samples = static_cast<double>(scene.film.width) *
+  const double samples = share * static_cast<double>(scene.film.width) *
                          static_cast<double>(scene.film.height) * scene.render.samples_per_pixel;
   const double above = samples * with.seen.seconds_per_ray;
   const SubsurfaceCost cost = total_cost(methods, with);
@@ -58,10 +58,10 @@ double expected_cpu_seconds(const SubsurfaceMethods<N>& methods, const Preparati
 }
 
 template double expected_cpu_seconds(const SubsurfaceMethods<4>&, const Preparation<4>&,
-                                     const PathTracer<4>&);
+                                     const PathTracer<4>&, double);
 template double expected_cpu_seconds(const SubsurfaceMethods<8>&, const Preparation<8>&,
-                                     const PathTracer<8>&);
+                                     const PathTracer<8>&, double);
 template double expected_cpu_seconds(const SubsurfaceMethods<16>&, const Preparation<16>&,
-                                     const PathTracer<16>&);
+                                     const PathTracer<16>&, double);
 
 }  // namespace lamina

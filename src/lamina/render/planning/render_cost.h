@@ -12,8 +12,10 @@ namespace lamina {
 /// take. Within a factor of 3 (test).
 ///
 /// @param methods  of the picture, not prepared
+/// @param share    of the picture's pixels that are rendered
 template <int N>
 [[nodiscard]] double expected_cpu_seconds(const SubsurfaceMethods<N>& methods,
-                                          const Preparation<N>& with, const PathTracer<N>& tracer);
+                                          const Preparation<N>& with, const PathTracer<N>& tracer,
+                                          double share = 1.0);
 
 }  // namespace lamina

@@ -15,7 +15,7 @@ bool LightCache::is_there() const { return is_wanted() && std::filesystem::exist
 /// @throws InvalidInput if the options need what the file does not have
 void LightCache::say_anew(const std::string& why) const {
   const std::string line = options_.cache.string() + ": " + why;
-  if (options_.needs_cache) throw InvalidInput(line);
+  if (options_.needs_cache || options_.takes_foreign_light) throw InvalidInput(line);
   if (is_there() && options_.on_notice) options_.on_notice(line + "; it is made anew");
 }
 
@@ -23,8 +23,9 @@ void LightCache::load() {
   is_loaded_ = true;
   KeptClouds kept{.clouds = {}, .ratios = {}, .why_unusable = "there is no such file"};
   if (is_there())
-    kept = load_irradiance_clouds(options_.cache, light_fingerprint(scene_, options_),
-                                  options_.memory);
+    kept =
+        load_irradiance_clouds(options_.cache, light_fingerprint(scene_, options_), options_.memory,
+                               options_.takes_foreign_light ? CloudOrigin::any : CloudOrigin::own);
   is_usable_ = kept.why_unusable.empty();
   if (is_usable_) {
     clouds_ = std::move(kept.clouds);
@@ -35,14 +36,20 @@ void LightCache::load() {
 }
 
 const IrradianceCloud* LightCache::find(
-    std::uint32_t material, const std::function<std::string(const IrradianceCloud&)>& misfit) {
+    std::uint32_t material, const std::function<CloudMisfit(const IrradianceCloud&)>& misfit) {
   if (!is_wanted()) return nullptr;
   if (!is_loaded_) load();
   if (!is_usable_) return nullptr;
   const auto found = std::ranges::find(clouds_, material, &IrradianceCloud::material);
-  const std::string why = found == clouds_.end() ? "lacks a material of the scene" : misfit(*found);
-  if (why.empty()) return &*found;
-  say_anew(why);
+  const CloudMisfit why =
+      found == clouds_.end()
+          ? CloudMisfit{.lacks = "lacks a material of the scene", .too_coarse = {}}
+          : misfit(*found);
+  const bool is_coarse = !why.too_coarse.empty();
+  if (why.lacks.empty() && is_coarse && options_.takes_foreign_light && options_.on_notice)
+    options_.on_notice("warning: " + options_.cache.string() + ": " + why.too_coarse);
+  if (why.lacks.empty() && (!is_coarse || options_.takes_foreign_light)) return &*found;
+  say_anew(why.lacks.empty() ? why.too_coarse : why.lacks);
   return nullptr;
 }
 
@@ -71,7 +78,7 @@ void LightCache::add(IrradianceCloud cloud) { put(std::move(cloud), clouds_); }
 void LightCache::add(LightRatioCloud ratios) { put(std::move(ratios), ratios_); }
 
 void LightCache::save() const {
-  if (is_changed_)
+  if (is_changed_ && !options_.takes_foreign_light)
     save_irradiance_clouds(clouds_, ratios_, light_fingerprint(scene_, options_), options_.cache);
 }
 

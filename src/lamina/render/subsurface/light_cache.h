@@ -12,6 +12,12 @@
 
 namespace lamina {
 
+/// Why a cloud cannot serve a picture; empty: it can.
+struct CloudMisfit {
+  std::string lacks;       ///< what must be there
+  std::string too_coarse;  ///< for what the camera sees
+};
+
 /// The light that the cache file of the options keeps, a cloud of samples for each material. It is
 /// read when it is first asked for.
 class LightCache {
@@ -26,11 +32,11 @@ class LightCache {
   /// The light of a material, valid until some is added; null if there is none of use, of which
   /// on_notice is told.
   ///
-  /// @param misfit  says why a cloud cannot serve this picture; empty text: it can
+  /// @param misfit  says why a cloud cannot serve this picture
   /// @throws InvalidInput if the options need the cache and it is of no use or not there
   /// @throws as load_irradiance_clouds
   [[nodiscard]] const IrradianceCloud* find(
-      std::uint32_t material, const std::function<std::string(const IrradianceCloud&)>& misfit);
+      std::uint32_t material, const std::function<CloudMisfit(const IrradianceCloud&)>& misfit);
 
   /// The ratios to planar light of a material, valid until some are added; null if there are none.
   ///

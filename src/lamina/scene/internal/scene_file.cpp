@@ -196,7 +196,8 @@ Camera decode_camera(const JsonInput& value, double mm_per_unit) {
 }
 
 Film decode_film(const JsonInput& value) {
-  const JsonObject object = value.object({"width", "height", "exposure", "view", "alpha"});
+  const JsonObject object =
+      value.object({"width", "height", "exposure", "view", "alpha", "region"});
   Film film;
   constexpr int most = 16384;
   if (const auto width = object.optional("width"))
@@ -207,6 +208,14 @@ Film decode_film(const JsonInput& value) {
     film.exposure = static_cast<float>(exposure->number(closed_interval(-50.0, 50.0, "stops")));
   if (const auto view = object.optional("view")) film.view = view->choice<View>();
   if (const auto alpha = object.optional("alpha")) film.has_alpha = alpha->boolean();
+  if (const auto region = object.optional("region")) {
+    const std::vector<JsonInput> numbers = region->array(4, 4);
+    const auto number = [&](std::size_t i, int least) {
+      return static_cast<int>(numbers[i].integer(least, most));
+    };
+    film.region = {
+        .x = number(0, 0), .y = number(1, 0), .width = number(2, 1), .height = number(3, 1)};
+  }
   return film;
 }
 
@@ -231,17 +240,9 @@ void decode_numbers(const JsonInput& value, SceneMethod method, RenderSettings& 
 
 RenderSettings decode_render_settings(const JsonInput& value,
                                       const std::vector<SceneMethod>& methods) {
-  std::vector<std::string_view> keys = {"method",
-                                        "profile",
-                                        "orders",
-                                        "factors",
-                                        "single_scattering",
-                                        "samples_per_pixel",
-                                        "noise",
-                                        "max_bounces",
-                                        "seed",
-                                        "exit_angle",
-                                        "correct"};
+  std::vector<std::string_view> keys = {
+      "method", "profile", "orders",      "factors", "single_scattering", "samples_per_pixel",
+      "noise",  "clamp",   "max_bounces", "seed",    "exit_angle",        "correct"};
   for (const SceneMethod method : methods)
     if (!method->numbers.empty()) keys.push_back(method.name());
   const JsonObject object = value.object(keys);
@@ -268,6 +269,8 @@ RenderSettings decode_render_settings(const JsonInput& value,
     settings.samples_per_pixel = static_cast<int>(samples->integer(1, 1 << 24));
   if (const auto noise = object.optional("noise"))
     settings.noise = static_cast<float>(noise->number(closed_interval(0.0, 1.0)));
+  if (const auto clamp = object.optional("clamp"))
+    settings.clamp = static_cast<float>(clamp->number(closed_interval(0.0, 1e6)));
   if (const auto bounces = object.optional("max_bounces"))
     settings.max_bounces = static_cast<int>(bounces->integer(0, 1000));
   if (const auto seed = object.optional("seed"))

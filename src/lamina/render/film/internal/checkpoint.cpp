@@ -1,15 +1,18 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/film/internal/checkpoint.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstring>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lamina/core/error.h"
 #include "lamina/core/hash.h"
 #include "lamina/io/file_parts.h"
+#include "lamina/render/film/tile_passes.h"
 
 // The file is for the machine that wrote it: a header, the tiles, and the film as it lies in
 // memory.
@@ -37,6 +40,25 @@ std::uint64_t checksum(const Header& header, const TileProgress& tiles,
 }
 
 }  // namespace
+
+std::optional<KeptSamples> kept_samples(const std::filesystem::path& file) {
+  try {
+    const FileParts parts(file);
+    Header header;
+    const auto magic = header.magic;
+    if (parts.size() < sizeof header) return std::nullopt;
+    parts.read(0, std::as_writable_bytes(std::span(&header, 1)));
+    const std::uint64_t behind = parts.size() - sizeof header;
+    if (header.magic != magic || header.tiles == 0 || header.tiles > behind / sizeof(std::int32_t))
+      return std::nullopt;
+    std::vector<std::int32_t> samples(header.tiles);
+    parts.read(sizeof header, std::as_writable_bytes(std::span(samples)));
+    const auto [least, most] = std::ranges::minmax(samples);
+    return KeptSamples{least, most};
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
+}
 
 void save_checkpoint(const std::filesystem::path& file, std::uint64_t key,
                      const FilmAccumulator& film, const TileProgress& tiles) {

@@ -140,13 +140,16 @@ LightSampling HierarchyTransport<N>::plan_sampling(const CameraRays& camera,
 
 template <int N>
 bool HierarchyTransport<N>::prepare(const Preparation<N>& with) {
-  const auto misfit = [&](const IrradianceCloud& cloud) -> std::string {
-    if (cloud.bands > N || cloud.irradiance.empty()) return "lacks a material of the scene";
+  const auto misfit = [&](const IrradianceCloud& cloud) -> CloudMisfit {
+    if (cloud.bands != surface_.material.bands.size() || cloud.irradiance.empty())
+      return {.lacks = "lacks a material of the scene", .too_coarse = {}};
     const float nearest = nearest_pixel(*scene_.scene, with.camera, material_);
     const float wanted = std::max(spacing_for(nearest), closest_spacing());
     if (!(scene_.scene->render.hierarchy.refine > 0.0f) && cloud.spacing > 1.001f * wanted)
-      return "its samples are " + number_text(cloud.spacing) +
-             " mm apart, but this camera sees light as fine as " + number_text(wanted) + " mm";
+      return {.lacks = {},
+              .too_coarse = "its samples are " + number_text(cloud.spacing) +
+                            " mm apart, but this camera sees light as fine as " +
+                            number_text(wanted) + " mm"};
     return {};
   };
   LightSamples done{.material = material_};

@@ -211,7 +211,8 @@ void parse_ratios(std::string_view rest, const std::vector<std::size_t>& counts,
 
 /// @throws Unusable
 KeptClouds parse_clouds(std::string bytes, const LightFingerprint& wanted, const std::string& name,
-                        MemoryBudget memory) {
+                        MemoryBudget memory, CloudOrigin origin) {
+  const bool is_own = origin == CloudOrigin::own;
   Lines lines(bytes);
   std::istringstream words;
   int found_version = 0;
@@ -224,12 +225,12 @@ KeptClouds parse_clouds(std::string bytes, const LightFingerprint& wanted, const
   require(bytes.size() >= at + no_checksum.size());
   const std::string stated = bytes.substr(at, no_checksum.size());
   bytes.replace(at, no_checksum.size(), no_checksum);
-  require(stated == hexadecimal(cloud_checksum(bytes)));
+  require(!is_own || stated == hexadecimal(cloud_checksum(bytes)));
   lines.expect(no_checksum + '\n');
   for (const auto& [part, value] : parts(wanted)) {
     std::string found;
     require(lines.next(std::string("comment ") + part + ' ', words) && words >> found);
-    if (found != hexadecimal(value))
+    if (is_own && found != hexadecimal(value))
       throw Unusable{
           std::string("was made for other ") + part +
           (part == parts(wanted).back().first ? ", or by another version of the program" : "")};
@@ -350,12 +351,12 @@ void save_irradiance_clouds(const std::vector<IrradianceCloud>& clouds,
 }
 
 KeptClouds load_irradiance_clouds(const std::filesystem::path& file, const LightFingerprint& wanted,
-                                  MemoryBudget memory) {
+                                  MemoryBudget memory, CloudOrigin origin) {
   std::string bytes = read_file_bytes(file, memory);
   if (!bytes.starts_with(first_words))
     throw FileError(file.string() + ": must be a cache of light, but is another file");
   try {
-    return parse_clouds(std::move(bytes), wanted, file.string(), memory);
+    return parse_clouds(std::move(bytes), wanted, file.string(), memory, origin);
   } catch (const Unusable& unusable) {
     return {.clouds = {}, .ratios = {}, .why_unusable = unusable.why};
   }

@@ -32,6 +32,12 @@ struct KeptClouds {
   std::string why_unusable;  ///< damaged, of another version, made for another scene; else empty
 };
 
+/// Whose light a file may have.
+enum class CloudOrigin {
+  own,  ///< made for the scene, whole by its checksum
+  any,  ///< of another program or scene: only its numbers must be such as surfaces have
+};
+
 /// Reads such a file back.
 ///
 /// @param memory  what reading may take.
@@ -39,6 +45,7 @@ struct KeptClouds {
 /// someone else's.
 [[nodiscard]] KeptClouds load_irradiance_clouds(const std::filesystem::path& file,
                                                 const LightFingerprint& wanted,
-                                                MemoryBudget memory = {});
+                                                MemoryBudget memory = {},
+                                                CloudOrigin origin = CloudOrigin::own);
 
 }  // namespace lamina

@@ -54,13 +54,16 @@ std::vector<bool> showing_texels(std::vector<char> is_seen, std::span<const FarS
 }  // namespace
 
 template <int N>
-std::string TextureSpaceTransport<N>::misfit(const IrradianceCloud& cloud,
+CloudMisfit TextureSpaceTransport<N>::misfit(const IrradianceCloud& cloud,
                                              const CameraRays& camera) const {
-  if (cloud.bands > N || cloud.exitance.empty()) return "lacks a material of the scene";
+  if (cloud.bands != surface_.material.bands.size() || cloud.exitance.empty())
+    return {.lacks = "lacks a material of the scene", .too_coarse = {}};
   const float wanted = spacing_for(nearest_pixel(*scene_.scene, camera, material_));
   if (cloud.spacing > 2.001f * wanted)
-    return "its texels are " + number_text(cloud.spacing) +
-           " mm wide, but this camera sees light as fine as " + number_text(wanted) + " mm";
+    return {.lacks = {},
+            .too_coarse = "its texels are " + number_text(cloud.spacing) +
+                          " mm wide, but this camera sees light as fine as " + number_text(wanted) +
+                          " mm"};
   return {};
 }
 
@@ -117,7 +120,7 @@ SubsurfaceCost TextureSpaceTransport<N>::expected_cost(const Preparation<N>& wit
 }
 
 #define LAMINA_INSTANTIATE(N)                                                                      \
-  template std::string TextureSpaceTransport<N>::misfit(const IrradianceCloud&, const CameraRays&) \
+  template CloudMisfit TextureSpaceTransport<N>::misfit(const IrradianceCloud&, const CameraRays&) \
       const;                                                                                       \
   template void TextureSpaceTransport<N>::prepare_reflectance(const Preparation<N>&);              \
   template bool TextureSpaceTransport<N>::prepare(const Preparation<N>&);                          \

@@ -129,7 +129,7 @@ class TextureSpaceTransport final : public SubsurfaceMethod<N> {
   void extend(CellField<N>& field) const;
 
   /// Why light that is kept cannot serve this picture; empty: it can.
-  [[nodiscard]] std::string misfit(const IrradianceCloud& cloud, const CameraRays& camera) const;
+  [[nodiscard]] CloudMisfit misfit(const IrradianceCloud& cloud, const CameraRays& camera) const;
 
   const RenderScene& scene_;
   const SubsurfaceSurface& surface_;
