@@ -66,7 +66,7 @@ class ChangesOfMaterials(unittest.TestCase):
     def test_wrong_ones_are_named_where_they_stand(self):
         result = run("slab", "skin_type_2", "--set", "skin.melanin=.9")
         self.assertEqual(result.returncode, 2)
-        self.assertIn("--set skin.melanin: skin.melanin must lie in [0, 0.5], but is 0.9", result.stderr)
+        self.assertIn("--set skin.melanin must lie in [0, 0.5], but is 0.9", result.stderr)
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "m.json")
             with open(file, "w") as out:

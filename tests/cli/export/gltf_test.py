@@ -95,8 +95,8 @@ class Gltf(Folder):
 
     def test_wrong_glb_is_refused_with_its_place(self):
         for changes, words in (({"meshes": [{"primitives": [7]}]}, "meshes[0].primitives[0]"),
-                               ({"bufferViews": None}, "accessors[0].bufferView"), ({"accessors": 3}, "accessors"),
-                               ({"materials": [1, 2], "extensionsUsed": [5]}, "extensionsUsed[0]")):
+                               ({"bufferViews": None}, "bufferViews must be an array, but is null"), ({"bufferViews": []}, "accessors[0].bufferView"), ({"accessors": 3}, "accessors"),
+                               ({"materials": [1, 2]}, "materials[0]"), ({"extensionsUsed": [5]}, "extensionsUsed[0]")):
             mesh = self.folder / "mesh.glb"
             mesh.write_bytes(triangle_glb(changes))
             result = run("export", "leaf", "--to", "gltf", "--mesh", mesh, "-o", self.folder / "out.glb")

@@ -25,7 +25,7 @@ class OpenPbr(Folder):
         total, _ = diffuse_total(self.folder, sigma_a, sigma_s, g, *inputs["specular_ior"])
         for value, misfit in zip(total, result["exports"][0]["misfit"]):
             self.assertAlmostEqual(value, misfit["reflectance"]["wanted_total"], delta=3e-4)
-        self.assertIn("by the definition of OpenPBR 1.1.1", files["donner_jensen_skin.mtlx"])
+        self.assertIn("by the definition of OpenPBR 1.1.1", files["donner_jensen_skin.mtlx"].decode())
 
     def test_skins_have_radii_of_their_own_and_the_same_name_by_materialx(self):
         found = []
