@@ -174,7 +174,7 @@ TEST(PlyLimits, OnlyVerticesThatTheFileCanHoldGetMemory) {
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex 1000000\n";
   bytes += "property uchar quality\nproperty double x\nproperty double y\nproperty double z\n";
   bytes += "end_header\n" + std::string(1'000'000, '\0');  // enough for as many qualities
-  EXPECT_EQ(message_of([&] { (void)parse_ply(bytes, "f.ply", {2 * mebi}); }),
+  EXPECT_EQ(message_of([&] { (void)parse_ply(bytes, "f.ply", {3 * mebi}); }),
             "f.ply: is cut off within vertex 40000 of 1000000");
 }
 
@@ -192,7 +192,7 @@ TEST(MeshLimits, FacesAndVerticesAreTakenFromTheBudget) {
   EXPECT_EQ(message_of([&] { (void)parse_ply(ply, "f.ply"); }), "");
   EXPECT_EQ(message_of([&] {
               (void)parse_ply(ply, "f.ply", {mebi});
-            }).find("f.ply: its vertices would take 1.2 MiB of memory, but only 102"),
+            }).find("f.ply: its vertices would take 2.1 MiB of memory, but only 102"),
             0U);
   EXPECT_TRUE(speaks_of_memory(message_of([&] { (void)parse_ply(ply, "f.ply", {2 * mebi}); })));
   EXPECT_EQ(message_of([&] { (void)parse_obj(obj, "f.obj"); }), "");

@@ -192,10 +192,10 @@ TEST(MeshPreparation, RefusesAMeshWithoutArea) {
 }
 
 TEST(MeshPreparation, RefusesPositionsThatLoseAllMeaning) {
-  EXPECT_EQ(message_of([&] {
+  EXPECT_NE(message_of([&] {
               (void)prepare(make_box({1, 1, 1}, 1), {.to_world = {.translation = {1e12, 0, 0}}});
-            }).find("box: its middle lies at (1000000000000, 0, 0) mm"),
-            0U);
+            }).find("mm, where numbers of single precision are "),
+            std::string::npos);
   EXPECT_EQ(message_of([&] {
               (void)prepare(make_box({1e10, 1, 1}, 1));
             }).find("box: vertex 0 must lie within 1e9 mm of the origin, but has a coordinate"),
