@@ -196,7 +196,12 @@ TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   const AcquiredFiles files = save_acquired(acquired(), made().capture, folder, "1.0");
   const JsonDocument document = load_json(files.material);
   const JsonObject object =
-      document.root().file_object("material", 1, {"name", "length_unit", "skin"});
+      document.root().file_object("material", 1, {"name", "length_unit", "surface", "skin"});
+  EXPECT_NEAR(object.required("surface")
+                  .object({"roughness", "distribution"})
+                  .required("roughness")
+                  .number({.low = 0.0, .high = 1.0}),
+              0.32, 1e-9);
   const SkinMaps maps = decode_skin_maps(object.required("skin"));
   ASSERT_EQ(maps.maps.size(), 4U);  // both saturations are one map
   EXPECT_TRUE(maps.warnings.empty());

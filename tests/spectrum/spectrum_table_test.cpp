@@ -46,8 +46,8 @@ TEST(SpectrumTable, RefusesInOneLineThatNamesThePlaceAndTheValue) {
   EXPECT_EQ(refusal("wavelength,R\n400,1\n"),
             "t.csv: the first column must be wavelengths, with their unit in its name, as "
             "wavelength_nm, but is \"wavelength\"");
-  EXPECT_EQ(refusal("nm,R\n400,1\n410,1\n390,1\n"),
-            "t.csv:4: nm must be longer than the wavelength before it, but is 390");
+  EXPECT_EQ(refusal("nm,R\n400,1\n410,1\n405,1\n"),
+            "t.csv:4: nm must be longer than the wavelength before it, but is 405");
   EXPECT_EQ(refusal("nm,R\n400,1\n400,1\n"),
             "t.csv:3: nm must be longer than the wavelength before it, but is the same, 400");
   EXPECT_EQ(refusal("nm,R\n0.4,1\n"), "t.csv:2: nm must lie in [200, 3000] nm, but is 0.4");
