@@ -30,7 +30,7 @@ std::string describe_kept(const fs::path& file) {
 fs::path checkpoint_beside(const RenderCommandOptions& options, const fs::path& file) {
   if (options.resumes && options.starts_anew)
     throw InvalidInput("--fresh: does not go with --resume");
-  const fs::path checkpoint = fs::path(file).replace_extension(".unfinished");
+  fs::path checkpoint = fs::path(file).replace_extension(".unfinished");
   try {
     require_writable(checkpoint.string());
   } catch (const WriteError& error) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lamina/core/error.h"
@@ -197,6 +198,8 @@ TEST(Covering, ByWavelengthsMakesThePictureOneOfThem) {
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(mean_of(image, c), expected[c], 0.02 * expected[0]) << c;
   scene.materials.push_back(translucent({}));  // in RGB
+  scene.meshes.push_back(scene.meshes[0]);
+  std::ranges::fill(scene.meshes[1].material, 1U);
   EXPECT_THROW(render(scene), InvalidInput);
 }
 

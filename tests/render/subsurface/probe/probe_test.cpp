@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -265,6 +266,9 @@ TEST(Subsurface, MaterialsOfDifferentBandsAreRefused) {
   Material spectral = one_layer({0, 0, 0}, 20.0, 1.0);
   spectral.bands = BandSet({500, 550, 600});
   scene.materials.push_back(translucent(spectral));
+  EXPECT_NO_THROW((void)render(scene));  // no mesh has it
+  scene.meshes.push_back(scene.meshes[0]);
+  std::ranges::fill(scene.meshes[1].material, 1U);
   EXPECT_THROW((void)render(scene), InvalidInput);
 }
 
