@@ -154,7 +154,9 @@ void resolve_bases(Tree& tree, Chain& chain) {
     if (tree.nodes[object].kind != Kind::object) continue;
     const std::uint32_t kind = find_child(tree, object, "lamina");
     const std::uint32_t name = find_child(tree, object, "base");
-    if (kind == none || name == none || is_named_material(tree, kind, name)) continue;
+    if (kind == none || name == none || tree.nodes[kind].kind != Kind::string ||
+        is_named_material(tree, kind, name))
+      continue;  // a schema describes both
     Tree base = base_of(tree, name, chain);
     const std::uint32_t base_kind =
         base.nodes[0].kind == Kind::object ? find_child(base, 0, "lamina") : none;
