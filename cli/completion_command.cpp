@@ -220,9 +220,12 @@ std::string man_page(const CLI::App& app, const CLI::App* command) {
       places += fmt::format(" {}", option.type.substr(0, option.type.find(':')));
       continue;
     }
-    options += fmt::format(
-        ".TP\n.B {}{}\n{}\n", roff(fmt::format("{}", fmt::join(option.names, ", "))),
-        option.takes_value ? " \\fI" + roff(option.type) + "\\fR" : "", roff(option.text));
+    options +=
+        fmt::format(".TP\n.B {}{}\n{}\n", roff(fmt::format("{}", fmt::join(option.names, ", "))),
+                    option.takes_value  // a long list of values may end a line behind each comma
+                        ? " \\fI" + replaced(roff(option.type), ",", ",\\:") + "\\fR"
+                        : "",
+                    roff(option.text));
   }
   text += command ? fmt::format("[\\fIOPTIONS\\fR]{}\n", roff(places))
                   : "\\fISUBCOMMAND\\fR [\\fIOPTIONS\\fR]\n";
@@ -232,7 +235,7 @@ std::string man_page(const CLI::App& app, const CLI::App* command) {
       text += fmt::format(".TP\n.BR lamina\\-{} (1)\n{}\n", one->get_name(),
                           roff(one->get_description()));
   }
-  text += ".SH OPTIONS\n" + options;
+  text += ".na\n.SH OPTIONS\n" + options;
   if (!what.get_footer().empty()) text += ".SH NOTES\n.nf\n" + roff(what.get_footer()) + "\n.fi\n";
   text +=
       ".SH EXIT STATUS\n0: done; 2: wrong use or input, in a line; 1: failed, as where a file "
