@@ -115,6 +115,23 @@ TEST(Denoise, SmallBrightThingThatAllSamplesSeeStays) {
   EXPECT_NEAR(denoise(image).at(20, 20)[1], 100.0f, 1.0f);
 }
 
+// One sample of 16 in every fourth pixel brings all the light of a picture: its mean stays.
+TEST(Denoise, LightThatFewSamplesFindStays) {
+  Image image = noisy_image(sigma, 5);
+  double before = 0.0, after = 0.0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool is_found = (7 * x + 11 * y) % 16 < 4;
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = is_found ? 4.0f : 0.0f;
+      image.at(x, y)[3] = is_found ? 16.0f : 0.0f;
+      before += static_cast<double>(image.at(x, y)[1]);
+    }
+  const Image clean = denoise(image);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) after += static_cast<double>(clean.at(x, y)[1]);
+  EXPECT_NEAR(after, before, 0.1 * before);
+}
+
 TEST(Denoise, NeedsColorsAndVariance) {
   EXPECT_THROW((void)denoise(make_image(2, 2, {"R", "G", "B"})), InvalidInput);
   EXPECT_THROW((void)denoise(make_image(2, 2, {"Y", "variance"})), InvalidInput);

@@ -124,21 +124,34 @@ class Around {
 /// more than four of theirs: of n samples k alike give a standard error of 1 / sqrt(k) of their
 /// mean, so that four samples at most make it. A small bright thing that all samples see stays. The
 /// light that goes was right in the mean: pictures lose it where they are viewed only.
+///
+/// Fireflies are rare. Where more than one pixel in fifty stands out so, few samples find the light
+/// itself, and all stay: a jade bust lit from behind by 16 samples of 97 % noise would lose two
+/// thirds of its light.
 void clamp_fireflies(NoisyColors& noisy) {
+  constexpr int radius = 7;
+  constexpr float most_in_window = 0.02f;
   const NoisyColors before = noisy;
-  for (int y = 0; y < noisy.luminance.height; ++y)
-    for (int x = 0; x < noisy.luminance.width; ++x) {
-      const Around light(before.luminance, x, y), variances(before.variance, x, y);
+  const int width = noisy.luminance.width, height = noisy.luminance.height;
+  Plane stands_out(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Around light(before.luminance, x, y);
       if (light.is_empty()) continue;
       const float excess = before.luminance.row(y)[x] - light.third_largest();
       const float square = excess * excess;
-      if (!(excess > 0.0f && square < 4.0f * before.variance.row(y)[x] &&
-            square > 16.0f * variances.median()))
-        continue;
+      if (excess > 0.0f && square < 4.0f * before.variance.row(y)[x] &&
+          square > 16.0f * Around(before.variance, x, y).median())
+        stands_out.row(y)[x] = 1.0f;
+    }
+  const Plane share = box_mean(stands_out, radius);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (stands_out.row(y)[x] == 0.0f || share.row(y)[x] > most_in_window) continue;
       for (std::size_t c = 0; c < 3; ++c)
         noisy.color[c].row(y)[x] =
             std::min(before.color[c].row(y)[x], Around(before.color[c], x, y).third_largest());
-      noisy.variance.row(y)[x] = variances.median();
+      noisy.variance.row(y)[x] = Around(before.variance, x, y).median();
     }
   noisy.find_luminance();
 }
