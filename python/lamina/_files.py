@@ -118,7 +118,7 @@ class opened:
         pixels = array.astype(np.float32)
         pixels = pixels[..., None] if pixels.ndim == 2 else pixels
         path = self._new_file(".exr")
-        _lamina.save_exr(pixels, _channels(pixels.shape[-1], beside), path, {}, "rec709")
+        _lamina.save_exr(pixels, _channels(pixels.shape[-1], beside), path, {}, "rec709", None)
         return path
 
     def _mesh(self, where: str, mesh: Mapping[Any, Any]) -> dict[Any, object]:
