@@ -66,7 +66,8 @@ std::string rule_of(const NumberRange& range) {
 }
 
 std::string number_rule_of(const NumberRange& range) {
-  const std::string rule = rule_of(range), must = "must be ", lie = "must lie ";
+  const std::string must = "must be ", lie = "must lie ";
+  std::string rule = rule_of(range);
   if (std::isinf(range.low) && std::isinf(range.high)) return rule;
   return must + "a number " + rule.substr(rule.starts_with(lie) ? lie.size() : must.size());
 }
