@@ -11,7 +11,7 @@
 // A job of a cluster as files: what it is, and its folder.
 namespace lamina::cli {
 
-/// What a scheduler is asked for.
+/// Resources asked of a scheduler.
 struct ClusterJob {
   std::vector<std::string> command;  ///< makes the whole, behind "lamina"
   int shards = 0;                    ///< >= 1

@@ -86,7 +86,7 @@ std::optional<Submitted> read_submitted(const std::string& line, int shards) {
   return Submitted{.part = words[0], .first = *first, .job = words[2]};
 }
 
-/// Those of its lines that are parts of the job.
+/// Lines of the file "submitted" that are parts of the job.
 std::vector<Submitted> read_submitted(const fs::path& file, int shards,
                                       std::vector<std::string>& warnings) {
   std::error_code ignored;
@@ -110,7 +110,7 @@ std::vector<Submitted> read_submitted(const fs::path& file, int shards,
   return all;
 }
 
-/// What Slurm says of the jobs that were submitted.
+/// States of the submitted jobs, as Slurm lists them.
 Queue read_queue(const std::vector<Submitted>& submitted, const std::string& text) {
   Queue queue{.is_known = true, .tasks = {}};
   std::set<std::string> ours;
@@ -128,7 +128,7 @@ Queue read_queue(const std::vector<Submitted>& submitted, const std::string& tex
   return queue;
 }
 
-/// What its script has noted: "start HOST PROCESS TIME", and "end CODE TIME" in the next line.
+/// Notes of a shard's script: "start HOST PROCESS TIME", and "end CODE TIME" in the next line.
 PartState read_state(const fs::path& file, bool is_known_to_queue) {
   static const std::string host = name_of_host();
   constexpr std::size_t longest = 4096;
@@ -185,7 +185,7 @@ std::optional<double> ClusterState::seconds_left() const {
 }
 
 std::optional<std::string> slurm_queue() {
-  // Of all of the user's jobs: Slurm refuses to list one that it has forgotten.
+  // The list is of all the user's jobs: Slurm refuses to list one that it has forgotten.
   const auto run = run_program(
       {"squeue", "--array", "--noheader", "--format=%F %K %t", fmt::format("--user={}", geteuid())},
       "/");

@@ -30,7 +30,7 @@ void add_material_options(const Command& command, std::string& bands,
 /// @throws as find_material; InvalidInput that starts with `--set KEY`
 [[nodiscard]] Material find_material_at(const MaterialChoice& choice, const MemoryBudget& memory);
 
-/// The same, without a name where its file gives none.
+/// The material as find_material_at finds it, without a name where its file gives none.
 [[nodiscard]] Material find_unnamed_material_at(const MaterialChoice& choice,
                                                 const MemoryBudget& memory);
 

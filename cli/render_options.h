@@ -37,7 +37,7 @@ void warn(const std::vector<std::string>& lines);
 
 /// Where a render keeps its samples while it is at work: a file beside the picture or the shard.
 ///
-/// What an earlier render has kept there is worth as much as the hours it took: it stays, as is
+/// Samples that an earlier render kept are worth the hours they took: they stay, as is
 /// said, unless --resume goes on from it or --fresh replaces it.
 ///
 /// @param file  the picture or the shard

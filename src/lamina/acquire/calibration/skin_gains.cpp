@@ -212,7 +212,7 @@ FoundSkinGains find_skin_gains(const Image& image, const PixelMask& mask,
     return pixels >= least_pixels && static_cast<double>(pixels) >=
                                          least_share * static_cast<double>(count_pixels(mask).used);
   };
-  // As it is: of skin and of what gains are before.
+  // Colors of skin before gains: the spread of people, and that of gains.
   SkinColors before_gains = population;
   DenseMatrix& spread = before_gains.covariance;
   for (std::size_t i = 0; i < spread.rows; ++i)

@@ -78,7 +78,7 @@ struct SkinGains {
 /// How pixels differ from the skin that gains make of others.
 struct SkinPixels {
   PixelMask mask;  ///< those of skin's color are used, others `excluded`
-  /// Of those that were used: of skin's color, too dark, too bright, of another color
+  /// Counts of the used pixels: of skin's color, too dark, too bright, of another color
   std::size_t skin = 0, dark = 0, bright = 0, colored = 0;
 };
 

@@ -24,7 +24,7 @@ void decode_spheres(const JsonObject& entry, std::size_t rows, MeasuredSeries& s
 /// The keys of an entry that say of a file of iad what is not in it.
 inline constexpr std::array<std::string_view, 2> iad_keys = {"method", "baffle"};
 
-/// The same from a file of iad, whose spheres and beam these are.
+/// Takes the spheres and the beam of a series from a file of iad.
 void take_iad_spheres(const JsonObject& entry, const MeasuredTable& table, MeasuredSeries& series);
 
 }  // namespace lamina::fit_detail
