@@ -6,6 +6,11 @@ target_compile_options(lamina_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on strings, its bug 105651
   $<$<BOOL:${LAMINA_WARNINGS_AS_ERRORS}>:-Werror>
   -fno-math-errno -fno-trapping-math)  # without these, loops over exp, sqrt and floor do not vectorize
+if(LAMINA_FUZZ)  # a path below the build folder's, so that a compiler cache finds objects of other checkouts
+  cmake_path(RELATIVE_PATH PROJECT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_BINARY_DIR} OUTPUT_VARIABLE lamina_folder)
+  target_compile_options(lamina_flags INTERFACE
+    -fsanitize-coverage-ignorelist=${lamina_folder}/tests/fuzz/uncounted.txt)
+endif()
 
 # Highway, for sources that are compiled once per instruction set. Those left out help no loop of
 # lamina, and cost time to compile.
