@@ -102,5 +102,7 @@ function(lamina_fingerprint name header macro)
     DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/cmake/fingerprint.cmake
     DEPFILE ${fingerprint}.d)
   target_sources(lamina_${name} PRIVATE ${fingerprint})
+  # A target without dependencies: the header is there before any library is built.
+  add_custom_target(lamina_${name}_fingerprint DEPENDS ${fingerprint})
   target_include_directories(lamina_${name} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
 endfunction()
