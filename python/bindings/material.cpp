@@ -45,6 +45,7 @@ void bind_material(py::module_& module) {
       .def_readonly("name", &Material::name)
       .def_readonly("source", &Material::source)
       .def_readonly("oiliness", &Material::oiliness)
+      .def_readonly("specular_roughness", &Material::specular_roughness)
       .def_property_readonly("band_names",
                              [](const Material& material) {
                                std::vector<std::string> names;

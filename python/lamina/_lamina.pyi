@@ -57,6 +57,7 @@ class Material:
     name: str
     source: str
     oiliness: float
+    specular_roughness: Optional[float]
     band_names: list[str]
     wavelengths: Optional[_Doubles]
     layer_names: list[str]

@@ -197,11 +197,11 @@ TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   const JsonDocument document = load_json(files.material);
   const JsonObject object =
       document.root().file_object("material", 1, {"name", "length_unit", "surface", "skin"});
-  EXPECT_NEAR(object.required("surface")
-                  .object({"roughness", "distribution"})
-                  .required("roughness")
-                  .number({.low = 0.0, .high = 1.0}),
-              0.32, 1e-9);
+  const JsonObject surface =
+      object.required("surface").object({"roughness", "specular_roughness"});
+  // Layers as the inversion saw them, under a surface that shows no images of lamps.
+  EXPECT_EQ(surface.required("roughness").number({.low = 0.0, .high = 1.0}), 0.0);
+  EXPECT_NEAR(surface.required("specular_roughness").number({.low = 0.0, .high = 1.0}), 0.32, 1e-9);
   const SkinMaps maps = decode_skin_maps(object.required("skin"));
   ASSERT_EQ(maps.maps.size(), 4U);  // both saturations are one map
   EXPECT_TRUE(maps.warnings.empty());

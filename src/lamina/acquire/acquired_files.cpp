@@ -12,6 +12,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_output.h"
 #include "lamina/io/write_places.h"
+#include "lamina/materials/skin.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 
 namespace lamina {
@@ -72,10 +73,6 @@ JsonOutput skin_json(const AcquiredSkin& skin, const Capture& capture) {
 
 namespace {
 
-/// Microfacet alpha of the surface of skin, so that lamps do not show in it as in a mirror: one
-/// lobe for a face is about .3 wide [DEonLuebke2007], after the measurements of [Weyrich2006].
-constexpr double skin_roughness = 0.32;
-
 /// The piece of skin as a rectangle on a table, in mm, with a lamp to its left.
 JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
   const double width = skin.width * mm_per_pixel, height = skin.height * mm_per_pixel;
@@ -95,8 +92,7 @@ JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
       {"film", {{"width", 512}, {"height", 512}}},
       {"materials",
        {{"skin",
-         {{"subsurface", "material.json"},
-          {"coat", {{"ior", 1.44}, {"roughness", skin_roughness}}}}}}},
+         {{"subsurface", "material.json"}}}}},
       {"meshes",
        JsonOutput::array(
            {{{"shape", "rectangle"}, {"width", width}, {"height", height}, {"material", "skin"}}})},
@@ -139,7 +135,7 @@ AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
                          {"version", 1},
                          {"name", capture.name},
                          {"length_unit", "mm"},
-                         {"surface", {{"roughness", skin_roughness}}},
+                         {"surface", {{"roughness", 0}, {"specular_roughness", skin_specular_roughness}}},
                          {"skin", recipe}});
   if (capture.mm_per_pixel) {
     files.patch = folder / "patch.json";

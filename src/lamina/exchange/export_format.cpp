@@ -140,6 +140,7 @@ void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
   input.light = known.light;
   if (format.needs == ExportNeeds::walk && !known.light->transmits) {
     if (!known.walk) known.walk = fit_walk(*known.light, input.stacks, options);
+    known.walk->top = input.surface;
     input.fit = known.walk;
   }
   if (format.needs != ExportNeeds::medium) return;
@@ -147,6 +148,7 @@ void work_out(const ExportFormat& format, ExportChannels kind, WorkedOut& known,
     known.fit = fit_homogeneous(
         *known.light, input.stacks,
         {.g = options.g, .ior = options.ior, .goal = options.goal, .progress = options.progress});
+  known.fit->top = input.surface;
   input.fit = known.fit;
 }
 
@@ -171,6 +173,7 @@ std::vector<ExportedMaterial> export_material(const Material& material,
   check(options);
   ExportInput input{.material = material,
                     .stacks = layer_stacks(material),
+                    .surface = specular_top(material),
                     .stem = file_stem(material.name),
                     .options = options};
   input.surface_ior = options.ior.value_or(mean_over(input.stacks, [](const auto& s) {

@@ -32,6 +32,7 @@ struct ExportOptions {
 struct ExportInput {
   Material material;
   std::vector<LayerStack> stacks;  ///< [band]
+  Interface surface;               ///< as renders mirror in it; goes into `fit`, too
   std::string stem;                ///< what files are called, without an ending
   ExportOptions options;
   Channels channels;                  ///< those that are asked for

@@ -102,7 +102,13 @@ std::string format_material(const Material& material) {
         ground.push_back(entry("reflectance", number_text(material.ground.reflectance)));
       add_interface(ground, material.ground.top);
     }
-    add_interface(surface, material.layers.front().top);
+    const Interface& top = material.layers.front().top;
+    add_interface(surface, top);
+    if (material.specular_roughness) {
+      if (surface.empty()) surface.push_back(entry("roughness", "0"));
+      surface.push_back(
+          entry("specular_roughness", number_text(*material.specular_roughness)));
+    }
   }
   if (!surface.empty()) file.push_back(entry("surface", one_line(surface)));
   if (!ground.empty()) file.push_back(entry("ground", one_line(ground)));

@@ -72,6 +72,9 @@ struct Material {
   std::vector<MaterialLayer> layers;
   double oiliness = 0.0;  ///< strength of an oily coat for the renderer, in [0, 1]; solvers of
                           ///< layers do not see it
+  /// Microfacet alpha of what the lit surface mirrors in renders, in [0, 1]; absent: that of the
+  /// first layer's top, which is what all else sees.
+  std::optional<double> specular_roughness;
   /// Of the recipes `skin` and `leaf`: what they say. Where parameters are maps, these and the
   /// layers have their means.
   std::optional<SkinRecipe> skin;
@@ -79,6 +82,13 @@ struct Material {
   bool is_by_diffusion = false;  ///< coefficients were found from a color by diffusion, so that
                                  ///< profiles by diffusion show that color
 };
+
+/// The lit surface as renders mirror in it: the first layer's top with the specular roughness.
+[[nodiscard]] inline Interface specular_top(const Material& material) {
+  Interface top = material.layers.front().top;
+  top.roughness = material.specular_roughness.value_or(top.roughness);
+  return top;
+}
 
 /// The optical layers of one band.
 ///

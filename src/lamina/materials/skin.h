@@ -35,6 +35,10 @@ namespace lamina {
 /// A solution of 1 g/L beta-carotene. [Donner2008] gives its fraction no unit; this is ours.
 [[nodiscard]] double carotene_absorption(double wavelength);
 
+/// Microfacet alpha of the surface of skin as lamps are mirrored in it: one lobe of a face is about
+/// .3 wide [DEonLuebke2007], after the measurements of [Weyrich2006].
+inline constexpr double skin_specular_roughness = 0.32;
+
 /// Ink in the sheet between epidermis and dermis.
 struct SkinInk {
   std::string name = {};

@@ -55,7 +55,7 @@ ExportedMaterial finished(const ExportInput& input, std::string_view format,
 double enters(const ExportInput& input) { return 1.0 - fresnel_diffuse(input.surface_ior); }
 
 double perceptual_roughness(const ExportInput& input) {
-  return std::sqrt(input.stacks.front().layers().front().top.roughness);
+  return std::sqrt(input.surface.roughness);
 }
 
 /// Colors under a surface that lets only a part of diffuse light in.

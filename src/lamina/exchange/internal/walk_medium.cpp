@@ -44,7 +44,7 @@ JsonOutput walk_medium_json(const ExportInput& input, std::string_view format,
                             const WalkMedium& medium) {
   JsonOutput json = head_json(input, format);
   json["ior"] = input.surface_ior;
-  json["roughness"] = input.stacks.front().layers().front().top.roughness;
+  json["roughness"] = input.surface.roughness;
   json["reflectance"] = medium.reflectance;
   if (medium.is_sheet()) {
     json["transmittance"] = medium.transmittance;

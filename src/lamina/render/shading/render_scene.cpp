@@ -51,8 +51,9 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
       throw InvalidInput("material \"" + material.name + "\": over \"" + covering.name +
                          "\": at least one layer is required");
     const MaterialLayer& layer = covering.material.layers.front();
-    boundaries.over.push_back({make_boundary(layer, covering.material.ior_above, layer.top),
-                               static_cast<float>(layer.top.roughness)});
+    const Interface top = specular_top(covering.material);
+    boundaries.over.push_back({make_boundary(layer, covering.material.ior_above, top),
+                               static_cast<float>(top.roughness)});
   }
   const auto* subsurface = std::get_if<SubsurfaceSurface>(&material.surface);
   const auto* thin = std::get_if<ThinSurface>(&material.surface);
@@ -60,7 +61,7 @@ RenderScene::Boundaries make_boundaries(const SurfaceMaterial& material) {
   const Material& layers = subsurface ? subsurface->material : thin->material;
   if (layers.layers.empty())
     throw InvalidInput("material \"" + material.name + "\": at least one layer is required");
-  const Interface& top = layers.layers.front().top;
+  const Interface top = specular_top(layers);
   boundaries.own = make_boundary(layers.layers.front(), layers.ior_above, top);
   boundaries.own_roughness = static_cast<float>(top.roughness);
   if (std::isfinite(layers.layers.back().thickness)) {
