@@ -92,8 +92,10 @@ save_png(pathlib.Path(sys.argv[1]) / "outline.png", outline)
 veins = np.clip(midrib + 0.6 * pairs + 0.15 * net, 0, 1)[..., None]
 mottle = (0.86 + 0.05 * smooth_noise(60) + 0.03 * smooth_noise(9))[..., None]
 rim = np.clip(1 - distance / 0.02, 0, 1)[..., None] * 0.3
-tint = np.array([0.97, 1.0, 0.9]) * (1 - rim) + np.array([1.0, 0.8, 0.6]) * rim
-color = mottle * tint * (1 - veins) + np.array([1.0, 1.0, 0.9]) * veins
+# The blade holds the pigments: its color is the darker one. Veins are nearly as white as the tissue without
+# them, so that they are bright where light falls on them, and dark against it since they are thick.
+tint = np.array([0.61, 0.65, 0.56]) * (1 - rim) + np.array([0.66, 0.55, 0.40]) * rim
+color = mottle * tint * (1 - veins) + np.array([0.93, 0.955, 0.84]) * veins
 color = np.where((distance > -0.02)[..., None], color, 0.9)
 color = 0.25 * (color[0::2, 0::2] + color[1::2, 0::2] + color[0::2, 1::2] + color[1::2, 1::2])
 save_png(pathlib.Path(sys.argv[1]) / "color.png", np.round(color * 64) / 64)
