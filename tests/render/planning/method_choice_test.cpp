@@ -135,6 +135,17 @@ TEST(MethodChoice, FollowsLightInsideSmallBodies) {
   scene.render.method = Method::automatic;
   EXPECT_EQ(chosen_for(scene).method, Method::hierarchy);
 
+  // Flat profiles are a tenth off at 30 mean free paths: docs/measurements/subsurface.md.
+  const auto of_size = [](double size) {
+    Scene ball = lit_ball();  // of a mean chord of 20 / 3 mm
+    const double sigma_s = 0.15 * size - 0.01;
+    surface_of(ball).material = half_space({0.01, 0.01, 0.01}, sigma_s, 1.4);
+    ball.film = {.width = 4, .height = 4};
+    return chosen_for(ball).method;
+  };
+  EXPECT_EQ(of_size(29.0), Method::random_walk);
+  EXPECT_EQ(of_size(31.0), Method::hierarchy);
+
   // A light without an area, which walks do not find below layers that refract.
   Scene layered = lit_ball();
   layered.lights = {PointLight{.position = {0, 0, 50}, .intensity = {100, 100, 100}}};

@@ -21,7 +21,7 @@ using Method = SceneMethod;
 
 /// Mean chord of a body in transport mean free paths below which flat profiles do not fit it. Their
 /// error over it is in docs/measurements/subsurface.md.
-constexpr double least_flat_size = 10.0;
+constexpr double least_flat_size = 30.0;
 
 /// The best first, as far as they honour what is asked for.
 std::array<Method, 6> preferred_methods() {
@@ -116,7 +116,8 @@ std::vector<std::string> warnings_of_small_bodies(const Scene& scene) {
     if (const auto size = small_bodies(scene, m))
       lines.push_back("material " + quoted_name(scene, m) + ": its bodies are small, " +
                       describe(*size) + ", but method " + std::string(method.name()) +
-                      " takes surfaces as flat: its light may be far off; take random_walk");
+                      " takes surfaces as flat: its light may be a tenth off, or a half in smaller ones; "
+                      "take random_walk");
   return lines;
 }
 
