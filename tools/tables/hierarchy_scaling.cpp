@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 //
 // Time and memory of the method `hierarchy` over the size of a mesh, with two samples of the light
-// per triangle: the table and the figure of docs/subsurface.md. Each size is a process of its own,
+// per triangle: the table and the figure of docs/subsurface_hierarchy.md. Each size is a process of its own,
 // so that its peak of memory is its own.
 //
 // usage: hierarchy_scaling [FIGURE.svg]
