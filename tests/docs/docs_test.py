@@ -1,6 +1,7 @@
 # Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 """What the pages say is so: their commands run, their C++ compiles, and every option, key, name,
 file, link and source that they mention exists. Comments name files and sources that exist, too.
+CONTRIBUTING.md has the test program of each room.
 
 usage: docs_test.py LAMINA ROOT COMPILER [unittest's arguments]
 
@@ -230,6 +231,28 @@ class Programs(unittest.TestCase):
         return f"{includes}int main() {{\n{body}}}\n"
 
 
+class Rooms(unittest.TestCase):
+    """The table of rooms in CONTRIBUTING.md, against the folders and tests/CMakeLists.txt."""
+    rows = [[cell.strip() for cell in row.split("|")[1:4]]
+            for row in re.search(r"\| room \|.*\n\|-.*\n((?:\|.*\n)*)", text_of(ROOT / "CONTRIBUTING.md")).group(1).splitlines()]
+
+    def test_every_room_is_in_the_table(self):
+        listed = {room for row in self.rows for room in re.findall(r"`([\w/]+)`", row[0])}
+        for folder in (ROOT / "src/lamina").glob("*/"):
+            with self.subTest(folder.name):
+                self.assertTrue(any(room.split("/")[0] == folder.name for room in listed))
+
+    def test_each_program_has_the_tests_of_its_rooms(self):
+        for room, program, _ in self.rows:
+            if program.startswith("by its users"):
+                continue
+            name = re.search(r"`(\w+)_test`", program).group(1)
+            for one in re.findall(r"`([\w/]+)`", room):
+                with self.subTest(one):
+                    self.assertTrue((ROOT / "src/lamina" / one).is_dir())
+                    self.assertIn(one.split("/")[0], test_programs()[name])
+
+
 class Names(unittest.TestCase):
     def test_every_option_exists(self):
         every = set().union(*(options_of(subcommand) for subcommand in subcommands()), options_of(None))
@@ -394,7 +417,17 @@ def words_of_sources():
             words.update(file.stem.split("."))
     for name in ("CMakePresets.json", "CMakeLists.txt", "setup.sh", "demo.sh"):
         words.update(re.findall(r"[A-Za-z_]\w*", (ROOT / name).read_text()))
-    return words | {"docs", "build"}
+    return words | {"docs", "build"} | {f"{name}_test" for name in test_programs()}
+
+
+@functools.lru_cache(None)
+def test_programs():
+    """Folders of tests by the name of their program."""
+    text = (ROOT / "tests/CMakeLists.txt").read_text().replace("\n    ", " ")
+    programs = {}
+    for name, folders in re.findall(r"lamina_test\((\w+) FOLDERS ([\w/ ]+?) (?:SOURCES|LINKS) ", text):
+        programs.setdefault(name, set()).update(folders.split())  # some are built in parts without images
+    return programs
 
 
 @functools.lru_cache(None)
