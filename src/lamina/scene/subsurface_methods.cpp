@@ -62,6 +62,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .noise = "falls with samples",
       .error = "the flat profile",
       .needs = "a profile",
+      .page = "subsurface_probe.md",
       .uses_profile = true,
       .honours = {"color", "color_use", "thickness", "subsurface.skin.dermis_thickness",
                   "subsurface.ground", "subsurface.layers", "profile", "exit_angle",
@@ -82,6 +83,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .noise = "none",
       .error = "the flat profile; light finer than the samples is blurred",
       .needs = "a profile",
+      .page = "subsurface_hierarchy.md",
       .uses_profile = true,
       .keeps_light = true,
       .honours = {"color", "color_use", "thickness", "subsurface.skin.dermis_thickness",
@@ -94,6 +96,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .noise = "falls with samples",
       .error = "the flat profile; no light from other surfaces; soft lights and skies in steps",
       .needs = "a profile",
+      .page = "subsurface_shadow_map.md",
       .uses_profile = true,
       .honours = {"color", "color_use", "thickness", "subsurface.skin.dermis_thickness",
                   "subsurface.ground", "subsurface.layers", "profile", "exit_angle",
@@ -104,7 +107,7 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .noise = "none below the surface",
       .error = "flat layers around each texel",
       .needs = "texture coordinates",
-      .page = "heterogeneous_skin.md",
+      .page = "subsurface_texture_space.md",
       .keeps_light = true,
       .honours = {"subsurface.maps", "subsurface.layers", "exit_angle", "correct", "over"},
       .numbers = texture_space_numbers},
@@ -112,8 +115,9 @@ constexpr auto built_in_methods = std::to_array<SubsurfaceMethodInfo>(
       .how = "follows light inside closed meshes, homogeneous or in layers by depth, which may be "
              "maps, under smooth or rough boundaries, from body to body",
       .noise = "falls with samples",
-      .error = "nothing but noise, inside the model below",
+      .error = "nothing but noise, within its model",
       .needs = "closed meshes",
+      .page = "subsurface_random_walk.md",
       .solves_transfer = true,
       .honours = {"color", "color_use", "subsurface.maps"}}});
 
