@@ -31,7 +31,7 @@ namespace lamina {
 /// other side of the same texel, and light enters there, too, by the layers in reverse order. On a
 /// closed mesh, which such layers fill, it leaves at the texel opposite.
 ///
-/// Source: [Donner2008] §4; docs/heterogeneous_skin.md.
+/// Source: [Donner2008] §4; docs/subsurface_texture_space.md.
 template <int N>
 class TextureSpaceTransport final : public SubsurfaceMethod<N> {
  public:

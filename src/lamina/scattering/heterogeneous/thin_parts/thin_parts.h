@@ -32,7 +32,7 @@ struct ThinBand {
 /// way up. So veins cast shadows which are soft by their depth.
 ///
 /// Exact for a flat slab of one absorption. Source: [DonnerJensen2005] Eqs. 13 and 27, [Donner2008]
-/// §4.3; docs/heterogeneous_skin.md.
+/// §4.3; docs/subsurface_texture_space.md.
 template <int N>
 struct ThinParts {
   struct Geometry;

@@ -47,7 +47,7 @@ struct FacingPair {
 };
 
 /// The shares are 0 if there is no way: cells that do not lie below each other.
-/// Source: [DonnerJensen2005] Eq. 27 for the blend of wedges; docs/heterogeneous_skin.md.
+/// Source: [DonnerJensen2005] Eq. 27 for the blend of wedges; docs/subsurface_texture_space.md.
 [[nodiscard]] FacingPair facing_pair(const FacingCell& to, const FacingCell& from);
 
 /// Which cells of a surface see each other through the body. Far cells are coarse: the farther, the
