@@ -14,7 +14,9 @@
 
 #include "commands.h"
 #include "console.h"
+#include "info_kinds.h"
 #include "lamina/core/error.h"
+#include "lamina/io/nearest_name.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_report.h"
 #include "lamina/scene/file_materials.h"
@@ -256,15 +258,33 @@ void show_scene(const InfoOptions& options) {
                     memory_size_text(of_images), memory_size_text(of_film), meshes));
 }
 
+/// A file of another kind: a few lines, and what takes it.
+void show_facts(const InfoOptions& options, const FileLook& look, const FileKind& kind) {
+  const FileFacts facts = kind.facts(look, options.common.memory);
+  JsonOutput result = make_result("info");
+  result["file"] = options.file;
+  result["kind"] = kind.name;
+  result["facts"] = facts.json;
+  result["taken_by"] = kind.commands;
+  result["warnings"] = facts.warnings;
+  std::string text = fmt::format("{}\n  {:<12}{}\n", options.file, "kind", kind.name);
+  for (const auto& [name, what] : facts.lines)
+    text += fmt::format("  {:<12}{}\n", name, printable(what, ""));
+  if (!kind.commands.empty()) text += fmt::format("  {:<12}{}\n", "taken by", kind.commands);
+  write_json(result, options.common);
+  for (const std::string& warning : facts.warnings) say("warning: " + warning);
+  print(options.common, text);
+}
+
 }  // namespace
 
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  const Command command(app, "info",
-                        "Say what a mesh file or a scene holds, and what is odd about it");
+  const Command command(app, "info", "Say what a file holds, and what is odd about it");
   command
       .add_option("file", options->file,
-                  "a mesh (.obj, .ply, .gltf, .glb) or a scene (.json): its parts, materials, "
+                  "any file or folder that lamina reads or writes: its kind, size, bands and what "
+                  "takes it; of a mesh (.obj, .ply, .gltf, .glb) or a scene its parts, materials, "
                   "triangles, size in mm, open edges, texture islands and memory")
       .type_name("FILE")
       .required();
@@ -280,14 +300,29 @@ void add_info_command(CLI::App& app) {
       "Example: a mesh before it is rendered\n"
       "  lamina info head.obj --mm-per-unit 10");
   command.callback([command, options] {
-    const bool is_scene = lower_case_ending(options->file) == ".json";
-    if (is_scene && (command.is_given("--mm-per-unit") || command.is_given("--uv-set")))
-      throw InvalidInput("--mm-per-unit and --uv-set: a scene says these itself");
+    const FileLook look = look_at(options->file, options->common.memory);
+    const FileKind* kind = find_file_kind(look);
+    const bool is_scene = kind && kind->name == "scene", is_mesh = kind && kind->name == "mesh";
+    if (!kind && look.is_json && !look.said.empty())
+      throw InvalidInput(fmt::format("{}: \"lamina\" must be one of {}, but is \"{}\"{}",
+                                     options->file, fmt::join(document_kinds(), ", "), look.said,
+                                     did_you_mean(look.said, document_kinds())));
+    if (!kind)
+      throw InvalidInput(options->file + ": must be of a kind that lamina knows, but is none of " +
+                         file_kind_names());
+    for (const char* option : {"--mm-per-unit", "--uv-set"})
+      if (!is_mesh && command.is_given(option))
+        throw InvalidInput(
+            fmt::format("{}: {}", option,
+                        is_scene ? "a scene says this itself"
+                                 : fmt::format("is for meshes, but this is a {}", kind->name)));
     if (!is_scene && !options->settings.empty()) throw InvalidInput("--set: is for scenes");
     if (is_scene)
       show_scene(*options);
-    else
+    else if (is_mesh)
       show_mesh(*options);
+    else
+      show_facts(*options, look, *kind);
   });
 }
 
