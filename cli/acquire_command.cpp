@@ -26,6 +26,7 @@
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
 #include "lamina/plot/html_page.h"
+#include "picture_files.h"
 #include "shard_option.h"
 
 namespace lamina::cli {
@@ -247,7 +248,7 @@ void run_acquire(const AcquireOptions& options) {
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
   Capture capture = load_capture(options.capture, options.common.memory, options.settings);
   const fs::path folder =
-      options.output.empty() ? fs::path(options.capture).stem() : fs::path(options.output);
+      options.output.empty() ? named_after(options.capture, "folder") : options.output;
   require_writable_folder(folder);
   if (capture.leaf && options.only_checks) return print_tiles(options, 1, folder);
   if (capture.leaf) {

@@ -16,6 +16,7 @@
 #include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
+#include "picture_files.h"
 
 namespace lamina::cli {
 namespace {
@@ -71,7 +72,7 @@ void run_maps(const MapsOptions& options) {
     if (lower_case_ending(options.output) == ending)
       throw InvalidInput("--output: must be a folder, not a file, but is " + options.output);
   const fs::path folder =
-      options.output.empty() ? fs::path(options.recipe).stem() : fs::path(options.output);
+      options.output.empty() ? named_after(options.recipe, "folder") : options.output;
   require_writable_folder(folder);
   const bool has_seed = options.seed.is_given();
   const Progress progress = make_progress("making maps", Keeps::nothing);

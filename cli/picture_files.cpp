@@ -13,17 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path named_after(const std::string& source) {
-  if (source == "-")
-    throw InvalidInput("--output: must name the picture of what standard input describes");
-  return fs::path(source).stem();
-}
-
 /// The files, whether or not they can be written.
 PictureFiles files_of(const std::string& output, const std::string& source) {
   std::error_code ignored;
   if (output.empty() || fs::is_directory(output, ignored)) {
-    const std::string name = (fs::path(output) / named_after(source)).string();
+    const std::string name = (fs::path(output) / named_after(source, "picture")).string();
     return {name + ".exr", name + ".png"};
   }
   const std::string ending = lower_case_ending(output);
@@ -37,6 +31,17 @@ PictureFiles files_of(const std::string& output, const std::string& source) {
 }
 
 }  // namespace
+
+std::string named_after(const std::string& source, const std::string& what) {
+  if (source == "-")
+    throw InvalidInput(
+        fmt::format("--output: must name the {} of what standard input describes", what));
+  const std::string name = fs::path(source).stem().string();
+  if (name.empty() || name == "." || name == "..")
+    throw InvalidInput(fmt::format(
+        "--output: must name the {}, which cannot be named after {}", what, printable(source, "")));
+  return name;
+}
 
 PictureFiles picture_files(const std::string& output, const std::string& source) {
   const PictureFiles files = files_of(output, source);

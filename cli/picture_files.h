@@ -20,6 +20,13 @@ struct PictureFiles {
 /// @throws InvalidInput for any other ending; WriteError if a file cannot be written
 [[nodiscard]] PictureFiles picture_files(const std::string& output, const std::string& source);
 
+/// A result's name in the current folder where --output does not say one: that of what it is made
+/// from, without its ending.
+///
+/// @param what  the result, for messages: "picture"
+/// @throws InvalidInput for standard input, and for what leaves no name, as "...json"
+[[nodiscard]] std::string named_after(const std::string& source, const std::string& what);
+
 /// "1.20 % noise, 3.41 % root mean square, ": what is known of image/compare.h's.
 [[nodiscard]] std::string describe_noise(const std::optional<double>& median,
                                          const std::optional<double>& rms);

@@ -7,6 +7,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/render/render.h"
+#include "picture_files.h"
 #include "render_options.h"
 #include "shard_option.h"
 
@@ -19,11 +20,9 @@ fs::path shard_file(const RenderCommandOptions& options, const Shard& shard) {
   std::error_code ignored;
   if (!options.output.empty() && !fs::is_directory(options.output, ignored))
     throw InvalidInput("--output: must end in .shard with --shard, but is " + options.output);
-  if (options.scene == "-")
-    throw InvalidInput("--output: must name the shard of what standard input describes");
   return fs::path(options.output) / fmt::format("{}.{}-of-{}.shard",
-                                                fs::path(options.scene).stem().string(),
-                                                shard.index, shard.count);
+                                                named_after(options.scene, "shard"), shard.index,
+                                                shard.count);
 }
 
 void refuse_with_shard(const RenderCommandOptions& options, const Scene& scene) {

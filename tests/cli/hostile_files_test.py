@@ -81,6 +81,36 @@ class HostileFiles(unittest.TestCase):
         self.assertEqual(self.reproduce("x", "invert --color .5 --radius 1 -o inside.json", files).returncode, 0)
         self.assertTrue((self.work / "out/x/inside.json").exists())
 
+    def test_results_are_named_after_files_inside_of_the_folder(self):
+        for name in ("...json", "..json"):
+            for command, document in (("maps", {"lamina": "maps", "version": 1, "width": 4, "height": 4, "mm_per_pixel": 1, "skin": {}, "features": []}),
+                                      ("render", SCENE)):
+                with self.subTest(name, command=command):
+                    (self.work / name).write_text(json.dumps(document))
+                    result = self.run_lamina(command, name)
+                    self.assertEqual(result.returncode, 2, result.stderr)
+                    self.assertIn(f"which cannot be named after {name}", result.stderr)
+                    self.assertEqual(os.listdir(self.work), [name])
+                    self.assert_untouched()
+                    (self.work / name).unlink()
+
+    def test_errors_show_the_beginning_of_words_of_files(self):
+        secret = "secret" + "x" * 500 + "\x1b[31m"
+        files = {"word.csv": f"wavelength_nm,k\n400,1\n500,{secret},2\n", "columns.csv": f"{secret},{secret}\n1,2\n",
+                 "number.obj": f"v 1 2 {secret}\n", "index.obj": f"v 1 2 3\nf 1 1 9{secret}\n", "corner.obj": f"v 1 2 3\nf 1{secret} 1 1\n",
+                 "keyword.ply": f"ply\n{secret}\n", "format.ply": f"ply\nformat {secret} 1.0\n",
+                 "twice.ply": f"ply\nformat ascii 1.0\nelement {secret} 1\nelement {secret} 1\n", "version.gltf": json.dumps({"asset": {"version": secret}}),
+                 "run.mci": f"{secret}\n", "cube.hdr": f"ENVI\nsamples = {secret}\n", "type.hdr": f"ENVI\nsamples = 1\nlines = 1\nbands = 1\ndata type = 1\ninterleave = {secret}\n",
+                 "look.mtlx": f"<{secret[:200]}/>"}
+        for name, text in files.items():
+            with self.subTest(name):
+                (self.work / name).write_text(text)
+                result = self.run_lamina("info", name)
+                self.assertEqual(result.returncode, 2, result.stdout)
+                self.assertNotIn("x" * 100, result.stderr)
+                self.assertNotIn("\x1b", result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
     def test_items_start_no_other_programs(self):
         for command in ("submit 'render s.json -o p' --shards 2", "reproduce other.json -o ../../../victim", "status p.job"):
             result = self.reproduce("x", command)

@@ -13,6 +13,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/reading_warnings.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina {
 namespace {
@@ -80,7 +81,7 @@ class Entries {
     const auto [at, error] = std::from_chars(text->data(), end, value);
     if (error != std::errc() || at != end || value < low || value > high)
       fail(key + " must be a whole number from " + std::to_string(low) + " to " +
-           std::to_string(high) + ", but is " + *text);
+           std::to_string(high) + ", but is " + excerpt(*text));
     return value;
   }
 
@@ -89,7 +90,7 @@ class Entries {
     const char* end = text.data() + text.size();
     const auto [at, error] = std::from_chars(text.data(), end, value);
     if (error != std::errc() || at != end || !std::isfinite(value))
-      fail(key + " must be a number, but is " + std::string(text.substr(0, 40)));
+      fail(key + " must be a number, but is " + excerpt(text));
     return value;
   }
 
@@ -140,7 +141,7 @@ double nanometers(const Entries& entries, const std::vector<double>& wavelengths
        {"micrometers", "micrometer", "micrometres", "microns", "um", "\u00b5m", "\u03bcm"})
     if (unit == name) return 1000.0;
   if (!unit.empty() && unit != "unknown")
-    entries.fail("wavelength units must be Nanometers or Micrometers, but is " + *given);
+    entries.fail("wavelength units must be Nanometers or Micrometers, but is " + excerpt(*given));
   constexpr double least_nanometers = 100.0;
   const auto [low, high] = std::ranges::minmax(wavelengths);
   const bool are_micrometers = high < least_nanometers;
@@ -220,13 +221,13 @@ EnviHeader parse_envi_header(std::string_view text, const std::string& name) {
   const std::string order = interleave ? lower_case(*interleave) : header.bands == 1 ? "bsq" : "";
   if (order != "bsq" && order != "bil" && order != "bip")
     entries.fail("interleave must be bsq, bil or bip, but is " +
-                 (interleave ? *interleave : std::string("missing")));
+                 (interleave ? excerpt(*interleave) : std::string("missing")));
   header.interleave = order == "bsq"   ? EnviInterleave::bsq
                       : order == "bil" ? EnviInterleave::bil
                                        : EnviInterleave::bip;
   const std::string* type = entries.find("file type");
   if (type && !lower_case(*type).starts_with("envi"))
-    entries.fail("file type must be ENVI Standard, but is " + *type);
+    entries.fail("file type must be ENVI Standard, but is " + excerpt(*type));
   const std::string* compression = entries.find("file compression");
   if (compression && *compression != "0") entries.fail("file compression must be 0 (none)");
   if (const std::string* scale = entries.find("reflectance scale factor"))

@@ -10,6 +10,7 @@
 #include "lamina/io/internal/range_rule.h"
 #include "lamina/io/json_output.h"
 #include "lamina/io/nearest_name.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina {
 namespace {
@@ -84,7 +85,7 @@ std::string quoted_names(std::span<const std::string> names) {
   constexpr std::size_t most = 8;
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
-    list += (i > 0 ? ", " : "") + json_quoted(names[i]);
+    list += (i > 0 ? ", " : "") + json_quoted(excerpt(names[i]));
   return list + (names.size() > most ? ", ..." : "");
 }
 
@@ -146,7 +147,7 @@ std::optional<std::size_t> CsvTable::find_column(std::string_view name) const {
 std::size_t CsvTable::column(std::string_view name) const {
   if (const auto found = find_column(name)) return *found;
   const std::vector<std::string_view> known(columns_.begin(), columns_.end());
-  throw InvalidInput(file_ + ": there is no column " + json_quoted(name) + " among " +
+  throw InvalidInput(file_ + ": there is no column " + json_quoted(excerpt(name)) + " among " +
                      quoted_names(columns_) + did_you_mean(name, known));
 }
 
@@ -156,10 +157,10 @@ double CsvTable::number(std::size_t row, std::size_t column, const NumberRange& 
   if (value && input_detail::contains(range, *value)) return *value;
   fail(row, column,
        input_detail::rule_of(range) + ", but is " +
-           (value                     ? cell
+           (value                     ? excerpt(cell)
             : cell.empty()            ? "empty"
-            : has_decimal_comma(cell) ? json_quoted(cell) + "; write a decimal point"
-                                      : json_quoted(cell)));
+            : has_decimal_comma(cell) ? json_quoted(excerpt(cell)) + "; write a decimal point"
+                                      : json_quoted(excerpt(cell))));
 }
 
 void CsvTable::reverse_rows() {
@@ -173,7 +174,7 @@ void CsvTable::reverse_rows() {
 }
 
 void CsvTable::fail(std::size_t row, std::size_t column, std::string_view message) const {
-  throw InvalidInput(file_ + ":" + std::to_string(lines_[row]) + ": " + columns_[column] + " " +
+  throw InvalidInput(file_ + ":" + std::to_string(lines_[row]) + ": " + excerpt(columns_[column]) + " " +
                      std::string(message));
 }
 
@@ -203,7 +204,7 @@ CsvTable parse_csv(std::string_view text, std::string name, MemoryBudget& memory
     if (columns[i].empty()) refuse(head.number, "column " + std::to_string(i + 1) + " has no name");
     if (std::ranges::count(columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(i),
                            columns[i]) > 0)
-      refuse(head.number, "there are two columns " + json_quoted(columns[i]));
+      refuse(head.number, "there are two columns " + json_quoted(excerpt(columns[i])));
   }
   if (std::ranges::all_of(columns, [](const std::string& cell) {
         return cell.find_first_not_of("0123456789.,+-eE ") == std::string::npos;

@@ -33,4 +33,12 @@ std::size_t printable_bytes(std::string_view text) {
   return is_control || is_none ? 0 : size;
 }
 
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t most = 40;
+  if (text.size() <= most) return std::string(text);
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;
+  return std::string(text.substr(0, end)) + "...";
+}
+
 }  // namespace lamina

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 // Characters of text that others wrote.
@@ -15,5 +16,9 @@ namespace lamina {
 /// The same, and 0 for a character that ends a line for some reader, moves the cursor, colors the
 /// text, turns the direction of reading, has no width or is none (U+FFFE and its like).
 [[nodiscard]] std::size_t printable_bytes(std::string_view text);
+
+/// The beginning of a text as messages show words of files: 40 bytes at most, then "...". It ends
+/// with a whole character.
+[[nodiscard]] std::string excerpt(std::string_view text);
 
 }  // namespace lamina

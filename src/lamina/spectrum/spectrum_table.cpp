@@ -9,6 +9,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/io/json_output.h"
+#include "lamina/io/utf8_text.h"
 
 namespace lamina {
 namespace {
@@ -71,9 +72,9 @@ std::vector<double> read_wavelengths(const CsvTable& table, std::size_t column) 
     throw InvalidInput(table.file() +
                        ": the first column must be wavelengths, with their unit in its name, as "
                        "wavelength_nm, but is " +
-                       json_quoted(name));
+                       json_quoted(excerpt(name)));
   if (!unit)
-    throw InvalidInput(table.file() + ": column " + json_quoted(name) +
+    throw InvalidInput(table.file() + ": column " + json_quoted(excerpt(name)) +
                        " must have the unit of its wavelengths in its name, as wavelength_nm");
   const NumberRange range =
       closed_interval(200.0 / *unit, 3000.0 / *unit, *unit == 1.0 ? "nm" : "um");

@@ -11,6 +11,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/internal/xml_elements.h"
 #include "lamina/spectrum/rgb_encoding.h"
@@ -102,7 +103,7 @@ class MaterialXReader {
 
   std::vector<FileMaterial> read() {
     if (root_.name != "materialx")
-      throw FileError(name_ + ": must be a MaterialX file, but is <" + root_.name + ">");
+      throw FileError(name_ + ": must be a MaterialX file, but is <" + excerpt(root_.name) + ">");
     std::vector<FileMaterial> result;
     for (const XmlElement& element : root_.children) {
       if (element.name != "surfacematerial") continue;
@@ -149,7 +150,7 @@ class MaterialXReader {
       if (space == "none" || space == "raw") return "lin_rec709";
       if (!rgb_encoding_named(space))
         throw FileError(name_ + ": the color space of " + std::string(input) + " must be one of " +
-                        names_of_color_spaces() + ", but is " + std::string(space.substr(0, 60)));
+                        names_of_color_spaces() + ", but is " + excerpt(space));
       return std::string(usual_rgb_encoding_name(space));
     }
     return {};

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lamina/core/error.h"
+#include "lamina/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/mesh_file.h"
 
@@ -209,7 +210,7 @@ class ObjReader {
   float parse_number(std::string_view word, const What& what) const {
     const std::optional<double> value = spelled_number(word);
     if (!value || !std::isfinite(static_cast<float>(*value)))
-      refuse(what() + ": every number must be finite, but one is \"" + std::string(word) + "\"");
+      refuse(what() + ": every number must be finite, but one is \"" + excerpt(word) + "\"");
     return static_cast<float>(*value);
   }
 
@@ -224,7 +225,7 @@ class ObjReader {
       }
       if (!word.empty())
         refuse("a corner of a face must read v, v/vt, v//vn or v/vt/vn, but goes on with \"" +
-               std::string(word) + "\"");
+               excerpt(word) + "\"");
       face_.push_back(corner);
     }
     if (face_.size() < 3)
@@ -248,7 +249,7 @@ class ObjReader {
     if (found < 0 || found >= size)
       refuse(std::string("an index of ") + kind + " must lie in [1, " + std::to_string(count) +
              "] or count back from the latest, but is \"" +
-             std::string(word.substr(0, word.find('/'))) + "\"");
+             excerpt(word.substr(0, word.find('/'))) + "\"");
     word.remove_prefix(static_cast<std::size_t>(end - word.data()));
     return static_cast<std::uint32_t>(found);
   }

@@ -12,6 +12,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/mesh_file.h"
 
@@ -144,7 +145,7 @@ class Values {
     const std::optional<double> value = spelled_number(word);
     if (!value)
       throw FileError(*name_ + ": " + what() + " must hold numbers, but has \"" +
-                      std::string(word.substr(0, 40)) + "\"");
+                      excerpt(word) + "\"");
     return *value;
   }
 
@@ -216,13 +217,13 @@ class PlyReader {
       } else if (keyword == "element") {
         elements_.push_back(parse_element(line, where));
         if (!element_names.insert(elements_.back().name).second)
-          refuse(where + "names element " + elements_.back().name + " again");
+          refuse(where + "names element " + excerpt(elements_.back().name) + " again");
       } else if (keyword == "property") {
         if (elements_.empty()) refuse(where + "has a property before any element");
         elements_.back().properties.push_back(parse_property(line, where));
       } else if (line_number > 1 && keyword != "comment" && keyword != "obj_info" &&
                  !keyword.empty()) {
-        refuse(where + "begins with unknown \"" + std::string(keyword.substr(0, 40)) + "\"");
+        refuse(where + "begins with unknown \"" + excerpt(keyword) + "\"");
       }
     }
     if (!has_format) refuse("the header must name a format, but does not");
@@ -233,7 +234,7 @@ class PlyReader {
     if (word == "binary_little_endian") return Format::little_endian;
     if (word == "binary_big_endian") return Format::big_endian;
     refuse(where + "must name ascii, binary_little_endian or binary_big_endian, but names \"" +
-           std::string(word.substr(0, 40)) + "\"");
+           excerpt(word) + "\"");
   }
 
   Element parse_element(std::string_view line, const std::string& where) const {
@@ -251,7 +252,7 @@ class PlyReader {
       const auto* const found =
           std::ranges::find(type_names, word, [](auto& t) { return t.first; });
       if (found == type_names.end())
-        refuse(where + "has an unknown type \"" + std::string(word.substr(0, 40)) + "\"");
+        refuse(where + "has an unknown type \"" + excerpt(word) + "\"");
       return found->second;
     };
     Property property;
@@ -269,12 +270,12 @@ class PlyReader {
   /// Refuses a count that the rest of the file cannot hold, before anything is allocated for it.
   void check_count(const Element& element, const Values& values) const {
     if (element.count == 0) return;
-    if (element.properties.empty()) refuse("element " + element.name + " has no properties");
+    if (element.properties.empty()) refuse("element " + excerpt(element.name) + " has no properties");
     const Property& first = element.properties.front();
     const Type least = first.list_count.value_or(first.type);
     if (element.count > values.most({&least, 1}) || element.count >= no_index)
       refuse("is cut off: the header promises " + std::to_string(element.count) + " of " +
-             element.name + ", which do not fit into the file");
+             excerpt(element.name) + ", which do not fit into the file");
   }
 
   template <class What>
@@ -365,7 +366,7 @@ class PlyReader {
         if (r <= slot_of[p] && slot_of[p] <= b)
           given[slot_of[p]] = color_component(value, element.properties[p].type);
         if (!std::isfinite(given[slot_of[p]]) && !(nx <= slot_of[p] && slot_of[p] <= nz))
-          refuse(what() + ": " + element.properties[p].name + " must be finite, but is " +
+          refuse(what() + ": " + excerpt(element.properties[p].name) + " must be finite, but is " +
                  number_text(value));
       }
       positions_.push_back(position);

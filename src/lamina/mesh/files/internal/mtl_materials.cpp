@@ -8,6 +8,7 @@
 #include <set>
 
 #include "lamina/core/error.h"
+#include "lamina/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 
 namespace lamina {
@@ -51,7 +52,7 @@ class MtlReader {
     const std::string_view word = next(rest);
     const std::optional<double> value = spelled_number(word);
     if (!value || !std::isfinite(*value))
-      refuse("a number must be finite, but is \"" + std::string(word.substr(0, 40)) + "\"");
+      refuse("a number must be finite, but is \"" + excerpt(word) + "\"");
     return std::clamp(*value, low, high);
   }
 
@@ -184,7 +185,7 @@ class MtlReader {
     } else if (keyword == "norm") {
       material.normal_texture = texture(rest);
     } else if (keyword != "Ka" && keyword != "illum") {
-      ignore(std::string(keyword.substr(0, 40)));
+      ignore(excerpt(keyword));
     }
   }
 
