@@ -81,7 +81,8 @@ JsonDocument checked(const ClusterJob& job, const Words& words) {
 
 constexpr std::array<std::string_view, 2> output_names = {"-o", "--output"};
 constexpr std::array<std::string_view, 1> json_names = {"--json"};
-constexpr std::array<std::string_view, 1> flags_of_resuming = {"--resume"};
+// A shard goes on by itself from what it has; what another render has kept is no part of the job.
+constexpr std::array<std::string_view, 2> flags_of_resuming = {"--resume", "--fresh"};
 
 ClusterPlan plan_of_picture(const ClusterJob& job) {
   constexpr std::array<std::string_view, 5> of_shards = {"--shard", "--prepare", "--cache-only",
@@ -90,7 +91,7 @@ ClusterPlan plan_of_picture(const ClusterJob& job) {
   refuse(job.command, of_shards, "is for the jobs, which have it without being told");
   refuse(job.command, of_one, "does not go with shards");
   constexpr std::array<std::string_view, 4> with_value = {"-o", "--output", "--json", "--noise"};
-  constexpr std::array<std::string_view, 2> flags = {"--resume", "--denoise"};
+  constexpr std::array<std::string_view, 3> flags = {"--resume", "--fresh", "--denoise"};
   const Words words = without_options(without_options(job.command, with_value, flags),
                                       look_option_names, flags);  // which the merge has
   const JsonDocument said =

@@ -201,7 +201,7 @@ void add_reproduce_command(CLI::App& app) {
   command.add_flag(
       "--resume", options->resumes,
       "go on after an interrupted call: commands that have finished in DIR are not run "
-      "again, if program and item are the same");
+      "again, if program, item and what it needs are the same");
   command
       .add_option(
           "--shard", options->shard,

@@ -1,8 +1,14 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "reproduce_finished.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include "console.h"
 #include "lamina/core/error.h"
+#include "lamina/core/hash.h"
+#include "lamina/io/file_bytes.h"
 #include "lamina/io/json_input.h"
 #include "lamina/io/json_output.h"
 
@@ -11,7 +17,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a result depends on, but for the files in lamina's sources.
+/// A number of the content of a file, or of all files of a folder with their names; 0 if it is not
+/// there.
+std::uint64_t content_of(const fs::path& place) {
+  std::error_code error;
+  if (!fs::exists(place, error)) return 0;
+  std::vector<fs::path> files;
+  if (fs::is_directory(place, error))
+    for (const fs::directory_entry& each : fs::recursive_directory_iterator(place)) {
+      if (each.is_regular_file()) files.push_back(each.path());
+    }
+  else if (fs::is_regular_file(place, error))
+    files.push_back(place);
+  std::ranges::sort(files);
+  Hash hash;
+  for (const fs::path& file : files) {
+    hash.add_text(file.lexically_relative(place).string());
+    hash.add_text(read_file_bytes(file));
+  }
+  return hash.value();
+}
+
+/// What a result depends on: the program, the item's own files and commands, and what it needs of
+/// lamina's sources.
 std::string made_by(const ReproductionItem& item, const fs::path& sources) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -20,6 +48,8 @@ std::string made_by(const ReproductionItem& item, const fs::path& sources) {
                       {{"bytes", static_cast<std::uint64_t>(fs::file_size(program, error))},
                        {"time", fs::last_write_time(program, error).time_since_epoch().count()}}},
                      {"sources", sources.string()}};
+  json["needs"] = JsonOutput::object();
+  for (const std::string& need : item.needs) json["needs"][need] = content_of(sources / need);
   json["files"] = JsonOutput::array();
   for (const ReproductionFile& file : item.files)
     json["files"].push_back({{"name", file.name}, {"text", file.text}});

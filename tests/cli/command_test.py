@@ -585,6 +585,30 @@ class Reproduce(unittest.TestCase):
             item["runs"][1]["command"] = "slab jensen_ketchup"  # another item: all is run again
             self.assertEqual(made(), right)
 
+    def test_begins_anew_where_what_it_needs_has_changed(self):
+        layer = {"sigma_a": 0.1, "sigma_s": 5, "g": 0.8, "ior": 1.4, "thickness": 1}
+        item = {"lamina": "reproduction", "version": 1, "paper": "donner_2008", "id": "my.slab", "title": "A slab",
+                "shows": "Its albedo.", "inputs": [{"what": "a slab"}], "needs": ["slabs"],
+                "runs": [{"name": "a", "command": "slab {sources}/slabs/one.json"}],
+                "features": [{"text": "less than all", "holds": "a.diffuse_reflectance[0] < 1", "measure":
+                              "a.diffuse_reflectance[0]"}]}
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkdir(f"{folder}/slabs")
+            with open(f"{folder}/item.json", "w") as file:
+                json.dump(item, file)
+
+            def made(sigma_a):
+                with open(f"{folder}/slabs/one.json", "w") as file:
+                    json.dump({"lamina": "material", "version": 1, "length_unit": "mm", "bands": [600], "ior_below": 1,
+                               "layers": [{**layer, "sigma_a": sigma_a}]}, file)
+                result = run("reproduce", f"{folder}/item.json", "-o", f"{folder}/out", "--sources", folder, "--resume",
+                             "--json", "-")
+                self.assertEqual(result.returncode, 0, result.stderr)
+                return json.loads(result.stdout)["summary"]["items"]["my.slab"]["features"][0]["measure"]
+
+            pale, dark = made(0.1), made(0.2)
+            self.assertLess(dark, 0.8 * pale)
+
 if __name__ == "__main__":
     os.chdir(tempfile.mkdtemp())
     unittest.main()

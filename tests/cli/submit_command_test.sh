@@ -59,6 +59,15 @@ sh kept.job/merge.sh >/dev/null 2>&1
 expect 0 '' render "a scene.json" --method hierarchy --cache light.ply --cache-only -o whole.exr
 cmp whole.exr kept.exr || fail "shards of kept light make another picture"
 
+# Flags of one render's own unfinished picture are none of a shard's, which has --resume.
+for flag in --fresh --resume; do
+  expect 0 'by hand' submit "render 'a scene.json' $flag -o flag.exr" --shards 2 --dry-run
+  sh flag.job/prepare.sh >/dev/null 2>&1
+  for i in 0 1; do sh flag.job/shard.sh $i >output 2>&1 || fail "$flag: $(cat output)"; done
+  sh flag.job/merge.sh >/dev/null 2>&1 || fail "$flag is not merged"
+  rm -r flag.job flag.exr
+done
+
 # Photons. One that is killed is told from one that fails, and goes on.
 photons="photons donner_jensen_skin --photons 4000 --tally r --seed 3 --json all.json --plot all.svg"
 cat >job.json <<END

@@ -162,6 +162,15 @@ TEST_F(Reproduction, IsAPageOfItsOwn) {
   EXPECT_NE(summary.find(R"("paper": "hery_2003")"), std::string::npos);
 }
 
+TEST_F(Reproduction, ShowsFilesAsAShellWritesThem) {
+  ReproductionResult result = make(named());
+  result.item.files = {{"it's; echo <x>", "a\nEND\nrm b\n"}};
+  const std::string page = format_page({&result, 1}, ReproductionQuality::draft);
+  EXPECT_NE(page.find("cat &gt; 'it'\\''s; echo &lt;x&gt;' &lt;&lt;'END_'\na\nEND\nrm b\nEND_\n"),
+            std::string::npos)
+      << page.substr(page.find("cat"), 200);
+}
+
 TEST_F(Reproduction, FindsVerdictsThatBecameWorse) {
   const ReproductionResult good = make(named());
   ReproductionResult bad = good;

@@ -9,6 +9,7 @@
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
 #include "lamina/io/file_bytes.h"
+#include "lamina/io/shell_text.h"
 #include "lamina/plot/html_page.h"
 #include "lamina/reproduction/internal/papers.h"
 
@@ -99,6 +100,14 @@ std::string checks_html(const ReproductionResult& result) {
   return html + "</ul>";
 }
 
+/// The commands of a shell that write a file, whatever its name and lines are.
+std::string written_by_shell(const ReproductionFile& file) {
+  const std::string text = file.text.ends_with('\n') ? file.text : file.text + "\n";
+  std::string end = "END";
+  while (("\n" + text).find("\n" + end + "\n") != std::string::npos) end += "_";
+  return "cat > " + shell_quoted(file.name) + " <<'" + end + "'\n" + text + end + "\n";
+}
+
 std::string article(const ReproductionResult& result) {
   const ReproductionItem& item = result.item;
   std::string html = "<article id=\"" + html_escaped(item.id) + "\"><h3>" +
@@ -137,9 +146,7 @@ std::string article(const ReproductionResult& result) {
                              : std::string(" — given by the paper")) +
             "</li>";
   html += "</ul></details><details><summary>commands</summary><pre>";
-  for (const ReproductionFile& file : item.files)
-    html +=
-        "cat > " + html_escaped(file.name) + " &lt;&lt;'END'\n" + html_escaped(file.text) + "END\n";
+  for (const ReproductionFile& file : item.files) html += html_escaped(written_by_shell(file));
   for (const ReproductionRun& run : item.runs)
     html += html_escaped(lamina_command_line(run.arguments)) + "\n";
   return html + "</pre></details><p class=\"soft\">" + printf_text("%.1f s", result.seconds) +
