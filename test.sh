@@ -9,3 +9,5 @@ use_compiler_cache
 cmake --preset test
 cmake --build --preset test
 ctest --preset test -j "$(nproc)"
+echo "longest tests, in seconds:"
+sed -nE 's/^([^ ]+) [0-9]+ ([0-9.]+)$/\2 \1/p' build/test/Testing/Temporary/CTestCostData.txt | sort -rn | awk 'NR <= 12'
