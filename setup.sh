@@ -6,7 +6,7 @@ set -euo pipefail
 build_packages=(g++ cmake ninja-build libtbb-dev libeigen3-dev libfmt-dev nlohmann-json3-dev
   libcli11-dev libhwy-dev libembree-dev libopenexr-dev libpng-dev libjpeg-dev libtiff-dev liblcms2-dev libopencolorio-dev
   python3-dev python3-numpy pybind11-dev)
-test_packages=(ccache libgtest-dev librapidcheck-dev python3 python3-jsonschema
+test_packages=(ccache libbenchmark-dev libgtest-dev librapidcheck-dev python3 python3-jsonschema
   python3-pytest python3-hypothesis python3-matplotlib python3-xarray mypy mkdocs-material
   python3-build python3-setuptools python3-wheel)
 tidy_packages=(clang-19 clang-tidy-19)
@@ -39,5 +39,5 @@ install_packages() {
 # Compilations that any checkout made before are found again, also in another folder.
 use_compiler_cache() {
   command -v ccache >/dev/null || return 0
-  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 }
