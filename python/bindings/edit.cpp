@@ -114,8 +114,8 @@ py::list persons(const EditableSkin& skin, const std::string& population, int co
 }
 
 /// A patch of the maps under a pattern of light, of the size of the first map.
-SkinPatch patch_of(const EditableSkin& skin, const Floats& light,
-                   const std::vector<double>& wavelengths, double theta) {
+SkinPatch edited_patch_of(const EditableSkin& skin, const Floats& light,
+                          const std::vector<double>& wavelengths, double theta) {
   SkinPatch patch;
   patch.skin = skin.skin;
   patch.light = plane_image(light);
@@ -169,7 +169,7 @@ void bind_edit(py::module_& module) {
                              [](const EditableSkin& skin) { return skin.skin.warnings; })
       .def("edited", &edited)
       .def("persons", &persons)
-      .def("patch", &patch_of)
+      .def("patch", &edited_patch_of)
       .def("preview",
            [](const EditableSkin& skin, int longest_side, const py::object& callback) {
              Work work(callback);

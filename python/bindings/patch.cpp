@@ -21,9 +21,9 @@ namespace lamina::python {
 namespace {
 
 /// Skin of arrays, all of the patch's size, and numbers.
-SkinPatch patch_of(const py::dict& maps, const py::dict& numbers, const Floats& light,
-                   double mm_per_pixel, const std::vector<double>& wavelengths, double theta,
-                   const std::string& constants) {
+SkinPatch skin_patch_of(const py::dict& maps, const py::dict& numbers, const Floats& light,
+                        double mm_per_pixel, const std::vector<double>& wavelengths, double theta,
+                        const std::string& constants) {
   SkinPatch patch;
   patch.light = plane_image(light);
   patch.width = patch.light.width;
@@ -80,7 +80,7 @@ py::array_t<float> plane_array(Plane plane) {
 }  // namespace
 
 void bind_patch(py::module_& module) {
-  py::class_<SkinPatch>(module, "SkinPatch").def(py::init(&patch_of));
+  py::class_<SkinPatch>(module, "SkinPatch").def(py::init(&skin_patch_of));
   module.def("load_patch", [](const std::string& path, const std::optional<std::string>& text,
                               const std::vector<std::string>& settings) {
     return load_unlocked(json_file(path, text),

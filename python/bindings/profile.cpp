@@ -65,9 +65,9 @@ TransferProfileOptions transfer_options(const py::dict& options) {
           .is_from_below = options["is_from_below"].cast<bool>()};
 }
 
-py::dict by_radiative_transfer(const LayerStacks& stacks, const py::tuple& grid,
-                               const py::dict& options, bool is_cached,
-                               const py::object& callback) {
+py::dict profile_by_radiative_transfer(const LayerStacks& stacks, const py::tuple& grid,
+                                       const py::dict& options, bool is_cached,
+                                       const py::object& callback) {
   TransferProfileOptions asked = transfer_options(options);
   const RadialGrid radii = grid_of(grid);
   Work work(callback);
@@ -86,8 +86,8 @@ py::dict by_radiative_transfer(const LayerStacks& stacks, const py::tuple& grid,
   return result;
 }
 
-py::dict by_diffusion(const LayerStacks& stacks, const py::tuple& grid,
-                      const std::string& interreflections) {
+py::dict profile_by_diffusion(const LayerStacks& stacks, const py::tuple& grid,
+                              const std::string& interreflections) {
   const DiffusionOptions options{.interreflections = choice<Interreflections>(interreflections)};
   const RadialGrid radii = grid_of(grid);
   DiffusionProfile found = [&] {
@@ -112,8 +112,8 @@ py::dict by_dipole(const LayerStacks& stacks, const py::tuple& grid) {
   return profile_dict(std::move(found), stacks);
 }
 
-py::dict by_monte_carlo(const LayerStacks& stacks, const py::tuple& grid, const py::dict& effort,
-                        const py::object& callback) {
+py::dict profile_by_monte_carlo(const LayerStacks& stacks, const py::tuple& grid,
+                                const py::dict& effort, const py::object& callback) {
   const RadialGrid radii = grid_of(grid);
   MonteCarloOptions options = photon_options(effort);
   options.tallies.log_r = bins_around(radii);
@@ -231,10 +231,10 @@ py::dict gaussians(const LayerStacks& stacks, int count, const py::dict& options
 }  // namespace
 
 void bind_profile(py::module_& module) {
-  module.def("profile_by_radiative_transfer", &by_radiative_transfer);
-  module.def("profile_by_diffusion", &by_diffusion);
+  module.def("profile_by_radiative_transfer", &profile_by_radiative_transfer);
+  module.def("profile_by_diffusion", &profile_by_diffusion);
   module.def("profile_by_dipole", &by_dipole);
-  module.def("profile_by_monte_carlo", &by_monte_carlo);
+  module.def("profile_by_monte_carlo", &profile_by_monte_carlo);
   module.def("oblique_profile", &oblique);
   module.def("spatial_frequency_response", &frequency_response);
   module.def("gaussian_profile", &gaussians);

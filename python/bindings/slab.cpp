@@ -96,8 +96,8 @@ std::vector<Solved> solve_stacks(Work& work, const LayerStacks& stacks, const So
   });
 }
 
-py::dict by_radiative_transfer(const LayerStacks& stacks, bool is_diffuse, double theta,
-                               double accuracy, const py::object& callback) {
+py::dict slab_by_radiative_transfer(const LayerStacks& stacks, bool is_diffuse, double theta,
+                                    double accuracy, const py::object& callback) {
   const std::span<const LayerStack> all = stacks.stacks;
   // Blocks that all threads share, so that a stop loses no more than one of them.
   const std::size_t block = 128 * static_cast<std::size_t>(thread_count());
@@ -156,8 +156,8 @@ py::dict with_derivatives(const LayerStacks& stacks, bool is_diffuse, double the
   return result;
 }
 
-py::dict by_diffusion(const LayerStacks& stacks, bool is_diffuse, double theta,
-                      const std::string& interreflections, const py::object& callback) {
+py::dict slab_by_diffusion(const LayerStacks& stacks, bool is_diffuse, double theta,
+                           const std::string& interreflections, const py::object& callback) {
   const DiffusionOptions options{.interreflections = choice<Interreflections>(interreflections)};
   Work work(callback);
   const auto totals = solve_stacks<SlabTotals>(work, stacks, [&](std::size_t i) {
@@ -172,8 +172,8 @@ py::dict by_diffusion(const LayerStacks& stacks, bool is_diffuse, double theta,
   return result;
 }
 
-py::dict by_monte_carlo(const LayerStacks& stacks, bool is_diffuse, double theta,
-                        const py::dict& effort, const py::object& callback) {
+py::dict slab_by_monte_carlo(const LayerStacks& stacks, bool is_diffuse, double theta,
+                             const py::dict& effort, const py::object& callback) {
   MonteCarloOptions options = photon_options(effort);
   options.incidence = {is_diffuse, theta};
   Work work(callback);
@@ -200,10 +200,10 @@ py::dict by_monte_carlo(const LayerStacks& stacks, bool is_diffuse, double theta
 }  // namespace
 
 void bind_slab(py::module_& module) {
-  module.def("slab_by_radiative_transfer", &by_radiative_transfer);
+  module.def("slab_by_radiative_transfer", &slab_by_radiative_transfer);
   module.def("slab_with_derivatives", &with_derivatives);
-  module.def("slab_by_diffusion", &by_diffusion);
-  module.def("slab_by_monte_carlo", &by_monte_carlo);
+  module.def("slab_by_diffusion", &slab_by_diffusion);
+  module.def("slab_by_monte_carlo", &slab_by_monte_carlo);
 }
 
 }  // namespace lamina::python
