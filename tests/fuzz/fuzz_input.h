@@ -34,9 +34,7 @@ int read_or_refuse(const Read& read) {
 }
 
 /// The file that JSON of the corpus `kind` is said to be: files that it names lie beside it.
-[[nodiscard]] inline std::filesystem::path corpus_file(const char* kind) {
-  return std::filesystem::path(LAMINA_SOURCE_DIR) / "tests/inputs" / kind / "good/fuzz.json";
-}
+[[nodiscard]] std::filesystem::path corpus_file(const char* kind);
 
 /// A folder of this process alone, which is removed at its end.
 [[nodiscard]] const std::filesystem::path& scratch_folder();

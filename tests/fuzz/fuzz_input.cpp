@@ -22,6 +22,10 @@ struct Folder {
 
 }  // namespace
 
+fs::path corpus_file(const char* kind) {
+  return fs::path(LAMINA_SOURCE_DIR) / "tests/inputs" / kind / "good/fuzz.json";
+}
+
 const fs::path& scratch_folder() {
   static const Folder folder;
   return folder.path;
