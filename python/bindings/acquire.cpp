@@ -18,6 +18,7 @@
 #include "lamina/acquire/leaf_acquisition.h"
 #include "lamina/acquire/skin_acquisition.h"
 #include "lamina/fit/skin/number_unit.h"
+#include "natives.h"
 #include "skin_numbers.h"
 #include "work.h"
 
@@ -242,7 +243,7 @@ py::dict choose_bands(const std::vector<double>& wavelengths, const std::vector<
 }  // namespace
 
 void bind_acquire(py::module_& module) {
-  py::class_<Acquisition>(module, "Acquisition")
+  native_class<Acquisition>(module, "Acquisition")
       .def("save", [](const Acquisition& acquisition, const std::string& folder) {
         const py::gil_scoped_release unlocked;
         if (acquisition.leaf)

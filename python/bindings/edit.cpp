@@ -12,6 +12,7 @@
 
 #include "arrays.h"
 #include "choices.h"
+#include "heard.h"
 #include "images.h"
 #include "json_files.h"
 #include "lamina/acquire/bands/band_choice.h"
@@ -23,6 +24,7 @@
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
 #include "lamina/skin_patch/skin_patch.h"
+#include "natives.h"
 #include "skin_numbers.h"
 #include "work.h"
 
@@ -59,7 +61,7 @@ EditableSkin from_recipe(const std::string& path, const std::optional<std::strin
     if (seed) on_mesh->seed = *seed;
     for (SurfaceFeature& feature : on_mesh->features)
       if (auto* color = std::get_if<ColorOfSkin>(&feature.kind); color && !color->exposure)
-        color->exposure = match_exposure(*on_mesh, *color).exposure;
+        color->exposure = heard([&] { return match_exposure(*on_mesh, *color).exposure; });
     Work work(callback);
     SkinMaps maps = on_mesh->base;
     maps.maps =
@@ -96,10 +98,7 @@ py::tuple edited(const EditableSkin& skin, const std::string& kind, const py::di
   if (what.contains("mask")) edit.mask = plane_image(what["mask"].cast<Floats>());
   if (what.contains("image")) edit.image = plane_image(what["image"].cast<Floats>());
   if (what.contains("reference")) edit.reference = what["reference"].cast<EditableSkin>();
-  EditedSkin found = [&] {
-    const py::gil_scoped_release unlocked;
-    return edited_skin(skin, edit);
-  }();
+  EditedSkin found = heard([&] { return edited_skin(skin, edit); });
   py::dict clamped;
   for (const ClampedTexels& each : found.clamped) clamped[each.name.c_str()] = each.count;
   return py::make_tuple(py::cast(std::move(found.skin)), clamped);
@@ -130,11 +129,11 @@ SkinPatch edited_patch_of(const EditableSkin& skin, const Floats& light,
 }  // namespace
 
 void bind_edit(py::module_& module) {
-  py::class_<EditableSkin>(module, "EditableSkin")
-      .def(py::init([](const py::dict& maps, const py::dict& numbers, const std::string& constants,
+  native_class<EditableSkin>(module, "EditableSkin")
+      .def_static("made", [](const py::dict& maps, const py::dict& numbers, const std::string& constants,
                        double mm_per_pixel) {
         return editable_skin(skin_maps_of(maps, numbers, constants), mm_per_pixel);
-      }))
+      })
       .def_static("load",
                   [](const std::string& path) {
                     const py::gil_scoped_release unlocked;

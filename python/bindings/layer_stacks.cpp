@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "lamina/core/error.h"
+#include "natives.h"
 
 namespace lamina::python {
 namespace {
@@ -163,8 +164,8 @@ std::string place_text(std::size_t index, const Shape& shape) {
 }
 
 void bind_layer_stacks(py::module_& module) {
-  py::class_<LayerStacks>(module, "LayerStacks")
-      .def(py::init([](const Doubles& sigma_a, const Doubles& sigma_s, const Doubles& g,
+  native_class<LayerStacks>(module, "LayerStacks")
+      .def_static("made", [](const Doubles& sigma_a, const Doubles& sigma_s, const Doubles& g,
                        const Doubles& ior, const Doubles& thickness, const Doubles& roughness,
                        const std::vector<std::string>& phase,
                        const std::vector<std::string>& distribution, const Doubles& ior_above,
@@ -173,7 +174,7 @@ void bind_layer_stacks(py::module_& module) {
         return make_layer_stacks({sigma_a, sigma_s, g, ior, thickness, roughness, phase,
                                   distribution, ior_above, ior_below, ground_reflectance,
                                   ground_roughness});
-      }))
+      })
       .def_property_readonly("shape",
                              [](const LayerStacks& s) { return py::tuple(py::cast(s.shape)); })
       .def_property_readonly("layer_count", &LayerStacks::layers)
@@ -228,7 +229,13 @@ void bind_layer_stacks(py::module_& module) {
              }
              return turned;
            })
-      .def(py::pickle(&state_of, &from_state));
+      .def("__getstate__", &state_of)
+      .def_static("from_state", &from_state)
+      .def("__reduce__", [](const LayerStacks& stacks) {
+        // A function of Python's own, which pickles find by its name.
+        return py::make_tuple(py::module_::import("lamina._layers").attr("stacks_from_state"),
+                              py::make_tuple(state_of(stacks)));
+      });
 }
 
 }  // namespace lamina::python

@@ -14,6 +14,7 @@
 #include "lamina/materials/material_file.h"
 #include "lamina/scene/swatch_scene.h"
 #include "layer_stacks.h"
+#include "natives.h"
 
 namespace lamina::python {
 namespace {
@@ -41,7 +42,7 @@ std::vector<std::string> layer_names(const Material& material) {
 }  // namespace
 
 void bind_material(py::module_& module) {
-  py::class_<Material>(module, "Material")
+  native_class<Material>(module, "Material")
       .def_readonly("name", &Material::name)
       .def_readonly("source", &Material::source)
       .def_readonly("oiliness", &Material::oiliness)

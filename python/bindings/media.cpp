@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "choices.h"
+#include "heard.h"
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
 #include "lamina/integrating_sphere/integrating_sphere.h"
@@ -171,11 +172,7 @@ void bind_media(py::module_& module) {
   });
   module.def("mie_phase",
              [](double size, const std::complex<double>& ior, const std::vector<double>& cosines) {
-               std::vector<double> values = [&] {
-                 const py::gil_scoped_release unlocked;
-                 return mie_phase(size, ior, cosines);
-               }();
-               return to_array(std::move(values));
+               return to_array(heard([&] { return mie_phase(size, ior, cosines); }));
              });
   module.def("invert_dipole_albedo",
              [](const Doubles& reflectance, const Doubles& ior, const Doubles& ior_outside) {

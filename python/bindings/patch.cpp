@@ -14,6 +14,7 @@
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/skin_patch/patch_gradient.h"
 #include "lamina/skin_patch/skin_patch.h"
+#include "natives.h"
 #include "skin_numbers.h"
 #include "work.h"
 
@@ -80,20 +81,20 @@ py::array_t<float> plane_array(Plane plane) {
 }  // namespace
 
 void bind_patch(py::module_& module) {
-  py::class_<SkinPatch>(module, "SkinPatch").def(py::init(&skin_patch_of));
+  native_class<SkinPatch>(module, "SkinPatch").def_static("made", &skin_patch_of);
   module.def("load_patch", [](const std::string& path, const std::optional<std::string>& text,
                               const std::vector<std::string>& settings) {
     return load_unlocked(json_file(path, text),
                          [&](const JsonFile& file) { return load_skin_patch(file, {}, settings); });
   });
   module.def("solve_patch", &solve);
-  py::class_<DifferentiableSkinPatch>(module, "DifferentiablePatch")
-      .def(py::init([](const SkinPatch& patch, const py::object& callback) {
+  native_class<DifferentiableSkinPatch>(module, "DifferentiablePatch")
+      .def_static("made", [](const SkinPatch& patch, const py::object& callback) {
         Work work(callback);
         return work.run([&](const Progress& progress) {
           return DifferentiableSkinPatch(patch, user_cache(), progress);
         });
-      }))
+      })
       .def_property_readonly(
           "light", [](const DifferentiableSkinPatch& patch) { return planes_array(patch.light()); })
       .def("gradient", [](DifferentiableSkinPatch& patch, const Floats& by_light,

@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "choices.h"
 #include "derivatives.h"
+#include "heard.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/diffusion/dipole_profile.h"
 #include "lamina/scattering/photon_bands/band_photons.h"
@@ -90,10 +91,8 @@ py::dict profile_by_diffusion(const LayerStacks& stacks, const py::tuple& grid,
                               const std::string& interreflections) {
   const DiffusionOptions options{.interreflections = choice<Interreflections>(interreflections)};
   const RadialGrid radii = grid_of(grid);
-  DiffusionProfile found = [&] {
-    const py::gil_scoped_release unlocked;
-    return make_diffusion_profile(stacks.stacks, options, radii);
-  }();
+  DiffusionProfile found =
+      heard([&] { return make_diffusion_profile(stacks.stacks, options, radii); });
   py::dict result = profile_dict(std::move(found.profile), stacks);
   result["thin_layers"] = found.thin_layers;
   std::vector<double> clamped = std::move(found.clamped_reflectance);

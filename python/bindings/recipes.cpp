@@ -20,6 +20,7 @@
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 #include "layer_stacks.h"
+#include "natives.h"
 #include "work.h"
 
 namespace lamina::python {
@@ -51,16 +52,16 @@ LayerStacks stacks_of(const std::vector<Parameters>& places, const Shape& shape,
   LayerStacks result{.stacks = std::vector<LayerStack>(places.size() * count,
                                                        LayerStack({{.medium = {.ior = 1.0}}})),
                      .shape = with_axis(shape, count)};
-  const py::gil_scoped_release unlocked;
   constexpr std::size_t at_once = 64;  // stacks, which take a microsecond each
-  parallel_for((result.stacks.size() + at_once - 1) / at_once, [&](std::size_t part) {
+  const auto make_some = [&](std::size_t part) {
     const std::size_t end = std::min(result.stacks.size(), (part + 1) * at_once);
     for (std::size_t i = part * at_once; i < end; ++i) try {
         result.stacks[i] = make(places[i / count], wavelengths[i % count]);
       } catch (const InvalidInput& error) {
         throw InvalidInput(place_text(i / count, shape) + error.what());
       }
-  });
+  };
+  run_in_parts((result.stacks.size() + at_once - 1) / at_once, make_some);
   return result;
 }
 
@@ -91,9 +92,8 @@ py::array_t<double> reflectance_of(const SkinTable& t, const py::dict& arrays, c
   const std::size_t bands = t.table.wavelengths().size();
   std::vector<double> values(skins.size() * bands);
   {
-    const py::gil_scoped_release unlocked;
     constexpr std::size_t at_once = 256;
-    parallel_for((skins.size() + at_once - 1) / at_once, [&](std::size_t part) {
+    run_in_parts((skins.size() + at_once - 1) / at_once, [&](std::size_t part) {
       const std::size_t end = std::min(skins.size(), (part + 1) * at_once);
       for (std::size_t i = part * at_once; i < end; ++i)
         for (std::size_t b = 0; b < bands; ++b)
@@ -144,8 +144,8 @@ void bind_recipes(py::module_& module) {
     return stacks_of(parameters_of(SnowParameters{}, snow_parameter_ranges(), arrays, shape), shape,
                      wavelengths, snow_layer_stack);
   });
-  py::class_<SkinTable>(module, "SkinTable")
-      .def(py::init(&make_skin_table))
+  native_class<SkinTable>(module, "SkinTable")
+      .def_static("made", &make_skin_table)
       .def_property_readonly("specular_reflectance",
                              [](const SkinTable& t) { return t.table.specular_reflectance(); })
       .def_property_readonly("color_weights",

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "choices.h"
+#include "heard.h"
 #include "lamina/optics/rough/interface_reflectance.h"
 #include "lamina/optics/rough/rough_surface_scattering.h"
 #include "work.h"
@@ -25,10 +26,8 @@ py::dict rough_interface(double roughness, double eta, const std::string& distri
   const FacetMasking hiding = masking == "v_cavity"         ? FacetMasking::v_cavity
                               : masking == "smith_multiple" ? FacetMasking::smith_multiple
                                                             : FacetMasking::smith;
-  const InterfaceReflectance table = [&] {
-    const py::gil_scoped_release unlocked;
-    return make_interface_reflectance(interface, hiding);
-  }();
+  const InterfaceReflectance table =
+      heard([&] { return make_interface_reflectance(interface, hiding); });
   std::vector<double> reflected, transmitted;
   for (const double cosine : cosines) {
     reflected.push_back(reflectance(table, cosine));

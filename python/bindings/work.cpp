@@ -93,6 +93,15 @@ void Work::raise_what_was_raised() const {
   if (state_->raised) std::rethrow_exception(state_->raised);
 }
 
+void run_in_parts(std::size_t count, const std::function<void(std::size_t)>& body) {
+  Work work{py::none()};
+  const auto all = [&](const Progress& progress) {
+    parallel_for(count, body, progress);
+    return true;
+  };
+  (void)work.run(all);
+}
+
 void bind_work(py::module_& module) {
   module.def("set_thread_count", &set_thread_count, py::arg("threads"));
   module.def("thread_count", &thread_count);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -70,6 +71,10 @@ class Work {
 
   std::unique_ptr<State> state_;
 };
+
+/// `body(i)` for each i in [0, count), on all threads, without a callback: heard by Ctrl-C.
+/// @throws Interrupted after it
+void run_in_parts(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// `solve(i)` for each i in [0, count), on all threads. Where it is stopped, what is not done by
 /// then is absent.

@@ -11,6 +11,8 @@ in the main thread ends them within a second.
 
 from __future__ import annotations
 
+from types import FunctionType as _FunctionType
+
 try:
     from ._lamina import Error, FileError, Interrupted, InvalidInput, WriteError, __version__
 except ModuleNotFoundError:
@@ -30,6 +32,7 @@ from ._acquire import AcquiredLeaf, AcquiredSkin, BandChoice, acquire, filters
 from ._bsdf import Bsdf, bsdf
 from ._exchange import ExportFormat, Exported, export, export_formats, import_material
 from ._fit import Fit, FittedNumber, FittedSeries, fit
+from ._input import suggests as _suggests
 from ._half_spaces import InvertedColor, half_space_color, invert
 from ._layers import Layers, layers
 from ._map_photons import CylinderPhotons, PatchPhotons, cylinder_photons, patch_photons
@@ -105,8 +108,10 @@ __all__ = [
     "threads",
 ]
 
-# What help() and pickles call them, wherever they are written.
+# What help() and pickles call them, wherever they are written; functions say which argument may be meant.
 for _name in __all__:
+    if isinstance(globals()[_name], _FunctionType):
+        globals()[_name] = _suggests(globals()[_name])
     if getattr(globals()[_name], "__module__", "").startswith("lamina._"):
         globals()[_name].__module__ = "lamina"
 del _name

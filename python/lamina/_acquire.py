@@ -16,9 +16,8 @@ from ._files import FileLike, SavedFolder, folder_of, opened, settings_of
 from ._input import PathLike, doubles, name_list, number, one_of, path_text, refuse, whole
 from ._lamina import InvalidInput
 from ._maps import Map, SkinMaps, maps_of_skin
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, quantity, setting
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,7 +98,7 @@ class AcquiredSkin(AcquiredMaps):
         """The same for `patch` and `edit`."""
         known = {other: self.maps[n] for n, others in self.recipe_names.items() for other in others}
         rest = {n: v for n, v in self.fixed.items() if n not in known}
-        return maps_of_skin(_lamina.EditableSkin(known, rest, self.constants, self.mm_per_pixel or 0.0))
+        return maps_of_skin(_lamina.EditableSkin.made(known, rest, self.constants, self.mm_per_pixel or 0.0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

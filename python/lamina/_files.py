@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _lamina
-from ._input import PathLike, doubles, json_text, name_text, path_text, real_array
+from ._input import PathLike, doubles, json_text, name_text, path_text, real_array, refuse_masked
 from ._lamina import InvalidInput, WriteError
 
 #: What functions take for a file: its path, or a dict with its keys.
@@ -111,6 +111,7 @@ class opened:
         return value
 
     def _image(self, where: str, array: NDArray[Any], beside: Mapping[Any, Any]) -> str:
+        refuse_masked(where, array)
         if array.ndim > 3 or array.dtype.kind not in "fiub" or array.size == 0:
             raise InvalidInput(
                 f"{where}: must be an array of numbers (y, x) or (y, x, channel), "

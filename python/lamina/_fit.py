@@ -15,9 +15,8 @@ from ._files import FileLike, opened, settings_of
 from ._input import PathLike, shown, whole
 from ._lamina import InvalidInput
 from ._materials import Material
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, quantity, setting
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

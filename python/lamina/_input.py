@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import difflib
+import functools
+import inspect
 import json
 import math
 import numbers
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any, Union
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,6 +88,26 @@ def as_float(name: str, must: str, value: Any) -> float:
         raise refuse(name, must, value) from None
 
 
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def suggests(function: F) -> F:
+    """The function, which for an argument that it does not know says which one may be meant, as files do for keys."""
+    known = [
+        name for name, each in inspect.signature(function).parameters.items()
+        if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
+
+    @functools.wraps(function)
+    def checked(*given: Any, **named: Any) -> Any:
+        for name in named:
+            if name not in known:
+                raise TypeError(
+                    f"{function.__name__}() got an unexpected keyword argument '{name}'{suggestion(name, known)}")
+        return function(*given, **named)
+
+    return cast(F, checked)
+
+
 def suggestion(value: str, options: Sequence[str]) -> str:
     near = difflib.get_close_matches(value, options, 1)
     return f'; did you mean "{near[0]}"?' if near else ""
@@ -158,8 +180,28 @@ def place(index: Sequence[Any]) -> str:
     return "[" + ", ".join(str(int(i)) for i in index) + "]"
 
 
+def _is_masked(value: object) -> bool:
+    if isinstance(value, np.ma.MaskedArray):
+        mask = np.asarray(value.mask)
+        return mask.dtype.names is not None or bool(mask.any())
+    return isinstance(value, (list, tuple)) and any(
+        _is_masked(item) for item in value if isinstance(item, (np.ma.MaskedArray, list, tuple)))
+
+
+def refuse_masked(name: str, value: object) -> None:
+    """Refuses arrays whose mask hides elements: NumPy drops masks in silence, and what lies under them is no number."""
+    try:
+        is_masked = _is_masked(value)
+    except RecursionError:
+        is_masked = False  # refused by what takes it
+    if is_masked:
+        raise InvalidInput(
+            f"{name}: must have no masked elements, but is a masked array that hides some; fill them, or leave them out")
+
+
 def real_array(name: str, value: ArrayLike) -> NDArray[Any]:
     """An array of real numbers, of the kind that they have."""
+    refuse_masked(name, value)
     try:
         array = np.asarray(value)
     except ValueError:  # rows of other lengths
@@ -255,6 +297,7 @@ def _plain(where: str, value: object) -> object:
             plain[key] = _plain(f"{where}.{key}", item)
         return plain
     if isinstance(value, np.ndarray):
+        refuse_masked(where, value)
         if value.size > MOST_IN_JSON:
             raise InvalidInput(f"{where}: must have at most {MOST_IN_JSON} elements, but has {value.size}")
         value = value.tolist()

@@ -24,8 +24,10 @@ def set_thread_count(threads: int) -> None: ...
 def thread_count() -> int: ...
 
 class LayerStacks:
-    def __init__(
-        self,
+    @staticmethod
+    def from_state(state: tuple[Any, ...]) -> LayerStacks: ...
+    @staticmethod
+    def made(
         sigma_a: _Doubles,
         sigma_s: _Doubles,
         g: _Doubles,
@@ -38,7 +40,7 @@ class LayerStacks:
         ior_below: _Doubles,
         ground_reflectance: _Doubles,
         ground_roughness: _Doubles,
-    ) -> None: ...
+    ) -> LayerStacks: ...
     shape: tuple[int, ...]
     layer_count: int
     sigma_a: _Doubles
@@ -84,15 +86,15 @@ def leaf_stacks(arrays: _Arrays, shape: list[int], wavelengths: list[float]) -> 
 def snow_stacks(arrays: _Arrays, shape: list[int], wavelengths: list[float]) -> LayerStacks: ...
 
 class SkinTable:
-    def __init__(
-        self,
+    @staticmethod
+    def made(
         wavelengths: list[float],
         is_diffuse: bool,
         theta: float,
         fixed: _Arrays,
         constants: str,
         callback: _Callback,
-    ) -> None: ...
+    ) -> SkinTable: ...
     specular_reflectance: float
     color_weights: _Doubles
     def reflectance(self, arrays: _Arrays, shape: list[int], constants: str) -> _Doubles: ...
@@ -175,8 +177,8 @@ def photons(
 ) -> dict[str, Any]: ...
 
 class SkinPatch:
-    def __init__(
-        self,
+    @staticmethod
+    def made(
         maps: _Arrays,
         numbers: dict[str, float],
         light: _Doubles,
@@ -184,21 +186,23 @@ class SkinPatch:
         wavelengths: list[float],
         theta: float,
         constants: str,
-    ) -> None: ...
+    ) -> SkinPatch: ...
 
 def load_patch(path: str, text: Optional[str], settings: list[str]) -> SkinPatch: ...
 def solve_patch(patch: SkinPatch, callback: _Callback) -> dict[str, Any]: ...
 def patch_color_weights(patch: SkinPatch) -> _Doubles: ...
 
 class DifferentiablePatch:
-    def __init__(self, patch: SkinPatch, callback: _Callback) -> None: ...
+    @staticmethod
+    def made(patch: SkinPatch, callback: _Callback) -> DifferentiablePatch: ...
     light: _Floats
     def gradient(self, by_light: _Floats, callback: _Callback) -> dict[str, _Floats]: ...
 
 class EditableSkin:
-    def __init__(
-        self, maps: Any, numbers: dict[str, float], constants: str, mm_per_pixel: float
-    ) -> None: ...
+    @staticmethod
+    def made(
+        maps: Any, numbers: dict[str, float], constants: str, mm_per_pixel: float
+    ) -> EditableSkin: ...
     @staticmethod
     def load(path: str) -> EditableSkin: ...
     @staticmethod

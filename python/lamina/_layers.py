@@ -18,6 +18,11 @@ _DISTRIBUTIONS = ("beckmann", "ggx")
 _LARGEST = 1e9
 
 
+def stacks_from_state(state: tuple[Any, ...]) -> _lamina.LayerStacks:
+    """What a pickle keeps of stacks, as stacks."""
+    return _lamina.LayerStacks.from_state(state)
+
+
 class Layers:
     """Stacks of equally many layers, as an array of any shape, which every solver takes at once.
 
@@ -224,7 +229,7 @@ def layers(
         raise refuse("ior_below", "be left out under an infinite layer", ior_below)
     stack = {n: spread[n][..., 0] for n in ("ior_above", "ior_below", "ground_reflectance", "ground_roughness")}
     distributions = _texts("distribution", distribution, count, _DISTRIBUTIONS)
-    stacks = _lamina.LayerStacks(
+    stacks = _lamina.LayerStacks.made(
         spread["sigma_a"],
         spread["sigma_s"],
         spread["g"],

@@ -16,9 +16,8 @@ from ._input import incidence as check_incidence
 from ._lamina import InvalidInput
 from ._layers import Layers
 from ._materials import MaterialLike, layers_of
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, quantity
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

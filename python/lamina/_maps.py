@@ -76,7 +76,7 @@ class SkinMaps(Result):
             return self._skin
         known = {name for name, *_ in _ranges("skin")}
         maps = {n: m for n, m in self.maps.items() if n in known}
-        return _lamina.EditableSkin(maps, self.numbers, self.constants, self.mm_per_pixel or 0.0)
+        return _lamina.EditableSkin.made(maps, self.numbers, self.constants, self.mm_per_pixel or 0.0)
 
     def __reduce__(self) -> Any:
         # Inks and what else the library knows travel as the files that hold it.
@@ -166,7 +166,7 @@ def _editable(name: str, source: object) -> Any:
         size = number("mm_per_pixel", given.pop("mm_per_pixel", 0.1), 1e-3, 100.0, unit="mm")
         constants = one_of("constants", given.pop("constants", "calibrated"), _CONSTANTS)
         arrays, numbers = maps_and_numbers(given)
-        return _lamina.EditableSkin(arrays, numbers, constants, size)
+        return _lamina.EditableSkin.made(arrays, numbers, constants, size)
     as_maps = getattr(source, "skin_maps", None)
     if callable(as_maps):
         return as_maps().editable()

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _lamina
-from ._input import Doubles, broadcast, doubles, one_of, refuse
+from ._input import Doubles, broadcast, doubles, one_of, refuse, refuse_masked
 from ._input import wavelengths as check_wavelengths
 from ._lamina import InvalidInput
 
@@ -65,6 +65,7 @@ class MieBulk(NamedTuple):
 
 def complexes(name: str, value: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
     """Refractive indices, as the Mie series takes them."""
+    refuse_masked(name, value)
     try:
         array = np.asarray(value)
         result = array.astype(np.complex128) if array.dtype.kind in "fiuc" else np.empty(0, np.complex128)

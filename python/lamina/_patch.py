@@ -195,7 +195,7 @@ def patch(
         arrays, numbers = maps_and_numbers(given)
         shape = _shape_of(arrays, arriving)
         maps = arrays
-        made = _lamina.SkinPatch(arrays, numbers, np.broadcast_to(arriving, shape), size, nm, theta, constants)
+        made = _lamina.SkinPatch.made(arrays, numbers, np.broadcast_to(arriving, shape), size, nm, theta, constants)
     if is_differentiated:
         for name in maps:
             if name in _SCATTERING:
@@ -203,7 +203,7 @@ def patch(
     if not is_differentiated:
         return _solved(made, progress)
     with progress_of(progress, "light through layers") as callback:
-        solver = _lamina.DifferentiablePatch(made, callback)
+        solver = _lamina.DifferentiablePatch.made(made, callback)
     bands = np.moveaxis(solver.light, 0, -1)
     weights = _lamina.patch_color_weights(made)
     return PatchLight(

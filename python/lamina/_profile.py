@@ -14,11 +14,10 @@ from . import _lamina
 from ._input import doubles, flag, number, one_of, shown, whole
 from ._lamina import InvalidInput
 from ._photons import effort_of, require_unused
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, band_labels, quantity, setting
 from ._layers import Layers
 from ._materials import MaterialLike, layers_of
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

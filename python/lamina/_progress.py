@@ -8,7 +8,7 @@ import time
 from typing import Callable, Optional, TextIO, Union
 
 from ._input import shown
-from ._lamina import InvalidInput
+from ._lamina import Interrupted, InvalidInput
 
 #: None: say nothing. True: a bar on standard error. A function is called with the finished
 #: fraction, in [0, 1], some ten times a second, from any thread; it ends the work by returning
@@ -66,3 +66,10 @@ class progress_of:
     def __exit__(self, *exception: object) -> None:
         if self._bar:
             self._bar.close()
+
+
+def interrupted_with(result: object) -> BaseException:
+    """What Ctrl-C raises where there is a result so far."""
+    exception = Interrupted("interrupted: `result` of this exception has what there is so far")
+    exception.result = result
+    return exception

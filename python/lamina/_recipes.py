@@ -273,7 +273,7 @@ def _skin_table(
     if table is None:
         fixed = {} if junction is None else {"junction_absorption": np.array(junction)}
         with progress_of(progress, "table of skin") as callback:
-            table = _lamina.SkinTable(list(nm), is_diffuse, theta, fixed, constants, callback)
+            table = _lamina.SkinTable.made(list(nm), is_diffuse, theta, fixed, constants, callback)
         while len(_tables) >= 16:
             _tables.pop(next(iter(_tables)), None)
         _tables[key] = table

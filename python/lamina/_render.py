@@ -17,9 +17,8 @@ from ._input import (
     PathLike, doubles, flag, name_list, name_text, number, one_of, path_text, real_array, refuse, shown, whole,
 )
 from ._lamina import InvalidInput, __version__
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Result, quantity, setting
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

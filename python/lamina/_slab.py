@@ -13,7 +13,7 @@ from . import _lamina
 from ._input import Incidence, flag, number, one_of
 from ._input import incidence as check_incidence
 from ._photons import effort_of, require_unused
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, quantity, setting
 from ._materials import MaterialLike, layers_of
 
@@ -153,10 +153,3 @@ def slab(
     if interrupted:
         raise interrupted_with(result)
     return result
-
-
-def interrupted_with(result: object) -> BaseException:
-    """What Ctrl-C raises where there is a result so far."""
-    exception = _lamina.Interrupted("interrupted: `result` of this exception has what there is so far")
-    exception.result = result
-    return exception

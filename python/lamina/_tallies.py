@@ -19,9 +19,8 @@ from ._lamina import InvalidInput
 from ._layers import Layers
 from ._materials import MaterialLike, layers_of
 from ._photons import effort_of
-from ._progress import Progress, progress_of
+from ._progress import Progress, interrupted_with, progress_of
 from ._result import Array, Result, band_labels, quantity, setting
-from ._slab import interrupted_with
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lamina/core/parallel_parts.h"
+#include "lamina/core/stoppable_loops.h"
 
 namespace lamina {
 namespace {
@@ -82,6 +83,27 @@ TEST(ParallelFor, EndsALoopWithinAnotherThatIsGivenUp) {
                  std::runtime_error);
   EXPECT_GT(begun, 0);
   EXPECT_EQ(half_done, 0);
+}
+
+TEST(StoppableLoops, EndLoopsOfWorkThatKnowsNoProgress) {
+  std::atomic<bool> goes_on{true};
+  std::atomic<int> calls{0};
+  const Progress progress = [&](double) { return goes_on.load(); };
+  const auto work = [&] {
+    parallel_for(100, [&](std::size_t) {
+      parallel_for(100, [&](std::size_t) {
+        if (++calls == 50) goes_on = false;
+      });
+    });
+  };
+  {
+    const StoppableLoops loops(progress);
+    EXPECT_THROW(work(), Interrupted);
+  }
+  EXPECT_LT(calls, 100 * 100);
+  calls = 0;
+  work();  // nobody is asked any more, in no thread
+  EXPECT_EQ(calls, 100 * 100);
 }
 
 }  // namespace

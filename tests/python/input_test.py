@@ -25,7 +25,18 @@ def layer(**changes: Any) -> dict[str, Any]:
     return {**WAX, "layers": [{**WAX["layers"][0], **changes}]}
 
 
+HIDDEN = np.ma.masked_greater(np.array([0.1, 5.0]), 1.0)
+
 REFUSED: list[tuple[Callable[[], Any], str]] = [
+    (lambda: lamina.layers(sigma_a=HIDDEN, sigma_s=1, thickness=1), "sigma_a: must have no masked elements"),
+    (lambda: lamina.skin_colors(melanin=HIDDEN), "melanin: must have no masked elements"),
+    (lambda: lamina.fresnel(HIDDEN, 1.4), "must have no masked elements"),
+    (lambda: lamina.mie_sphere(1.0, [HIDDEN, HIDDEN]), "relative_ior: must have no masked elements"),
+    (lambda: lamina.material(layer(sigma_a=HIDDEN)), "sigma_a: must have no masked elements"),
+    (lambda: lamina.patch(melanin=np.ma.masked_less(np.full((2, 2), 0.1), 0.2)), "must have no masked elements"),
+    (lambda: lamina.acquire({"images": [
+        {"image": np.ma.masked_less(np.full((4, 4, 3), 0.3), 0.5), "encoding": "linear", "sensor": "srgb"}]}),
+     "image: must have no masked elements"),
     (lambda: lamina.slab("jadx"), 'no file "jadx"; did you mean "jade"'),
     (lambda: lamina.slab(3), "material: must be a name, path, dict or Material, but is int"),
     (lambda: lamina.slab("jade", method="difusion"), 'did you mean "diffusion"'),
@@ -202,3 +213,26 @@ def test_the_module_of_another_python_is_named(tmp_path: Path) -> None:
     assert found.startswith("lamina: is built for Python 3.99, but this is cpython 3.") and "\n" not in found
     (tmp_path / "_lamina.cpython-399-x86_64-linux-gnu.so").unlink()
     assert "is not here" in str(_built_for.refusal(tmp_path))
+
+
+def test_masks_that_hide_nothing_do_not_count() -> None:
+    open_mask = np.ma.masked_array([0.1, 0.2], mask=[False, False])
+    assert lamina.skin_colors(melanin=open_mask).reflectance.shape[0] == 2
+
+
+def test_unknown_arguments_say_what_may_be_meant() -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'incidense'; did you mean \"incidence\""):
+        lamina.slab("jade", incidense="diffuse")  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="unexpected keyword argument 'zzz'$"):
+        lamina.profile("jade", zzz=1)  # type: ignore[call-arg]
+
+
+def test_natives_are_not_made_by_hand() -> None:
+    """Without a value they would crash whatever reads them."""
+    natives = [each for each in vars(lamina._lamina).values() if isinstance(each, type)
+               and type(each).__name__ == "pybind11_type"]
+    assert len(natives) >= 7
+    for native in natives:
+        for make in (native, lambda native=native: native.__new__(native), lambda native=native: object.__new__(native)):
+            with pytest.raises(TypeError):
+                make()

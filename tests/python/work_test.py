@@ -103,6 +103,11 @@ def test_ctrl_c_ends_what_has_nothing_yet() -> None:
     y, x = np.mgrid[0:200, 0:200]
     melanin = 0.05 + 0.04 * np.sin(x / 6) * np.cos(y / 7)
     assert interrupted(lambda: lamina.patch(melanin=melanin, wavelengths=np.arange(410.0, 700.0, 2.0))) is None
+    # Calls that take no progress=.
+    many = lamina.layers(sigma_a=np.geomspace(1e-4, 1, 30_000)[:, None], sigma_s=10.0, thickness=1.0)
+    assert interrupted(lambda: lamina.profile(many, method="diffusion")) is None
+    assert interrupted(lambda: lamina.mie_phase(np.linspace(-1, 1, 300_000), 20_000.0, 1.33)) is None
+    assert interrupted(lambda: lamina.leaf(thickness=np.linspace(0.1, 1.0, 1_000_000), wavelengths=[500, 600, 700])) is None
     # Python has its own way with Ctrl-C back.
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)

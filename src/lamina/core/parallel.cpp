@@ -14,7 +14,21 @@
 #include <thread>
 #include <vector>
 
+#include "lamina/core/stoppable_loops.h"
+
 namespace lamina {
+namespace {
+
+/// What loops that this thread begins ask whether to go on; null: nothing.
+thread_local const Progress* asked_by_loops = nullptr;
+
+}  // namespace
+
+StoppableLoops::StoppableLoops(const Progress& progress) : former_(asked_by_loops) {
+  asked_by_loops = &progress;
+}
+
+StoppableLoops::~StoppableLoops() { asked_by_loops = former_; }
 
 #ifdef __SANITIZE_THREAD__
 namespace {
@@ -44,7 +58,9 @@ void run_on_own_threads(std::size_t count, const std::function<void(std::size_t)
 }  // namespace
 #endif
 
-void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+namespace {
+
+void run_all(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (thread_count() == 1) {  // even then oneTBB may wake a second thread
     for (std::size_t i = 0; i < count; ++i) body(i);
     return;
@@ -57,6 +73,18 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   tbb::parallel_for(
       std::size_t{0}, count, [&](std::size_t i) { body(i); }, context);
 #endif
+}
+
+}  // namespace
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  const Progress* const asked = asked_by_loops;
+  if (!asked) return run_all(count, body);
+  run_all(count, [&](std::size_t i) {
+    report_or_throw(*asked, 0.0);
+    const StoppableLoops within(*asked);  // in whichever thread this is
+    body(i);
+  });
 }
 
 void set_thread_count(int threads) {

@@ -8,6 +8,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/number_text.h"
+#include "lamina/core/parallel.h"
 #include "lamina/core/quadrature.h"
 
 namespace lamina {
@@ -92,9 +93,8 @@ std::vector<double> mie_phase(double size_parameter, Complex relative_ior,
   double scattering = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i)
     scattering += (2.0 * static_cast<double>(i) + 3.0) * (std::norm(a[i]) + std::norm(b[i]));
-  std::vector<double> phase;
-  phase.reserve(cos_theta.size());
-  for (const double mu : cos_theta) {
+  std::vector<double> phase(cos_theta.size());
+  const auto phase_at = [&](double mu) {
     assert(-1.0 <= mu && mu <= 1.0);
     Complex s1 = 0.0, s2 = 0.0;
     double pi_before = 0.0, pi = 1.0;  // angular functions pi_n and tau_n
@@ -109,8 +109,13 @@ std::vector<double> mie_phase(double size_parameter, Complex relative_ior,
       pi = pi_next;
     }
     // |S|² / (2 x²) over the scattering cross section in the same units.
-    phase.push_back((std::norm(s1) + std::norm(s2)) / (4.0 * std::numbers::pi * scattering));
-  }
+    return (std::norm(s1) + std::norm(s2)) / (4.0 * std::numbers::pi * scattering);
+  };
+  constexpr std::size_t at_once = 64;
+  parallel_for((phase.size() + at_once - 1) / at_once, [&](std::size_t part) {
+    const std::size_t end = std::min(phase.size(), (part + 1) * at_once);
+    for (std::size_t i = part * at_once; i < end; ++i) phase[i] = phase_at(cos_theta[i]);
+  });
   return phase;
 }
 

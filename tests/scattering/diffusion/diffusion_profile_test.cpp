@@ -188,5 +188,29 @@ TEST(DiffusionProfile, ErrorsNameBandAndLayer) {
   EXPECT_THROW((void)make_diffusion_profile({}), InvalidInput);
 }
 
+TEST(DiffusionProfile, OfManyBandsIsThatOfEach) {
+  std::vector<LayerStack> stacks;
+  for (int b = 0; b < 70; ++b)  // more than are solved at once
+    stacks.push_back(LayerStack(
+        {{.medium = {.sigma_a = 0.01 + 0.001 * b, .sigma_s = 10.0, .g = 0.8, .ior = 1.4},
+          .thickness = 0.1 + 0.05 * b}}));
+  const DiffusionProfile all = make_diffusion_profile(stacks, {}, {.size = 16});
+  ASSERT_EQ(all.profile.bands, stacks.size());
+  for (const std::size_t b : {std::size_t{0}, std::size_t{31}, std::size_t{32}, std::size_t{69}}) {
+    const DiffusionProfile one = make_diffusion_profile({&stacks[b], 1}, {}, {.size = 16});
+    EXPECT_DOUBLE_EQ(all.profile.total_reflectance[b], one.profile.total_reflectance[0]);
+    EXPECT_DOUBLE_EQ(all.profile.total_transmittance[b], one.profile.total_transmittance[0]);
+    EXPECT_DOUBLE_EQ(all.clamped_reflectance[b], one.clamped_reflectance[0]);
+    EXPECT_EQ(all.thin_layers[b], one.thin_layers[0]);
+    for (std::size_t i = 0; i < one.profile.r.size(); ++i) {
+      const std::size_t at = i * stacks.size() + b;
+      EXPECT_NEAR(all.profile.reflectance_profile[at] / one.profile.reflectance_profile[i], 1.0,
+                  1e-9);
+      EXPECT_NEAR(all.profile.transmittance_profile[at] / one.profile.transmittance_profile[i], 1.0,
+                  1e-9);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lamina

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lamina/core/error.h"
+#include "lamina/core/parallel.h"
 #include "lamina/scattering/diffusion/diffusion_kernels.h"
 
 namespace lamina {
@@ -81,30 +82,9 @@ void keep_every(Profile& profile, std::size_t every) {
   thinned(profile.transmittance_profile);
 }
 
-}  // namespace
-
-DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
-                                        const DiffusionOptions& options, const RadialGrid& grid) {
-  // Where rounding takes over, and how steep the profile is there, shows on fine grids only.
-  constexpr double fewest_per_decade = 20.0;
-  const double decades = std::log10(grid.last / grid.first);
-  const auto steps = static_cast<double>(std::max<std::size_t>(grid.size, 2) - 1);
-  const double wanted = std::ceil(fewest_per_decade * decades / steps);
-  if (!(wanted > 1.0 && wanted < 1e5))
-    return make_diffusion_profile(stacks, make_hankel_plan(grid), options);
-  const auto every = static_cast<std::size_t>(wanted);
-  RadialGrid fine = grid;
-  fine.size = (grid.size - 1) * every + 1;
-  DiffusionProfile result = make_diffusion_profile(stacks, make_hankel_plan(fine), options);
-  keep_every(result.profile, every);
-  result.profile.r = radii(grid);
-  return result;
-}
-
-DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, const HankelPlan& plan,
-                                        const DiffusionOptions& options) {
-  if (stacks.empty()) throw InvalidInput("bands: at least one is required, but there are 0");
-  const std::vector<LayeredDiffusion> models = make_layered_diffusion(stacks, options);
+/// @param models  of the stacks
+DiffusionProfile profile_of(std::span<const LayerStack> stacks,
+                            std::span<const LayeredDiffusion> models, const HankelPlan& plan) {
   const std::size_t bands = models.size(), channels = 2 * bands;
 
   DiffusionProfile result;
@@ -144,6 +124,71 @@ DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, cons
     profile.transmittance_profile.insert(profile.transmittance_profile.end(), half,
                                          half + static_cast<std::ptrdiff_t>(bands));
   }
+  return result;
+}
+
+/// Adds the bands of a part to those of the whole, which has all its radii.
+void add_bands(DiffusionProfile& whole, const DiffusionProfile& part, std::size_t first) {
+  const std::size_t bands = whole.profile.bands, more = part.profile.bands;
+  const auto add = [&](std::vector<double>& all, const std::vector<double>& of_part,
+                       std::size_t rows) {
+    for (std::size_t row = 0; row < rows; ++row)
+      std::copy_n(of_part.begin() + static_cast<std::ptrdiff_t>(row * more), more,
+                  all.begin() + static_cast<std::ptrdiff_t>(row * bands + first));
+  };
+  const std::size_t rows = whole.profile.r.size();
+  add(whole.profile.reflectance_profile, part.profile.reflectance_profile, rows);
+  add(whole.profile.transmittance_profile, part.profile.transmittance_profile, rows);
+  add(whole.profile.total_reflectance, part.profile.total_reflectance, 1);
+  add(whole.profile.total_transmittance, part.profile.total_transmittance, 1);
+  add(whole.clamped_reflectance, part.clamped_reflectance, 1);
+  add(whole.clamped_transmittance, part.clamped_transmittance, 1);
+  std::ranges::copy(part.thin_layers,
+                    whole.thin_layers.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+}  // namespace
+
+DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks,
+                                        const DiffusionOptions& options, const RadialGrid& grid) {
+  // Where rounding takes over, and how steep the profile is there, shows on fine grids only.
+  constexpr double fewest_per_decade = 20.0;
+  const double decades = std::log10(grid.last / grid.first);
+  const auto steps = static_cast<double>(std::max<std::size_t>(grid.size, 2) - 1);
+  const double wanted = std::ceil(fewest_per_decade * decades / steps);
+  if (!(wanted > 1.0 && wanted < 1e5))
+    return make_diffusion_profile(stacks, make_hankel_plan(grid), options);
+  const auto every = static_cast<std::size_t>(wanted);
+  RadialGrid fine = grid;
+  fine.size = (grid.size - 1) * every + 1;
+  DiffusionProfile result = make_diffusion_profile(stacks, make_hankel_plan(fine), options);
+  keep_every(result.profile, every);
+  result.profile.r = radii(grid);
+  return result;
+}
+
+DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, const HankelPlan& plan,
+                                        const DiffusionOptions& options) {
+  if (stacks.empty()) throw InvalidInput("bands: at least one is required, but there are 0");
+  const std::vector<LayeredDiffusion> models = make_layered_diffusion(stacks, options);
+  constexpr std::size_t at_once = 32;  // some 50 ms
+  const std::size_t bands = stacks.size();
+  if (bands <= at_once) return profile_of(stacks, models, plan);
+  DiffusionProfile result;
+  result.profile = {.per = ProfilePer::entered_flux, .bands = bands, .r = plan.r};
+  for (auto* of_radii :
+       {&result.profile.reflectance_profile, &result.profile.transmittance_profile})
+    of_radii->resize(plan.r.size() * bands);
+  for (auto* of_bands : {&result.profile.total_reflectance, &result.profile.total_transmittance,
+                         &result.clamped_reflectance, &result.clamped_transmittance})
+    of_bands->resize(bands);
+  result.thin_layers.resize(bands);
+  parallel_for((bands + at_once - 1) / at_once, [&](std::size_t part) {
+    const std::size_t first = part * at_once, count = std::min(at_once, bands - first);
+    add_bands(result, profile_of(stacks.subspan(first, count),
+                                 std::span(models).subspan(first, count), plan),
+              first);
+  });
   return result;
 }
 
