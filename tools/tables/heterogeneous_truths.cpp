@@ -1,6 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Prints the section of docs/validation.md on layers that are not the same everywhere: waves and an
-// edge of melanin, an array of vessels, and a public benchmark.
+// Prints the section of docs/validation.md on layers that are not the same everywhere: waves, an edge
+// and dots of melanin, a spot of blood, an array of vessels, and a public benchmark.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -164,6 +165,129 @@ void print_edge(std::uint64_t photons) {
       std::printf("\n");
       std::fflush(stdout);
     }
+  }
+}
+
+/// A square of texels that goes on as its own mirror image: what leaves by photons and by the
+/// model, [row, column].
+struct SquareLight {
+  std::vector<Estimate> truth;
+  std::vector<double> ours;
+};
+
+/// @param epidermis  [row, column] absorption [1/mm]; or one number
+/// @param dermis     likewise
+SquareLight square_light(const Band& band, int side, const std::vector<double>& epidermis,
+                         const std::vector<double>& dermis, double texel, std::uint64_t photons) {
+  const auto size = static_cast<std::size_t>(side);
+  const auto full = [&](const std::vector<double>& values) {
+    return values.size() == 1 ? std::vector<double>(size * size, values[0]) : values;
+  };
+  const std::vector<double> above = full(epidermis), below = full(dermis);
+  SquareLight light;
+  light.truth = trace_patch_photons({.stack = band.stack,
+                                     .columns = side,
+                                     .rows = side,
+                                     .texel = texel,
+                                     .sigma_a = {above, below},
+                                     .junction = {},
+                                     .irradiance = {}},
+                                    {.photons = photons, .seed = 16})
+                    .exitance;
+  const auto plane_of = [&](const std::vector<double>& values) {
+    Plane plane = make_plane(side, side);
+    for (std::size_t i = 0; i < plane.values.size(); ++i)
+      plane.values[i] = static_cast<float>(values[i]);
+    return plane;
+  };
+  const auto layers = make_heterogeneous_layers(band.tables, {plane_of(above), plane_of(below)},
+                                                {make_plane(side, side)}, texel);
+  const Plane out =
+      transport(layers, make_plane(side, side, static_cast<float>(band.entering))).reflected;
+  light.ours.assign(out.values.begin(), out.values.end());
+  return light;
+}
+
+/// Prints the model's error in rings around the middle of a square.
+void print_rings(const SquareLight& light, int side, double texel,
+                 const std::vector<double>& borders) {
+  const auto distance = [&](std::size_t i) {
+    const auto columns = static_cast<std::size_t>(side);
+    const double x = (static_cast<double>(i % columns) + 0.5 - 0.5 * side) * texel;
+    const double y = (static_cast<double>(i / columns) + 0.5 - 0.5 * side) * texel;
+    return std::hypot(x, y);
+  };
+  for (std::size_t b = 0; b + 1 < borders.size(); ++b) {
+    double seen = 0.0, variance = 0.0, model = 0.0;
+    for (std::size_t i = 0; i < light.ours.size(); ++i)
+      if (borders[b] <= distance(i) && distance(i) < borders[b + 1]) {
+        seen += light.truth[i].value;
+        variance += std::pow(light.truth[i].standard_error, 2);
+        model += light.ours[i];
+      }
+    std::printf(" %+.1f ± %.1f %% |", 100.0 * (model / seen - 1.0),
+                100.0 * std::sqrt(variance) / seen);
+  }
+}
+
+/// The root mean square of the model's error over all texels, the photons' noise taken out.
+double rms_error(const SquareLight& light) {
+  double square = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < light.ours.size(); ++i) {
+    square += std::pow(light.ours[i] / light.truth[i].value - 1.0, 2);
+    noise += std::pow(light.truth[i].standard_error / light.truth[i].value, 2);
+  }
+  return std::sqrt(std::max(square - noise, 0.0) / static_cast<double>(light.ours.size()));
+}
+
+/// Dots of .3 mm in diameter every .6 mm.
+void print_dots(std::uint64_t photons) {
+  constexpr int side = 12;
+  constexpr double texel = 0.05;
+  std::printf(
+      "\n| band | melanin of dots, between | 0 .. 0.05 | 0.05 .. 0.10 | 0.10 .. 0.15 | "
+      "0.15 .. 0.20 | 0.20 .. 0.30 | 0.30 .. 0.43 | rms |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const double wavelength : bands)
+    for (const double melanin : {0.06, 0.12}) {
+      const double bright = epidermis_absorption({.melanin = 0.01}, wavelength);
+      const double dark = epidermis_absorption({.melanin = melanin}, wavelength);
+      const Band band = band_of(stack_of({.melanin = 0.01}, wavelength), std::sqrt(bright * dark));
+      std::vector<double> epidermis;
+      for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+          epidermis.push_back(
+              std::hypot(x + 0.5 - 0.5 * side, y + 0.5 - 0.5 * side) * texel < 0.15 ? dark : bright);
+      const SquareLight light = square_light(band, side, epidermis, {band.dermis}, texel, photons);
+      std::printf("| %.0f nm | %g, 0.01 |", wavelength, melanin);
+      print_rings(light, side, texel, {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.43});
+      std::printf(" %.1f %% |\n", 100.0 * rms_error(light));
+      std::fflush(stdout);
+    }
+}
+
+/// A spot of blood, of .03 in its middle and a Gaussian of .5 mm around it, in a dermis of .002.
+void print_spot(std::uint64_t photons) {
+  constexpr int side = 48;
+  constexpr double texel = 0.1, deviation = 0.5;
+  std::printf(
+      "\n| band | 0 .. 0.2 | 0.2 .. 0.4 | 0.4 .. 0.6 | 0.6 .. 0.9 | 0.9 .. 1.2 | 1.2 .. 1.8 | "
+      "1.8 .. 2.4 |\n|---|---|---|---|---|---|---|---|\n");
+  for (const double wavelength : bands) {
+    const Band band = band_of(stack_of({.melanin = 0.01, .hemoglobin_dermis = 0.01}, wavelength),
+                              epidermis_absorption({.melanin = 0.01}, wavelength));
+    std::vector<double> dermis;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const double r = std::hypot(x + 0.5 - 0.5 * side, y + 0.5 - 0.5 * side) * texel;
+        const double blood = 0.002 + 0.03 * std::exp(-0.5 * std::pow(r / deviation, 2));
+        dermis.push_back(dermis_absorption({.hemoglobin_dermis = blood}, wavelength));
+      }
+    const SquareLight light = square_light(
+        band, side, {band.stack.layers()[0].medium.sigma_a}, dermis, texel, photons);
+    std::printf("| %.0f nm |", wavelength);
+    print_rings(light, side, texel, {0.0, 0.2, 0.4, 0.6, 0.9, 1.2, 1.8, 2.4});
+    std::printf("\n");
+    std::fflush(stdout);
   }
 }
 
@@ -369,6 +493,8 @@ int main(int argc, char** argv) {
   std::printf("%llu photons for each row.\n", static_cast<unsigned long long>(photons));
   if (what == "all" || what == "modulation") print_modulation(photons);
   if (what == "all" || what == "edge") print_edge(photons);
+  if (what == "all" || what == "dots") print_dots(photons);
+  if (what == "all" || what == "spot") print_spot(photons);
   if (what == "all" || what == "vessels") print_vessels(photons);
   if (what == "all" || what == "fold") print_fold(photons);
   if (what == "all" || what == "skinvessel") print_skinvessel(photons);
