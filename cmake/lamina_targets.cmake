@@ -18,10 +18,11 @@ add_library(lamina_simd INTERFACE)
 target_link_libraries(lamina_simd INTERFACE hwy::hwy)
 target_compile_definitions(lamina_simd INTERFACE HWY_DISABLED_TARGETS=\(HWY_SSSE3|HWY_AVX3_DL\))
 
-# Fast builds: sources of a room are compiled a few at a time, and what most of them include is parsed
-# once for all rooms. Only for speed: every file names what it needs, and no two sources of a room
-# have the same name for different things, which builds without this option check.
-if(LAMINA_FAST_BUILD)
+# Precompiled headers: what most sources include is parsed once for all rooms. Fast builds compile
+# sources of a room a few at a time, too, which compiler caches find less of. Only for speed: every
+# file names what it needs, and no two sources of a room have the same name for different things,
+# which builds without these options check.
+if(LAMINA_PRECOMPILED_HEADERS)
   file(WRITE ${PROJECT_BINARY_DIR}/nothing.cpp "")
   add_library(lamina_precompiled OBJECT ${PROJECT_BINARY_DIR}/nothing.cpp)
   target_compile_features(lamina_precompiled PRIVATE cxx_std_20)
@@ -30,18 +31,25 @@ if(LAMINA_FAST_BUILD)
   target_precompile_headers(lamina_precompiled PRIVATE <algorithm> <array> <cmath> <filesystem>
     <functional> <limits> <memory> <numbers> <optional> <span> <sstream> <string> <variant> <vector>)
   target_compile_options(lamina_flags INTERFACE
-    -Wno-shadow  # of names in other sources
+    $<$<BOOL:${LAMINA_FAST_BUILD}>:-Wno-shadow>  # of names in other sources
     # GCC 12 warns of its own headers once they are parsed.
     "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds;-Wno-alloc-size-larger-than;-Wno-subobject-linkage>")
 endif()
 
-# lamina_build_fast(TARGET): by the option LAMINA_FAST_BUILD.
+set(lamina_batch 20)
+if(CMAKE_UNITY_BUILD_BATCH_SIZE)
+  set(lamina_batch ${CMAKE_UNITY_BUILD_BATCH_SIZE})
+endif()
+
+# lamina_build_fast(TARGET): by the options LAMINA_PRECOMPILED_HEADERS and LAMINA_FAST_BUILD.
 function(lamina_build_fast target)
+  if(LAMINA_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM lamina_precompiled)
+  endif()
   if(NOT LAMINA_FAST_BUILD)
     return()
   endif()
-  target_precompile_headers(${target} REUSE_FROM lamina_precompiled)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 20)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${lamina_batch})
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     if(source MATCHES "[.]cpp$" AND EXISTS ${source})
