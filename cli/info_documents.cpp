@@ -38,8 +38,8 @@ void add_text(FileFacts& facts, const char* name, const std::string& text) {
 }
 
 void add_names(FileFacts& facts, const char* what, const std::vector<std::string>& names) {
-  facts.lines.emplace_back(what, names.empty() ? std::string("none")
-                                               : fmt::format("{}", fmt::join(names, ", ")));
+  facts.lines.emplace_back(
+      what, names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", ")));
   facts.json[what] = names;
 }
 
@@ -106,8 +106,9 @@ FileFacts capture_facts(const FileLook& look, MemoryBudget memory) {
   if (capture.mm_per_pixel) facts.json["mm_per_pixel"] = *capture.mm_per_pixel;
   add_names(facts, "bands", image.channels);
   if (!capture.wavelengths.empty())
-    facts.lines.emplace_back("", fmt::format("seen from {:g} to {:g} nm", capture.wavelengths.front(),
-                                             capture.wavelengths.back()));
+    facts.lines.emplace_back("",
+                             fmt::format("seen from {:g} to {:g} nm", capture.wavelengths.front(),
+                                         capture.wavelengths.back()));
   std::vector<std::string> free;
   for (const SkinFitNumber& number : capture.numbers) free.push_back(number.parameter.name);
   add_names(facts, "finds", capture.leaf ? std::vector<std::string>{"a leaf"} : free);
@@ -155,9 +156,9 @@ FileFacts population_facts(const FileLook& look, MemoryBudget memory) {
   FileFacts facts;
   add_names(facts, "numbers", population.names);
   if (!population.wavelengths.empty()) {
-    facts.lines.emplace_back("misfit",
-                             fmt::format("known from {:g} to {:g} nm", population.wavelengths.front(),
-                                         population.wavelengths.back()));
+    facts.lines.emplace_back(
+        "misfit", fmt::format("known from {:g} to {:g} nm", population.wavelengths.front(),
+                              population.wavelengths.back()));
     facts.json["wavelengths_nm"] = population.wavelengths;
   }
   return facts;
@@ -167,10 +168,9 @@ FileFacts recipe_facts(const FileLook& look, MemoryBudget memory) {
   FileFacts facts;
   add_base(facts, look, memory);
   if (const auto surface = load_surface_map_recipe({look.path.string()}, memory)) {
-    facts.lines.emplace_back("size", fmt::format("{} x {} texels over a mesh of {}", surface->width,
-                                                 surface->height,
-                                                 counted(surface->meshes.front().triangles.size(),
-                                                         "triangle")));
+    facts.lines.emplace_back(
+        "size", fmt::format("{} x {} texels over a mesh of {}", surface->width, surface->height,
+                            counted(surface->meshes.front().triangles.size(), "triangle")));
     facts.lines.emplace_back("features", fmt::format("{}", surface->features.size()));
     facts.json = {{"width", surface->width},
                   {"height", surface->height},
@@ -230,9 +230,9 @@ FileFacts reproduction_facts(const FileLook& look, MemoryBudget memory) {
   add_text(facts, "id", item.id);
   add_text(facts, "paper", item.paper);
   add_text(facts, "title", item.title);
-  facts.lines.emplace_back("holds", fmt::format("{}, {}", counted(item.runs.size(), "command"),
-                                                counted(item.numbers.size() + item.features.size(),
-                                                        "check")));
+  facts.lines.emplace_back(
+      "holds", fmt::format("{}, {}", counted(item.runs.size(), "command"),
+                           counted(item.numbers.size() + item.features.size(), "check")));
   facts.json["commands"] = item.runs.size();
   facts.json["checks"] = item.numbers.size() + item.features.size();
   return facts;

@@ -85,8 +85,8 @@ FileFacts envi_facts(const FileLook& look, MemoryBudget memory) {
   const EnviHeader header = load_envi_header(look.path, memory);
   FileFacts facts;
   facts.json = {{"width", header.samples}, {"height", header.lines}, {"bands", header.bands}};
-  facts.lines.emplace_back(
-      "size", fmt::format("{} x {} pixels of {} bands", header.samples, header.lines, header.bands));
+  facts.lines.emplace_back("size", fmt::format("{} x {} pixels of {} bands", header.samples,
+                                               header.lines, header.bands));
   constexpr std::array<std::string_view, 3> orders = {"bsq", "bil", "bip"};
   const std::string numbers = fmt::format(
       "of {} bytes, {}, {}", envi_number_size(header),
@@ -139,10 +139,10 @@ FileFacts table_facts(const FileLook& look, MemoryBudget memory) {
     if (range) column["low"] = range->first, column["high"] = range->second;
     facts.json["columns"].push_back(std::move(column));
     if (c < most_listed)
-      facts.lines.emplace_back(c == 0 ? "columns" : "",
-                               table.columns()[c] +
-                                   (range ? fmt::format(": {:g} to {:g}", range->first, range->second)
-                                          : std::string(": text")));
+      facts.lines.emplace_back(
+          c == 0 ? "columns" : "",
+          table.columns()[c] + (range ? fmt::format(": {:g} to {:g}", range->first, range->second)
+                                      : std::string(": text")));
   }
   if (table.columns().size() > most_listed)
     facts.lines.emplace_back("", fmt::format("and {} more", table.columns().size() - most_listed));
@@ -195,7 +195,8 @@ FileFacts iad_facts(const FileLook& look, MemoryBudget memory) {
   const std::string text = read_file_bytes(look.path, memory);
   FileFacts facts;
   facts.lines.emplace_back("lines", fmt::format("{}", std::ranges::count(text, '\n')));
-  facts.lines.emplace_back("use", "as \"table\" of a measurement, which also says what the spheres are");
+  facts.lines.emplace_back("use",
+                           "as \"table\" of a measurement, which also says what the spheres are");
   facts.json["lines"] = std::ranges::count(text, '\n');
   return facts;
 }
@@ -223,7 +224,7 @@ FileFacts picture_shard_facts(const FileLook& look, MemoryBudget) {
                                          info.shards)},
                  {"method", info.method},
                  {"lamina", info.version}};
-  facts.json = {{"width", info.width},     {"height", info.height}, {"samples", samples},
+  facts.json = {{"width", info.width},        {"height", info.height}, {"samples", samples},
                 {"of_samples", info.samples}, {"shards", info.shards}, {"method", info.method},
                 {"version", info.version}};
   return facts;
@@ -232,12 +233,14 @@ FileFacts picture_shard_facts(const FileLook& look, MemoryBudget) {
 FileFacts kept_picture_facts(const FileLook& look, MemoryBudget) {
   const std::optional<KeptSamples> kept = kept_samples(look.path);
   if (!kept)
-    throw FileError(look.path.string() +
-                    ": must be an unfinished picture of this version, but is of another or damaged");
+    throw FileError(
+        look.path.string() +
+        ": must be an unfinished picture of this version, but is of another or damaged");
   FileFacts facts;
-  facts.lines.emplace_back("samples", kept->least == kept->most
-                                          ? fmt::format("{} per pixel", kept->least)
-                                          : fmt::format("{} to {} per pixel", kept->least, kept->most));
+  facts.lines.emplace_back("samples",
+                           kept->least == kept->most
+                               ? fmt::format("{} per pixel", kept->least)
+                               : fmt::format("{} to {} per pixel", kept->least, kept->most));
   facts.json = {{"least_samples", kept->least}, {"most_samples", kept->most}};
   return facts;
 }
@@ -293,14 +296,15 @@ bool ends(const FileLook& look) {
 constexpr char mci[] = ".mci", mco[] = ".mco", rxt[] = ".rxt", mtlx[] = ".mtlx", own[] = ".lamina";
 
 bool is_light(const FileLook& look) {
-  return look.start.starts_with("ply") && look.start.find("\ncomment lamina irradiance cloud") != std::string::npos;
+  return look.start.starts_with("ply") &&
+         look.start.find("\ncomment lamina irradiance cloud") != std::string::npos;
 }
 
 bool is_mesh(const FileLook& look) {
   // Those behind .glb are refused, with how to get to one that is read.
-  constexpr std::array<std::string_view, 12> endings = {".obj",  ".ply",  ".gltf", ".glb",
-                                                        ".usd",  ".usda", ".usdc", ".usdz",
-                                                        ".abc",  ".fbx",  ".blend", ".stl"};
+  constexpr std::array<std::string_view, 12> endings = {".obj", ".ply",  ".gltf",  ".glb",
+                                                        ".usd", ".usda", ".usdc",  ".usdz",
+                                                        ".abc", ".fbx",  ".blend", ".stl"};
   return !look.is_folder && is_one_of(look.ending, endings);
 }
 
@@ -311,7 +315,8 @@ bool holds(const FileLook& look, const char* name) {
 
 bool is_table(const FileLook& look) {
   constexpr std::array<std::string_view, 4> endings = {".csv", ".tsv", ".txt", ".dat"};
-  return !look.is_folder && is_one_of(look.ending, endings) && look.start.find('\0') == std::string::npos;
+  return !look.is_folder && is_one_of(look.ending, endings) &&
+         look.start.find('\0') == std::string::npos;
 }
 
 // In this order: what shows more clearly comes first.
@@ -390,21 +395,20 @@ FileLook look_at(const fs::path& path, MemoryBudget memory) {
 }
 
 const FileKind* find_file_kind(const FileLook& look) {
-  const auto found = std::ranges::find_if(kinds, [&](const FileKind& kind) { return kind.is(look); });
+  const auto found =
+      std::ranges::find_if(kinds, [&](const FileKind& kind) { return kind.is(look); });
   return found == kinds.end() ? nullptr : &*found;
 }
 
 std::span<const std::string_view> document_kinds() {
-  static constexpr std::array<std::string_view, 9> all = {scene,      material, capture,
-                                                          patch,      measurement, population,
-                                                          maps,       job,      reproduction};
+  static constexpr std::array<std::string_view, 9> all = {
+      scene, material, capture, patch, measurement, population, maps, job, reproduction};
   return all;
 }
 
 std::string file_kind_names() {
   std::vector<std::string> names;
-  for (const FileKind& kind : kinds)
-    names.push_back(fmt::format("{} ({})", kind.name, kind.files));
+  for (const FileKind& kind : kinds) names.push_back(fmt::format("{} ({})", kind.name, kind.files));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -412,8 +416,9 @@ void add_bands(FileFacts& facts, const BandSet& bands) {
   std::string text = "R, G, B";
   if (!bands.is_rgb()) {
     const auto nm = bands.wavelengths();
-    text = bands.size() == 1 ? fmt::format("{:g} nm", nm.front())
-                             : fmt::format("{}, {:g} to {:g} nm", bands.size(), nm.front(), nm.back());
+    text = bands.size() == 1
+               ? fmt::format("{:g} nm", nm.front())
+               : fmt::format("{}, {:g} to {:g} nm", bands.size(), nm.front(), nm.back());
     facts.json["wavelengths_nm"] = nm;
   }
   facts.lines.emplace_back("bands", text);

@@ -38,8 +38,8 @@ std::string named_after(const std::string& source, const std::string& what) {
         fmt::format("--output: must name the {} of what standard input describes", what));
   const std::string name = fs::path(source).stem().string();
   if (name.empty() || name == "." || name == "..")
-    throw InvalidInput(fmt::format(
-        "--output: must name the {}, which cannot be named after {}", what, printable(source, "")));
+    throw InvalidInput(fmt::format("--output: must name the {}, which cannot be named after {}",
+                                   what, printable(source, "")));
   return name;
 }
 

@@ -130,10 +130,11 @@ SkinPatch edited_patch_of(const EditableSkin& skin, const Floats& light,
 
 void bind_edit(py::module_& module) {
   native_class<EditableSkin>(module, "EditableSkin")
-      .def_static("made", [](const py::dict& maps, const py::dict& numbers, const std::string& constants,
-                       double mm_per_pixel) {
-        return editable_skin(skin_maps_of(maps, numbers, constants), mm_per_pixel);
-      })
+      .def_static("made",
+                  [](const py::dict& maps, const py::dict& numbers, const std::string& constants,
+                     double mm_per_pixel) {
+                    return editable_skin(skin_maps_of(maps, numbers, constants), mm_per_pixel);
+                  })
       .def_static("load",
                   [](const std::string& path) {
                     const py::gil_scoped_release unlocked;

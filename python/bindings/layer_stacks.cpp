@@ -165,16 +165,17 @@ std::string place_text(std::size_t index, const Shape& shape) {
 
 void bind_layer_stacks(py::module_& module) {
   native_class<LayerStacks>(module, "LayerStacks")
-      .def_static("made", [](const Doubles& sigma_a, const Doubles& sigma_s, const Doubles& g,
-                       const Doubles& ior, const Doubles& thickness, const Doubles& roughness,
-                       const std::vector<std::string>& phase,
-                       const std::vector<std::string>& distribution, const Doubles& ior_above,
-                       const Doubles& ior_below, const Doubles& ground_reflectance,
-                       const Doubles& ground_roughness) {
-        return make_layer_stacks({sigma_a, sigma_s, g, ior, thickness, roughness, phase,
-                                  distribution, ior_above, ior_below, ground_reflectance,
-                                  ground_roughness});
-      })
+      .def_static(
+          "made",
+          [](const Doubles& sigma_a, const Doubles& sigma_s, const Doubles& g, const Doubles& ior,
+             const Doubles& thickness, const Doubles& roughness,
+             const std::vector<std::string>& phase, const std::vector<std::string>& distribution,
+             const Doubles& ior_above, const Doubles& ior_below, const Doubles& ground_reflectance,
+             const Doubles& ground_roughness) {
+            return make_layer_stacks({sigma_a, sigma_s, g, ior, thickness, roughness, phase,
+                                      distribution, ior_above, ior_below, ground_reflectance,
+                                      ground_roughness});
+          })
       .def_property_readonly("shape",
                              [](const LayerStacks& s) { return py::tuple(py::cast(s.shape)); })
       .def_property_readonly("layer_count", &LayerStacks::layers)

@@ -89,12 +89,13 @@ void bind_patch(py::module_& module) {
   });
   module.def("solve_patch", &solve);
   native_class<DifferentiableSkinPatch>(module, "DifferentiablePatch")
-      .def_static("made", [](const SkinPatch& patch, const py::object& callback) {
-        Work work(callback);
-        return work.run([&](const Progress& progress) {
-          return DifferentiableSkinPatch(patch, user_cache(), progress);
-        });
-      })
+      .def_static("made",
+                  [](const SkinPatch& patch, const py::object& callback) {
+                    Work work(callback);
+                    return work.run([&](const Progress& progress) {
+                      return DifferentiableSkinPatch(patch, user_cache(), progress);
+                    });
+                  })
       .def_property_readonly(
           "light", [](const DifferentiableSkinPatch& patch) { return planes_array(patch.light()); })
       .def("gradient", [](DifferentiableSkinPatch& patch, const Floats& by_light,

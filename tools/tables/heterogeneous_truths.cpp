@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Prints the section of docs/validation.md on layers that are not the same everywhere: waves, an edge
-// and dots of melanin, a spot of blood, an array of vessels, and a public benchmark.
+// Prints the section of docs/validation.md on layers that are not the same everywhere: waves, an
+// edge and dots of melanin, a spot of blood, an array of vessels, and a public benchmark.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -246,7 +246,8 @@ void print_dots(std::uint64_t photons) {
   constexpr double texel = 0.05;
   std::printf(
       "\n| band | melanin of dots, between | 0 .. 0.05 | 0.05 .. 0.10 | 0.10 .. 0.15 | "
-      "0.15 .. 0.20 | 0.20 .. 0.30 | 0.30 .. 0.43 | rms |\n|---|---|---|---|---|---|---|---|---|\n");
+      "0.15 .. 0.20 | 0.20 .. 0.30 | 0.30 .. 0.43 | rms "
+      "|\n|---|---|---|---|---|---|---|---|---|\n");
   for (const double wavelength : bands)
     for (const double melanin : {0.06, 0.12}) {
       const double bright = epidermis_absorption({.melanin = 0.01}, wavelength);
@@ -255,8 +256,9 @@ void print_dots(std::uint64_t photons) {
       std::vector<double> epidermis;
       for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x)
-          epidermis.push_back(
-              std::hypot(x + 0.5 - 0.5 * side, y + 0.5 - 0.5 * side) * texel < 0.15 ? dark : bright);
+          epidermis.push_back(std::hypot(x + 0.5 - 0.5 * side, y + 0.5 - 0.5 * side) * texel < 0.15
+                                  ? dark
+                                  : bright);
       const SquareLight light = square_light(band, side, epidermis, {band.dermis}, texel, photons);
       std::printf("| %.0f nm | %g, 0.01 |", wavelength, melanin);
       print_rings(light, side, texel, {0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.43});
@@ -282,8 +284,8 @@ void print_spot(std::uint64_t photons) {
         const double blood = 0.002 + 0.03 * std::exp(-0.5 * std::pow(r / deviation, 2));
         dermis.push_back(dermis_absorption({.hemoglobin_dermis = blood}, wavelength));
       }
-    const SquareLight light = square_light(
-        band, side, {band.stack.layers()[0].medium.sigma_a}, dermis, texel, photons);
+    const SquareLight light =
+        square_light(band, side, {band.stack.layers()[0].medium.sigma_a}, dermis, texel, photons);
     std::printf("| %.0f nm |", wavelength);
     print_rings(light, side, texel, {0.0, 0.2, 0.4, 0.6, 0.9, 1.2, 1.8, 2.4});
     std::printf("\n");

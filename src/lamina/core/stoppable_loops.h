@@ -6,8 +6,8 @@
 namespace lamina {
 
 /// While it lives: all parallel loops that this thread begins, and loops within them, ask
-/// `progress` before each call of their body and end by Interrupted where it says so. For callers of
-/// work that knows no Progress and has nothing to hand over before its end; what they call must
+/// `progress` before each call of their body and end by Interrupted where it says so. For callers
+/// of work that knows no Progress and has nothing to hand over before its end; what they call must
 /// leave nothing half done behind an exception.
 class StoppableLoops {
  public:

@@ -174,8 +174,8 @@ void CsvTable::reverse_rows() {
 }
 
 void CsvTable::fail(std::size_t row, std::size_t column, std::string_view message) const {
-  throw InvalidInput(file_ + ":" + std::to_string(lines_[row]) + ": " + excerpt(columns_[column]) + " " +
-                     std::string(message));
+  throw InvalidInput(file_ + ":" + std::to_string(lines_[row]) + ": " + excerpt(columns_[column]) +
+                     " " + std::string(message));
 }
 
 CsvTable parse_csv(std::string_view text, std::string name, MemoryBudget& memory) {

@@ -191,9 +191,9 @@ TEST(DiffusionProfile, ErrorsNameBandAndLayer) {
 TEST(DiffusionProfile, OfManyBandsIsThatOfEach) {
   std::vector<LayerStack> stacks;
   for (int b = 0; b < 70; ++b)  // more than are solved at once
-    stacks.push_back(LayerStack(
-        {{.medium = {.sigma_a = 0.01 + 0.001 * b, .sigma_s = 10.0, .g = 0.8, .ior = 1.4},
-          .thickness = 0.1 + 0.05 * b}}));
+    stacks.push_back(
+        LayerStack({{.medium = {.sigma_a = 0.01 + 0.001 * b, .sigma_s = 10.0, .g = 0.8, .ior = 1.4},
+                     .thickness = 0.1 + 0.05 * b}}));
   const DiffusionProfile all = make_diffusion_profile(stacks, {}, {.size = 16});
   ASSERT_EQ(all.profile.bands, stacks.size());
   for (const std::size_t b : {std::size_t{0}, std::size_t{31}, std::size_t{32}, std::size_t{69}}) {

@@ -144,8 +144,8 @@ class Values {
     if (word.empty()) throw FileError(*name_ + ": is cut off within " + what());
     const std::optional<double> value = spelled_number(word);
     if (!value)
-      throw FileError(*name_ + ": " + what() + " must hold numbers, but has \"" +
-                      excerpt(word) + "\"");
+      throw FileError(*name_ + ": " + what() + " must hold numbers, but has \"" + excerpt(word) +
+                      "\"");
     return *value;
   }
 
@@ -270,7 +270,8 @@ class PlyReader {
   /// Refuses a count that the rest of the file cannot hold, before anything is allocated for it.
   void check_count(const Element& element, const Values& values) const {
     if (element.count == 0) return;
-    if (element.properties.empty()) refuse("element " + excerpt(element.name) + " has no properties");
+    if (element.properties.empty())
+      refuse("element " + excerpt(element.name) + " has no properties");
     const Property& first = element.properties.front();
     const Type least = first.list_count.value_or(first.type);
     if (element.count > values.most({&least, 1}) || element.count >= no_index)

@@ -185,9 +185,10 @@ DiffusionProfile make_diffusion_profile(std::span<const LayerStack> stacks, cons
   result.thin_layers.resize(bands);
   parallel_for((bands + at_once - 1) / at_once, [&](std::size_t part) {
     const std::size_t first = part * at_once, count = std::min(at_once, bands - first);
-    add_bands(result, profile_of(stacks.subspan(first, count),
-                                 std::span(models).subspan(first, count), plan),
-              first);
+    add_bands(
+        result,
+        profile_of(stacks.subspan(first, count), std::span(models).subspan(first, count), plan),
+        first);
   });
   return result;
 }
