@@ -79,8 +79,9 @@ double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::string text_of(const Capture& capture, const AcquiredSkin& skin,
-                    const AcquisitionCheck& check) {
+/// @param said  how many of the last notes were said already
+std::string text_of(const Capture& capture, const AcquiredSkin& skin, const AcquisitionCheck& check,
+                    std::size_t said) {
   std::string text = pixels_text(capture, skin);
   text += fmt::format("\n{:<22} {:>9} {:>9} {:>9} {:>8}  {}\n", "", "median", "5 %", "95 %",
                       "error", "of the prior's error");
@@ -94,6 +95,7 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
     text +=
         fmt::format(" {:.1f} % ({})", 100.0 * check.residual[b], capture.reflectance.channels[b]);
   if (check.mean_difference) text += fmt::format(", CIEDE2000 {:.2f}", *check.mean_difference);
+  if (!skin.chi_squared.empty()) text += "\n" + chi_squared_text(capture, skin);
   if (skin.inversion && !skin.inversion->history.empty()) {
     const InversionStep& last = skin.inversion->history.back();
     text += fmt::format(
@@ -101,8 +103,15 @@ std::string text_of(const Capture& capture, const AcquiredSkin& skin,
         "forward models",
         name_of(skin.inversion->stop), 100.0 * last.residual, last.in_deviations, last.forwards);
   }
-  for (const std::string& note : capture.notes) text += "\nnote: " + note;
+  for (std::size_t i = 0; i + said < capture.notes.size(); ++i)
+    text += "\nnote: " + capture.notes[i];
   return text + "\n";
+}
+
+std::string notes_text(const Capture& capture) {
+  std::string text;
+  for (const std::string& note : capture.notes) text += "note: " + note + "\n";
+  return text;
 }
 
 JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const AcquisitionCheck& check,
@@ -120,7 +129,11 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
                                  {"in_deviations", step.in_deviations}});
   }
   json["bands"] = capture.reflectance.channels;
-  json["pixels"] = {{"skin", skin.counts[0]}, {"not_skin", skin.counts[2]}};
+  json["pixels"] = {{"skin", skin.counts[0]},
+                    {"not_skin", skin.counts[2]},
+                    {"too_dark", skin.sides[0]},
+                    {"too_bright", skin.sides[1]},
+                    {"of_another_color", skin.sides[2]}};
   const MaskCounts counts = count_pixels(capture.mask);
   for (std::size_t f = 0; f < counts.faults.size(); ++f)
     json["pixels"][enum_names<PixelFault>[f].name] = counts.faults[f];
@@ -144,6 +157,8 @@ JsonOutput json_of(const Capture& capture, const AcquiredSkin& skin, const Acqui
                                {"change_by_2_percent", by_band}});
   }
   json["residual"] = check.residual;
+  json["chi_squared"] = skin.chi_squared;
+  json["error_growth"] = skin.error_growth;
   if (check.mean_difference) json["mean_ciede2000"] = *check.mean_difference;
   json["mask"] = files.mask.string();
   json["material"] = files.material.string();
@@ -161,11 +176,12 @@ void refuse_options_of_transport(const AcquireOptions& options, const std::strin
 }
 
 /// Each pixel of a leaf on its own.
-void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::path& folder) {
+void run_leaf(const AcquireOptions& options, Capture& capture, const fs::path& folder) {
   refuse_options_of_transport(options, "for a leaf, whose pixels are solved each by itself");
   if (options.lateral == LateralLight::transport)
     throw InvalidInput("--lateral: pixels of a leaf are solved each by itself");
   const LeafMaps leaf = acquire_leaf(capture, make_progress("acquiring", Keeps::nothing));
+  for (std::string& note : notes_of_misfit(capture, leaf)) capture.notes.push_back(std::move(note));
   const LeafFiles files = save_leaf(leaf, capture, folder, LAMINA_VERSION);
   std::vector<std::string> arguments = {"acquire", options.capture, "-o", folder.string()};
   for (const std::string& setting : options.settings)
@@ -177,8 +193,8 @@ void run_leaf(const AcquireOptions& options, const Capture& capture, const fs::p
   json["report"] = page.string();
   write_file((folder / result_file).string(), json.text(1) + "\n");
   write_json(json, options.common);
-  print(options.common,
-        leaf_text(leaf) + fmt::format("{}, {}\n", files.material.string(), page.string()));
+  print(options.common, leaf_text(leaf) + notes_text(capture) +
+                            fmt::format("{}, {}\n", files.material.string(), page.string()));
 }
 
 /// A number that the tiles of a capture follow from.
@@ -281,7 +297,7 @@ void run_acquire(const AcquireOptions& options) {
     patch.inversion.smoothness = smoothness_of(folder / result_file, capture.numbers.size());
   }
   const double start = seconds();
-  const auto [skin, check] = acquire_skin(
+  const auto [skin, check, notes] = acquire_skin(
       capture, plan, std::move(patch), user_cache(),
       make_progress("acquiring", plan.has_table ? Keeps::nothing : Keeps::what_there_is));
   if (skin.inversion && skin.inversion->stop == InversionStop::interrupted)
@@ -289,6 +305,9 @@ void run_acquire(const AcquireOptions& options) {
         "stopped before errors were known, which are given as those of the prior; --resume goes "
         "on");
   const double solved = seconds() - start;
+  for (const std::string& note : notes) say("warning: " + note);
+  const std::size_t said = notes.size();
+  capture.notes.insert(capture.notes.end(), notes.begin(), notes.end());
   const AcquiredFiles files = save_acquired(skin, capture, folder, LAMINA_VERSION);
   const fs::path page = folder / "report.html";
   std::vector<std::string> arguments = {"acquire",   options.capture,
@@ -309,8 +328,8 @@ void run_acquire(const AcquireOptions& options) {
   write_file((folder / result_file).string(), json.text(1) + "\n");
   write_json(json, options.common);
   print(options.common,
-        text_of(capture, skin, check) + fmt::format("solved in {:.1f} s; {}, {}\n", solved,
-                                                    files.material.string(), page.string()));
+        text_of(capture, skin, check, said) + fmt::format("solved in {:.1f} s; {}, {}\n", solved,
+                                                          files.material.string(), page.string()));
 }
 
 }  // namespace

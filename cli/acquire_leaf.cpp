@@ -73,6 +73,14 @@ std::string leaf_scale(double low, double high) {
          "</div>";
 }
 
+/// The least, middle and largest of all bands.
+std::string leaf_chi_squared_text(const LeafMaps& leaf) {
+  std::vector<double> sorted = leaf.chi_squared;
+  std::ranges::sort(sorted);
+  return printf_text("chi squared of bands %.3g to %.3g, median %.3g", sorted.front(),
+                     sorted.back(), sorted[sorted.size() / 2]);
+}
+
 Plot residual_plot(const LeafMaps& leaf, const Capture& capture) {
   Plot plot;
   PlotPanel& panel = plot.panels.emplace_back();
@@ -91,6 +99,12 @@ Plot residual_plot(const LeafMaps& leaf, const Capture& capture) {
   return plot;
 }
 
+std::string leaf_notes(const Capture& capture) {
+  std::string html;
+  for (const std::string& note : capture.notes) html += "<li>" + html_escaped(note) + "</li>";
+  return html.empty() ? html : "<ul>" + html + "</ul>";
+}
+
 }  // namespace
 
 std::string leaf_text(const LeafMaps& leaf) {
@@ -101,8 +115,8 @@ std::string leaf_text(const LeafMaps& leaf) {
     text += fmt::format("{:<16} {:>9.4g} {:>9.4g} {:>9.4g}  {:.2f}{}\n", each.name, each.median,
                         each.low, each.high, each.prior_share,
                         each.prior_share > prior_share_of_note ? ", from the prior" : "");
-  return text +
-         fmt::format("residual {:.2f} % of reflectance\n", 100.0 * residual_over_bands(leaf));
+  return text + fmt::format("residual {:.2f} % of reflectance, {}\n",
+                            100.0 * residual_over_bands(leaf), leaf_chi_squared_text(leaf));
 }
 
 void add_leaf_json(const LeafMaps& leaf, const Capture& capture, const LeafFiles& files,
@@ -124,6 +138,9 @@ void add_leaf_json(const LeafMaps& leaf, const Capture& capture, const LeafFiles
                                {"percentile_95", summaries[n].high},
                                {"prior_share", summaries[n].prior_share}});
   json["residual"] = leaf.residual;
+  json["chi_squared"] = leaf.chi_squared;
+  json["error_growth"] = leaf.error_growth;
+  json["notes"] = capture.notes;
   json["bias"] = leaf.bias;
   json["ground"] = leaf.ground;
   json["mask"] = files.mask.string();
@@ -162,7 +179,8 @@ std::string leaf_page(const LeafMaps& leaf, const Capture& capture, const std::s
   return html_page(
       title,
       "<h1>" + html_escaped(title) + "</h1><p>" + leaf_pixels_text(leaf) +
-          printf_text(". Residual %.2f %% of reflectance.</p>", 100.0 * residual_over_bands(leaf)) +
+          printf_text(". Residual %.2f %% of reflectance, ", 100.0 * residual_over_bands(leaf)) +
+          leaf_chi_squared_text(leaf) + ".</p>" + leaf_notes(capture) +
           "<h2>What was found, and what was not</h2>" + html_table(columns, rows) +
           "<h2>Maps</h2><div class=\"pictures\">" + maps + "</div><h2>What is left</h2>" +
           html_plot(format_svg(residual_plot(leaf, capture)), "residuals over wavelength") +

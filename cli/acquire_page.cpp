@@ -259,8 +259,13 @@ std::string pixels_text(const Capture& capture, const AcquiredSkin& skin) {
   };
   std::string text =
       fmt::format("{} x {} pixels: {:.1f} % skin", skin.width, skin.height, share(skin.counts[0]));
-  if (skin.counts[2] > 0)
+  if (skin.counts[2] > 0) {
     text += fmt::format(", {:.1f} % of no skin's color", share(skin.counts[2]));
+    const auto& [dark, bright, colored] = skin.sides;
+    if (dark + bright + colored > 0)
+      text += fmt::format(" ({:.1f} % too dark, {:.1f} % too bright, {:.1f} % of another color)",
+                          share(dark), share(bright), share(colored));
+  }
   const MaskCounts counts = count_pixels(capture.mask);
   for (std::size_t f = 0; f < counts.faults.size(); ++f)
     if (counts.faults[f] > 0) {
@@ -273,6 +278,17 @@ std::string pixels_text(const Capture& capture, const AcquiredSkin& skin) {
 
 std::string deviation_text(double deviation, bool is_relative) {
   return is_relative ? printf_text("%.2g %%", 100.0 * deviation) : printf_text("%.2f", deviation);
+}
+
+std::string chi_squared_text(const Capture& capture, const AcquiredSkin& skin) {
+  std::string text = "chi squared by stated errors";
+  for (std::size_t b = 0; b < skin.chi_squared.size(); ++b) {
+    text += printf_text("%s %.3g (%s", b == 0 ? "" : ",", skin.chi_squared[b],
+                        capture.reflectance.channels[b].c_str());
+    text += skin.error_growth[b] > 1.005 ? printf_text(", errors times %.3g)", skin.error_growth[b])
+                                         : ")";
+  }
+  return text;
 }
 
 std::string told_text(const NumberSummary& number) {
@@ -297,8 +313,11 @@ std::string acquire_page(const Capture& capture, const AcquiredSkin& skin,
   return html_page(
       title,
       "<h1>" + html_escaped(title) + "</h1><p class=\"summary\">" + pixels_text(capture, skin) +
-          ". " + residual_text(capture, check) + "</p><div class=\"pictures\">" +
-          picture(for_eyes(check.measured), "captured") +
+          ". " + residual_text(capture, check) + "</p>" +
+          (skin.chi_squared.empty()
+               ? ""
+               : "<p>" + html_escaped(chi_squared_text(capture, skin)) + ".</p>") +
+          "<div class=\"pictures\">" + picture(for_eyes(check.measured), "captured") +
           picture(shown_only(for_eyes(check.predicted), shown), "what the maps reflect") + "<div>" +
           picture(map_picture(difference_of(check), 0.0, full_difference, shown),
                   "difference, mean over bands") +

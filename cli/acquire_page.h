@@ -25,6 +25,9 @@ struct NumberSummary {
 /// How much an error is, as people say it: "4 %" of a logarithm, ".3" of a logit.
 [[nodiscard]] std::string deviation_text(double deviation, bool is_relative);
 
+/// Chi squared of each band, and how much its errors have grown.
+[[nodiscard]] std::string chi_squared_text(const Capture& capture, const AcquiredSkin& skin);
+
 /// What shares of the prior mean: "told", "told in part", "differences only", "from the prior".
 [[nodiscard]] std::string told_text(const NumberSummary& number);
 

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -65,9 +66,17 @@ py::list recipe_names(const SkinFitNumber& number) {
   return names;
 }
 
+/// A number for each band; the same for all where they are not worked out.
+py::array_t<double> of_bands(const Capture& capture, const std::vector<double>& numbers,
+                             double unknown) {
+  return to_array(numbers.empty()
+                      ? std::vector<double>(capture.reflectance.channel_count(), unknown)
+                      : numbers);
+}
+
 py::dict skin_dict(const Acquisition& acquisition, const AcquisitionPlan& plan) {
   const Capture& capture = acquisition.capture;
-  const auto& [skin, check] = *acquisition.skin;
+  const auto& [skin, check, notes] = *acquisition.skin;
   py::dict result, maps, deviations, prior, within, units, coordinates, recipe;
   for (const AcquiredNumber& number : skin.numbers) {
     const std::string& name = number.number.parameter.name;
@@ -93,6 +102,9 @@ py::dict skin_dict(const Acquisition& acquisition, const AcquisitionPlan& plan) 
   result["measured"] = image_or_none(check.measured);
   result["predicted"] = image_or_none(check.predicted);
   result["residual"] = to_array(std::vector<double>(check.residual));
+  result["chi_squared"] =
+      of_bands(capture, skin.chi_squared, std::numeric_limits<double>::quiet_NaN());
+  result["error_growth"] = of_bands(capture, skin.error_growth, 1.0);
   result["mean_ciede2000"] = check.mean_difference;
   result["by_calibration"] = matrix_array(check.by_calibration);
   result["correlation"] = matrix_array(check.correlation);
@@ -131,6 +143,8 @@ py::dict leaf_dict(const LeafMaps& leaf) {
   result["residual"] = to_array(std::vector<double>(leaf.residual));
   result["bias"] = to_array(std::vector<double>(leaf.bias));
   result["noise"] = to_array(std::vector<double>(leaf.noise));
+  result["chi_squared"] = to_array(std::vector<double>(leaf.chi_squared));
+  result["error_growth"] = to_array(std::vector<double>(leaf.error_growth));
   result["correlation"] = matrix_array(leaf.correlation);
   return result;
 }
@@ -149,6 +163,8 @@ py::tuple acquire(const std::string& path, const std::optional<std::string>& tex
   if (capture.leaf) {
     acquisition->leaf =
         work.run([&](const Progress& progress) { return acquire_leaf(capture, progress); });
+    for (std::string& note : notes_of_misfit(capture, *acquisition->leaf))
+      capture.notes.push_back(std::move(note));
     result = leaf_dict(*acquisition->leaf);
   } else {
     const AcquisitionPlan plan =
@@ -179,6 +195,8 @@ py::tuple acquire(const std::string& path, const std::optional<std::string>& tex
     acquisition->skin = work.run_partly([&](const Progress& progress) {
       return acquire_skin(capture, plan, std::move(patch), user_cache(), progress);
     });
+    const std::vector<std::string>& notes = acquisition->skin->notes;
+    capture.notes.insert(capture.notes.end(), notes.begin(), notes.end());
     result = skin_dict(*acquisition, plan);
   }
   result["name"] = capture.name;

@@ -40,6 +40,10 @@ class AcquiredMaps(Result):
         "median error of each number over what people, or leaves, differ by: beyond 0.8 it is not told")
     mask: Mask = quantity("where there is skin, or leaf", axes=("y", "x"), shared=True)
     residual: Array = quantity("of what the maps reflect, root mean square", axes=("band",), shared=True)
+    chi_squared: Array = quantity(
+        "reduced, of what the maps leave by the stated errors: where it is above 1 errors have grown by its root",
+        axes=("band",), shared=True)
+    error_growth: Array = quantity("factors of the stated errors that were used", axes=("band",), shared=True)
     correlation: Array = quantity("of the numbers' coordinates", axes=("number", "other"), shared=True)
     predicted: Map | None = quantity(
         "what the maps reflect, at every few pixels of large captures", axes=("row", "column", "band"), shared=True)

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <random>
+#include <string>
 
 #include "lamina/acquire/acquired_files.h"
 #include "lamina/acquire/acquisition_check.h"
+#include "lamina/acquire/bands/band_choice.h"
 #include "lamina/acquire/patch_acquisition.h"
 #include "lamina/core/error.h"
 #include "lamina/image/image_file.h"
@@ -169,6 +172,112 @@ TEST(PatchAcquisition, FindsNumbersOfPixelsOnTheirOwn) {
   for (std::size_t i = 3 * 6; i < skin.predicted.pixels.size(); ++i)
     EXPECT_NEAR(skin.predicted.pixels[i], exact.reflectance.pixels[i], 2e-3f);
   EXPECT_FALSE(skin.inversion->has_transport);
+}
+
+/// Skins of a population in some bands with noise of so many stated deviations.
+struct UnderstatedPixels {
+  Capture capture = made().capture;
+  std::vector<SkinParameters> skins;
+
+  UnderstatedPixels(std::vector<double> nm, const std::vector<std::size_t>& numbers,
+                    const std::vector<double>& factors) {
+    constexpr int side = 24;
+    const std::size_t bands = nm.size();
+    capture.incidence = {.theta = 57.0 * std::numbers::pi / 180.0};
+    const SkinReflectanceTable table(nm, capture.incidence, skin_fit_range({}));
+    std::vector<std::string> names;
+    capture.sensor = DenseMatrix(bands, bands);
+    for (std::size_t b = 0; b < bands; ++b) {
+      capture.sensor(b, b) = 1.0;
+      names.push_back(std::to_string(static_cast<int>(nm[b])) + "nm");
+    }
+    capture.wavelengths = std::move(nm);
+    capture.errors.assign(bands, 0.005);
+    capture.reflectance = make_image(side, side, names);
+    capture.mask = make_pixel_mask(side, side);
+    capture.numbers.clear();
+    const std::vector<SkinFitNumber> all = skin_fit_numbers({});
+    for (const std::size_t n : numbers) capture.numbers.push_back(all[n]);
+    std::ranges::fill(capture.population->missed_components.values, 0.0);
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    const std::vector<SkinParameters> people = draw_skins(*capture.population, side * side, 2);
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      SkinParameters skin = capture.skin.skin;
+      for (const SkinFitNumber& number : capture.numbers)
+        for (double SkinParameters::*const value : number.values) skin.*value = people[i].*value;
+      skins.push_back(skin);
+      const std::vector<double> reflected = table.reflectance(skin);
+      for (std::size_t b = 0; b < bands; ++b)
+        capture.reflectance.pixels[i * bands + b] = static_cast<float>(
+            reflected[b] * (1.0 + factors[b] * capture.errors[b] * normal(random)));
+    }
+  }
+
+  [[nodiscard]] double coverage(const AcquiredSkin& skin, double deviations) const {
+    double covered = 0.0, count = 0.0;
+    for (const AcquiredNumber& number : skin.numbers)
+      for (std::size_t i = 0; i < skins.size(); ++i) {
+        const FitParameter& parameter = number.number.parameter;
+        const double off = fit_coordinate(parameter, static_cast<double>(number.values.pixels[i])) -
+                           fit_coordinate(parameter, skins[i].*number.number.values[0]);
+        covered += std::abs(off) < deviations * static_cast<double>(number.deviations.pixels[i]);
+        count += 1.0;
+      }
+    return covered / count;
+  }
+};
+
+// Each band's noise is another multiple of what is stated.
+TEST(PatchAcquisition, ErrorsGrowToWhatPixelsLeave) {
+  const std::vector<double> factors = {3.0, 1.0, 6.0, 2.0, 3.0, 1.0};
+  const UnderstatedPixels pixels({420.0, 480.0, 520.0, 545.0, 580.0, 680.0}, {0, 2, 3, 4}, factors);
+  const AcquiredSkin skin = acquire_patch(
+      pixels.capture, {.has_transport = false, .inversion = {.deviation_samples = 1}});
+  ASSERT_EQ(skin.chi_squared.size(), factors.size());
+  // Bands that the numbers follow nearly everywhere take some of what the others have.
+  for (const std::size_t b : {0u, 2u, 4u})
+    EXPECT_NEAR(std::sqrt(skin.chi_squared[b]) / factors[b], 1.0, 0.15) << b;
+  for (const double chi_squared : skin.chi_squared) EXPECT_GT(chi_squared, 1.5);
+  EXPECT_NEAR(pixels.coverage(skin, 1.0), 0.68, 0.06);
+  EXPECT_NEAR(pixels.coverage(skin, 2.0), 0.95, 0.03);
+  AcquisitionCheck check;
+  const std::vector<std::string> notes = notes_of_misfit(pixels.capture, skin, check);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("(520nm, errors"), std::string::npos) << notes[0];
+}
+
+// Tiles of pixels on their own have the errors of the whole, though fewer pixels of their own.
+TEST(PatchAcquisition, ErrorsGrowInTilesAsInTheWhole) {
+  UnderstatedPixels pixels({420.0, 545.0, 580.0, 680.0}, {0, 3}, {3.0, 1.0, 2.0, 3.0});
+  pixels.capture.reflectance.width = 72;
+  pixels.capture.reflectance.height = 8;
+  pixels.capture.mask = make_pixel_mask(72, 8);
+  PatchAcquisitionOptions options{.has_transport = false, .inversion = {.deviation_samples = 1}};
+  const AcquiredSkin whole = acquire_patch(pixels.capture, options);
+  options.most_bytes = 1.0;
+  ASSERT_EQ(count_tiles(pixels.capture, options), 2U);
+  const AcquiredSkin tiled = acquire_patch(pixels.capture, options);
+  EXPECT_GT(whole.error_growth[0], 1.5);
+  EXPECT_EQ(tiled.error_growth, whole.error_growth);
+  EXPECT_EQ(tiled.chi_squared, whole.chi_squared);
+  for (std::size_t n = 0; n < whole.numbers.size(); ++n) {
+    EXPECT_EQ(tiled.numbers[n].values.pixels, whole.numbers[n].values.pixels);
+    EXPECT_EQ(tiled.numbers[n].deviations.pixels, whole.numbers[n].deviations.pixels);
+  }
+}
+
+TEST(PatchAcquisition, ErrorsGrowToWhatColorsLeave) {
+  UnderstatedPixels pixels({450.0, 550.0, 650.0}, {0, 3}, {4.0, 4.0, 4.0});
+  const SkinReflectanceTable table(pixels.capture.wavelengths, pixels.capture.incidence,
+                                   skin_fit_range({}));
+  std::ranges::fill(pixels.capture.population->missed, 0.0);
+  const std::vector<BandMisfit> misfit = misfit_of_pixels(pixels.capture, table);
+  for (const double chi_squared : chi_squared_of(misfit)) EXPECT_NEAR(chi_squared, 15.0, 5.0);
+  const AcquiredSkin skin = acquire_pixels(
+      pixels.capture, color_table_of(pixels.capture, table, error_growth_of(misfit)));
+  EXPECT_NEAR(pixels.coverage(skin, 1.0), 0.68, 0.07);
+  EXPECT_NEAR(pixels.coverage(skin, 2.0), 0.95, 0.04);
 }
 
 TEST(PatchAcquisition, RefusesWhatCannotTell) {

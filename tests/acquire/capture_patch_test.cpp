@@ -94,8 +94,10 @@ TEST(CapturePatch, InTilesHasTheMapsOfTheWhole) {
   const InversionModel model{.numbers = {"melanin", "hemoglobin_dermis"},
                              .population = capture.population,
                              .has_transport = false};
-  const InversionOptions options{.method = InversionMethod::per_pixel, .deviation_samples = 1};
+  InversionOptions options{.method = InversionMethod::per_pixel, .deviation_samples = 1};
   const InversionTables tables = make_inversion_tables(sampled_patch(capture, 30), model);
+  options.error_growth =
+      error_growth_of(misfit_of_texels(sampled_patch(capture, 30), tables, options));
   for (int x = 9; x < 13; ++x)
     for (int y = 0; y < 5; ++y) capture.mask.mark(capture.mask.index(x, y), PixelFault::excluded);
   const LargePatch patch = patch_of(capture);

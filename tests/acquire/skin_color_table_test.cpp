@@ -130,6 +130,31 @@ TEST(SkinColorTable, KnowsColorsThatAreNoSkin) {
     EXPECT_TRUE(std::isfinite(value));
 }
 
+// Half as bright as skin that is darker than anybody's is no skin, as by the fit of the color.
+TEST(SkinColorTable, KnowsColorsThatAreTooDark) {
+  SkinParameters darkest;
+  darkest.melanin = 0.4;
+  std::vector<double> color = study().color_of(study().table.reflectance(darkest));
+  for (double& channel : color) channel *= 0.5;
+  const ColorFit found = study().colors.at(floats(color));
+  EXPECT_GT(found.distance, farthest_skin);
+  EXPECT_EQ(found.side, ColorSide::dark);
+}
+
+// What is skin does not become more where errors have grown, numbers become less sure.
+TEST(SkinColorTable, KeepsDistancesWhereErrorsGrow) {
+  ColorMeasurement grown = study().measurement;
+  grown.error_growth = {4.0, 4.0, 4.0};
+  const auto at = [&](const ColorMeasurement& measurement) {
+    const SkinColorTable table(study().table, measurement, {}, study().numbers,
+                               forearm_population(), 5);
+    return table.at({0.45f, 0.29f, 0.22f});
+  };
+  const ColorFit stated = at(study().measurement), found = at(grown);
+  EXPECT_EQ(found.distance, stated.distance);
+  EXPECT_GT(found.deviations[0], 1.2f * stated.deviations[0]);
+}
+
 TEST(SkinColorTable, RefusesWhatItCannotUse) {
   const auto message = [](ColorMeasurement measurement, std::vector<SkinFitNumber> numbers,
                           int fits) -> std::string {

@@ -50,9 +50,14 @@ struct AcquiredSkin {
   /// What the maps reflect, as the capture's reflectance, at every picture_step-th pixel; NaN
   /// where, and empty if, not worked out
   Image predicted;
-  std::optional<InversionCourse> inversion;          ///< absent: each pixel by a table
+  std::optional<InversionCourse> inversion;  ///< absent: each pixel by a table
+  /// [band] of the capture: reduced chi squared of what the maps leave, by the errors that were
+  /// stated (band_misfit.h); empty: not worked out
+  std::vector<double> chi_squared;
+  std::vector<double> error_growth;                  ///< [band] factors of these that were used
   std::vector<PixelKind> kinds;                      ///< [y][x]
   std::array<std::size_t, pixel_kinds> counts = {};  ///< of each kind
+  std::array<std::size_t, color_sides> sides = {};   ///< of pixels of no skin's color, by ColorSide
 };
 
 /// Every so-manieth pixel along both sides makes the picture of an image: at most 320 along them.
@@ -66,9 +71,18 @@ struct AcquiredSkin {
                                           const Progress& progress = {});
 
 /// The table for a capture of three bands. @throws as SkinColorTable
+/// @param growth  factors of the errors of the bands; empty: 1
 [[nodiscard]] SkinColorTable color_table_of(const Capture& capture,
                                             const SkinReflectanceTable& table,
+                                            std::span<const double> growth = {},
                                             const Progress& progress = {});
+
+/// What fits of some pixels, evenly spread over those that are used and of a color of skin, leave
+/// of each band by the errors that are stated. Not by errors that have grown, again: numbers follow
+/// a color nearly everywhere, and skin that is not of the population would all become noise.
+/// @throws InvalidInput if there is no population
+[[nodiscard]] std::vector<BandMisfit> misfit_of_pixels(const Capture& capture,
+                                                       const SkinReflectanceTable& table);
 
 /// The middle of what pixels that are skin have, [y][x]; 1 if there are none. Of many pixels, of a
 /// million of them.

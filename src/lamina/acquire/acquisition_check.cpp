@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/fit/skin/skin_fit.h"
 #include "lamina/spectrum/color.h"
@@ -41,18 +42,21 @@ void compare(AcquisitionCheck& check) {
   check.residual.assign(bands, 0.0);
   std::vector<double> differences;
   const bool is_color = check.measured.channels == std::vector<std::string>{"R", "G", "B"};
-  std::size_t count = 0;
+  std::vector<std::size_t> counts(bands, 0);  // of pixels in which a band is not black
   for (std::size_t i = 0; i < check.is_skin.size(); ++i) {
     if (!check.is_skin[i]) continue;
-    ++count;
     const std::span measured(check.measured.pixels.data() + i * bands, bands);
     const std::span predicted(check.predicted.pixels.data() + i * bands, bands);
     for (std::size_t b = 0; b < bands; ++b)
-      check.residual[b] += std::pow(static_cast<double>(predicted[b] / measured[b]) - 1.0, 2);
+      if (measured[b] > 0.0f) {
+        check.residual[b] += std::pow(static_cast<double>(predicted[b] / measured[b]) - 1.0, 2);
+        ++counts[b];
+      }
     if (is_color) differences.push_back(color_difference(lab_of(measured), lab_of(predicted)));
   }
-  for (double& sum : check.residual)
-    sum = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+  for (std::size_t b = 0; b < bands; ++b)
+    if (counts[b] > 0)
+      check.residual[b] = std::sqrt(check.residual[b] / static_cast<double>(counts[b]));
   if (differences.empty()) return;
   std::ranges::sort(differences);
   double sum = 0.0;
@@ -77,8 +81,9 @@ std::vector<double> median_bands(const AcquisitionCheck& check) {
   return medians;
 }
 
+/// @param growth  factors of the errors, [band]; empty: 1
 void vary_calibration(const Capture& capture, const SkinReflectanceTable& table,
-                      AcquisitionCheck& check) {
+                      const std::vector<double>& growth, AcquisitionCheck& check) {
   const std::vector<double> middle = median_bands(check);
   const std::size_t numbers = capture.numbers.size();
   check.by_calibration = DenseMatrix(middle.size(), numbers);
@@ -88,7 +93,8 @@ void vary_calibration(const Capture& capture, const SkinReflectanceTable& table,
     SkinMeasurement seen{
         .measured = measured, .sensor = capture.sensor, .has_specular = capture.has_specular};
     for (std::size_t b = 0; b < measured.size(); ++b)
-      seen.standard_deviation.push_back(capture.errors[b] * measured[b]);
+      seen.standard_deviation.push_back(capture.errors[b] * (growth.empty() ? 1.0 : growth[b]) *
+                                        measured[b]);
     return fit_skin(table, seen, capture.skin.skin, capture.numbers,
                     capture.population ? &*capture.population : nullptr)
         .fit;
@@ -144,8 +150,33 @@ AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& s
   parallel_for(static_cast<std::size_t>(height), row, progress);
   check.is_skin.assign(is_skin.begin(), is_skin.end());
   compare(check);
-  vary_calibration(capture, table, check);
+  vary_calibration(capture, table, skin.error_growth, check);
   return check;
+}
+
+std::vector<std::string> notes_of_misfit(const Capture& capture, const AcquiredSkin& skin,
+                                         const AcquisitionCheck& check) {
+  constexpr double far = 5.0;  // residual over stated error
+  const std::vector<std::string>& names = capture.reflectance.channels;
+  std::vector<std::string> notes;
+  std::string grown;
+  for (std::size_t b = 0; b < skin.chi_squared.size(); ++b)
+    if (skin.chi_squared[b] > chi_squared_of_note)
+      grown += printf_text("%s %.3g (%s, errors %.2g times those stated)", grown.empty() ? "" : ",",
+                           skin.chi_squared[b], names[b].c_str(), skin.error_growth[b]);
+  if (!grown.empty())
+    notes.push_back("chi squared is" + grown +
+                    ": noise is larger than stated, or the model is not of this skin; errors of "
+                    "maps have grown with it, but errors that all pixels share are not in them");
+  std::string off;
+  for (std::size_t b = 0; b < check.residual.size(); ++b)
+    if (check.residual[b] > far * capture.errors[b])
+      off += printf_text("%s %.3g %% (%s, stated %.2g %%)", off.empty() ? "" : ",",
+                         100.0 * check.residual[b], names[b].c_str(), 100.0 * capture.errors[b]);
+  if (!off.empty())
+    notes.push_back("residuals are more than five times the stated errors:" + off +
+                    "; look whether all that is used is skin, and at white, gains and bands");
+  return notes;
 }
 
 void add_gain_errors(const Capture& capture, const AcquisitionCheck& check, AcquiredSkin& skin) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lamina/acquire/acquired_skin.h"
@@ -30,6 +31,12 @@ struct AcquisitionCheck {
 [[nodiscard]] AcquisitionCheck check_acquisition(const Capture& capture, const AcquiredSkin& skin,
                                                  const SkinReflectanceTable& table,
                                                  const Progress& progress = {});
+
+/// Sentences on bands of which the maps leave more than their errors, as they are stated, allow:
+/// chi squared above `chi_squared_of_note`, or residuals of more than five times the error.
+[[nodiscard]] std::vector<std::string> notes_of_misfit(const Capture& capture,
+                                                       const AcquiredSkin& skin,
+                                                       const AcquisitionCheck& check);
 
 /// Adds errors of gains that are not known to the deviations of maps: by how far numbers move with
 /// bands at the median color, and at most the prior's.

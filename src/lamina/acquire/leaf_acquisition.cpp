@@ -67,6 +67,17 @@ LeafMaps acquire_leaf(const Capture& capture, const Progress& progress) {
   return fit_leaf_pixels(capture.reflectance, middles, options, progress);
 }
 
+std::vector<std::string> notes_of_misfit(const Capture& capture, const LeafMaps& leaf) {
+  std::string grown;
+  for (std::size_t b = 0; b < leaf.chi_squared.size(); ++b)
+    if (leaf.chi_squared[b] > chi_squared_of_note)
+      grown += printf_text("%s %.3g (%s)", grown.empty() ? "" : ",", leaf.chi_squared[b],
+                           capture.reflectance.channels[b].c_str());
+  if (grown.empty()) return {};
+  return {"chi squared by the noise that was found is" + grown +
+          ": some pixels are met much worse than most; errors of maps have grown with it"};
+}
+
 LeafFiles save_leaf(const LeafMaps& leaf, const Capture& capture, const fs::path& folder,
                     const std::string& version) {
   make_folder(folder);

@@ -15,6 +15,10 @@ namespace lamina {
 /// @throws as fit_leaf_pixels
 [[nodiscard]] LeafMaps acquire_leaf(const Capture& capture, const Progress& progress = {});
 
+/// Sentences on bands whose chi squared is above `chi_squared_of_note`.
+[[nodiscard]] std::vector<std::string> notes_of_misfit(const Capture& capture,
+                                                       const LeafMaps& leaf);
+
 /// Where maps of leaves lie.
 struct LeafFiles {
   std::vector<std::filesystem::path> maps, deviations;  ///< [map]

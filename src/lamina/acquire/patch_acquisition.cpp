@@ -14,6 +14,8 @@ namespace {
 
 /// Enough for the tables of a large capture.
 constexpr std::size_t table_samples = 65536;
+/// Enough for the noise of a band to 5 %.
+constexpr std::size_t misfit_samples = 1024;
 
 /// Wavelengths of all lights that bands see.
 std::size_t count_fields(const Capture& capture) {
@@ -149,6 +151,12 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
   InversionOptions inversion = options.inversion;
   if (!options.has_transport) inversion.method = InversionMethod::per_pixel;
   AcquiredSkin skin = skin_before(capture, tables);
+  // Pixels on their own have one growth of errors, whether they go by tiles or at once.
+  std::vector<BandMisfit> misfit;
+  if (inversion.method == InversionMethod::per_pixel && inversion.deviation_samples > 0) {
+    misfit = misfit_of_texels(sampled_patch(capture, misfit_samples), tables, inversion);
+    inversion.error_growth = error_growth_of(misfit);
+  }
   InversionResult course;
   if (tiling) {
     course = invert_tiles(
@@ -166,6 +174,9 @@ AcquiredSkin acquire_patch(const Capture& capture, const PatchAcquisitionOptions
     number.prior_share = number.within_share =
         std::min(1.0, median_over_skin(number.deviations.pixels, skin.kinds) /
                           static_cast<double>(static_cast<float>(number.prior_deviation)));
+  if (misfit.empty()) misfit = std::move(course.misfit);
+  skin.chi_squared = chi_squared_of(misfit);
+  if (!misfit.empty()) skin.error_growth = std::move(course.error_growth);
   skin.inversion = {.has_transport = options.has_transport,
                     .smoothness = std::move(course.smoothness),
                     .history = std::move(course.history),

@@ -25,8 +25,9 @@ struct PatchAcquisitionOptions {
 };
 
 /// All pixels of a capture of any bands together, by invert_patch; without transport each on its
-/// own. What would take more memory than it may goes by invert_tiles: history and smoothness are
-/// those of the tile of which most is known. Tiles that are left to other machines have the prior.
+/// own. What would take more memory than it may goes by invert_tiles: history, smoothness and,
+/// with transport, growth of errors are those of the tile of which most is known; pixels on their
+/// own have one growth, by a sample of all. Tiles that are left to other machines have the prior.
 ///
 /// @param cache     keeps the tables of the transport; absent: none
 /// @param progress  asked to stop, the best so far is handed over

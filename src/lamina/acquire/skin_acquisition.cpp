@@ -32,9 +32,13 @@ SkinAcquisition acquire_skin(const Capture& capture, const AcquisitionPlan& plan
                                    skin_fit_range(capture.skin.skin), part_of(progress, 0.0, 0.1));
   SkinAcquisition result;
   if (plan.has_table) {
+    const std::vector<BandMisfit> misfit = misfit_of_pixels(capture, table);
+    const std::vector<double> growth = error_growth_of(misfit);
     result.skin =
-        acquire_pixels(capture, color_table_of(capture, table, part_of(progress, 0.1, 0.7)),
+        acquire_pixels(capture, color_table_of(capture, table, growth, part_of(progress, 0.1, 0.7)),
                        part_of(progress, 0.7, 0.9));
+    result.skin.chi_squared = chi_squared_of(misfit);
+    result.skin.error_growth = growth;
   } else {
     options.has_transport = plan.has_transport;
     result.skin = acquire_patch(capture, options, cache, part_of(progress, 0.1, 0.9));
@@ -42,6 +46,7 @@ SkinAcquisition acquire_skin(const Capture& capture, const AcquisitionPlan& plan
   // Not asked to stop: the best so far is kept.
   result.check = check_acquisition(capture, result.skin, table);
   add_gain_errors(capture, result.check, result.skin);
+  result.notes = notes_of_misfit(capture, result.skin, result.check);
   return result;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "lamina/acquire/acquired_skin.h"
 #include "lamina/acquire/acquisition_check.h"
@@ -40,6 +42,7 @@ struct AcquisitionPlan {
 struct SkinAcquisition {
   AcquiredSkin skin;
   AcquisitionCheck check;
+  std::vector<std::string> notes;  ///< on what the maps leave, in sentences
 };
 
 /// Solves a capture of skin by its plan. The deviations have the errors of gains that are not

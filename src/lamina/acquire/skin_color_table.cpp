@@ -12,6 +12,7 @@
 #include "lamina/core/number_text.h"
 #include "lamina/core/parallel.h"
 #include "lamina/core/symmetric_eigen.h"
+#include "lamina/fit/least_squares/band_misfit.h"
 
 namespace lamina {
 namespace {
@@ -19,7 +20,8 @@ namespace {
 /// Along the axes of what is not brightness, in standard deviations of the population.
 constexpr double half_box = 8.0;
 constexpr int drawn_people = 400;
-constexpr float darkest = 1e-4f;  ///< channel; what is below counts as that
+constexpr double largest_error = 0.5;  // relative
+constexpr float darkest = 1e-4f;       ///< channel; what is below counts as that
 /// The range of brightness: skin without melanin, this much brighter, to skin of this melanin.
 constexpr double brighter = 0.5, most_melanin = 0.4;
 const FitOptions fit_options{.max_iterations = 20, .tolerance = 1e-3};
@@ -180,8 +182,14 @@ void check(const SkinReflectanceTable& table, const ColorMeasurement& measuremen
   if (measurement.errors.size() != 3)
     throw InvalidInput("errors: must be 3, but are " + std::to_string(measurement.errors.size()));
   for (const double error : measurement.errors)
-    if (!(1e-4 <= error && error <= 0.5))
+    if (!(1e-4 <= error && error <= largest_error))
       throw InvalidInput("errors: must be in [1e-4, 0.5], but one is " + number_text(error));
+  for (const double factor : measurement.error_growth)
+    if (!(factor >= 1.0 && std::isfinite(factor)))
+      throw InvalidInput("error_growth: must be >= 1, but one is " + number_text(factor));
+  if (!measurement.error_growth.empty() && measurement.error_growth.size() != 3)
+    throw InvalidInput("error_growth: must be 3, but are " +
+                       std::to_string(measurement.error_growth.size()));
   if (numbers.empty() || numbers.size() > ColorFit::most_numbers)
     throw InvalidInput("numbers: must be 1 to " + std::to_string(ColorFit::most_numbers) +
                        ", but are " + std::to_string(numbers.size()));
@@ -227,6 +235,32 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
   for (std::size_t p = 0; p < numbers_.size(); ++p)
     for (const std::size_t channel : {p, deviations_from + p}) found[channel].resize(n * n * along);
   found.back().resize(n * n * along);
+  const auto fit_of = [&](const LogColor& color, const std::vector<double>& growth) {
+    SkinMeasurement seen{.measured = std::vector<double>(3),
+                         .standard_deviation = std::vector<double>(3),
+                         .sensor = measurement.sensor,
+                         .has_specular = measurement.has_specular};
+    for (std::size_t c = 0; c < 3; ++c) {
+      seen.measured[c] = std::exp(color[c]);
+      const double error = measurement.errors[c] * (growth.empty() ? 1.0 : growth[c]);
+      seen.standard_deviation[c] = std::min(largest_error, error) * seen.measured[c];
+    }
+    return fit_skin(table, seen, skin, numbers_, &population, fit_options).fit;
+  };
+  const auto distance_of = [](const FitResult& fit) {
+    return std::sqrt(fit.chi_squared + fit.prior_squares);
+  };
+  const bool has_grown = largest_ratio(measurement.error_growth, {}) > 1.0;
+  // Beyond the ends distances grow as those of fits do there.
+  for (const std::size_t end : {0u, 1u}) {
+    const LogColor& last = end == 0 ? curve.front() : curve.back();
+    LogColor past = last;
+    for (double& log : past) log += (end == 0 ? -1.0 : 1.0) * spread.brightness;
+    const double squares =
+        std::pow(distance_of(fit_of(past, {})), 2) - std::pow(distance_of(fit_of(last, {})), 2);
+    end_deviations_[end] =
+        static_cast<float>(spread.brightness / std::sqrt(std::max(1.0, squares)));
+  }
   const auto fit_at = [&](std::size_t i) {
     const auto place_of = [&](std::size_t node) {
       return half_box * (2.0 * static_cast<double>(node) / static_cast<double>(n - 1) - 1.0);
@@ -239,22 +273,17 @@ SkinColorTable::SkinColorTable(const SkinReflectanceTable& table,
     const double wide = widening(brightness_of(usual), spread.mean_brightness);
     for (double& x : at)
       x *= wide * std::min(1.0, half_box / distance);  // corners: no color of skin
-    SkinMeasurement seen{.measured = std::vector<double>(3),
-                         .standard_deviation = std::vector<double>(3),
-                         .sensor = measurement.sensor,
-                         .has_specular = measurement.has_specular};
-    for (std::size_t c = 0; c < 3; ++c) {
-      seen.measured[c] = std::exp(usual[c] + at[0] * spread.axes[0][c] + at[1] * spread.axes[1][c]);
-      seen.standard_deviation[c] = measurement.errors[c] * seen.measured[c];
-    }
-    const FitResult fit = fit_skin(table, seen, skin, numbers_, &population, fit_options).fit;
+    LogColor color;
+    for (std::size_t c = 0; c < 3; ++c)
+      color[c] = usual[c] + at[0] * spread.axes[0][c] + at[1] * spread.axes[1][c];
+    const FitResult fit = fit_of(color, measurement.error_growth);
     for (std::size_t p = 0; p < numbers_.size(); ++p) {
       const FittedParameter& number = fit.parameters[p];
       found[p][i] = static_cast<float>(exponent(numbers_[p].parameter, number.value));
       found[deviations_from + p][i] = static_cast<float>(std::log(
           number.is_at_bound ? priors_[p] : std::min(priors_[p], number.standard_deviation)));
     }
-    found.back()[i] = static_cast<float>(std::sqrt(fit.chi_squared + fit.prior_squares));
+    found.back()[i] = static_cast<float>(distance_of(has_grown ? fit_of(color, {}) : fit));
   };
   parallel_for(n * n * along, fit_at, progress);
 
@@ -288,7 +317,7 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
   const std::array<float, 3> at = place(color);
   constexpr auto half = static_cast<float>(half_box);
   const std::array<float, 3> low = {-half, -half, low_}, high = {half, half, high_};
-  const std::array<float, 3> deviation = {1.0f, 1.0f, brightness_deviation_};
+  const std::array<float, 3> deviation = {1.0f, 1.0f, end_deviations_[at[2] < low_ ? 0 : 1]};
   static_assert(channels == acquire_detail::node_numbers + 1);
   std::array<std::size_t, 3> node;
   std::array<float, 3> between;
@@ -325,6 +354,9 @@ ColorFit SkinColorTable::at(const std::array<float, 3>& color) const {
   }
   within = std::max(within, 0.0f);
   fit.distance = std::sqrt(within * within + beyond);
+  const float along = (at[2] - mean_brightness_) / brightness_deviation_;
+  if (std::abs(along) >= std::hypot(at[0], at[1]))
+    fit.side = along < 0.0f ? ColorSide::dark : ColorSide::bright;
   return fit;
 }
 

@@ -16,7 +16,14 @@ struct ColorMeasurement {
   DenseMatrix sensor;          ///< weights of the spectrum in a color, [3][wavelength of the table]
   std::vector<double> errors;  ///< of the three channels, relative, in [1e-4, .5]
   bool has_specular = false;   ///< whether what the surface mirrors is part of the color
+  /// Factors of the errors by which numbers are found, [channel]; empty: 1. Distances go by errors
+  /// as they are stated: what is skin does not become more with them
+  std::vector<double> error_growth = {};
 };
+
+/// On which side of people's skin a color lies.
+enum class ColorSide : std::uint8_t { dark, bright, colored };
+inline constexpr std::size_t color_sides = 3;
 
 /// What fit_skin finds for a color.
 struct ColorFit {
@@ -26,6 +33,7 @@ struct ColorFit {
   /// From the middle of the population to this color, in standard deviations of colors of its
   /// people: the root of chi squared and prior squares together.
   float distance = 0.0f;
+  ColorSide side = ColorSide::colored;  ///< the direction in which it lies farthest
 };
 
 /// The fits of fit_skin to all colors that skin can have, for millions of pixels.
@@ -68,6 +76,7 @@ class SkinColorTable {
   std::vector<float> curve_;        ///< [brightness][channel] logarithms of usual colors
   float low_ = 0.0f, high_ = 0.0f;  ///< brightness
   float brightness_deviation_ = 0.0f, mean_brightness_ = 0.0f;
+  std::array<float, 2> end_deviations_ = {};  ///< of brightness beyond the lowest and the highest
   std::array<std::array<float, 3>, 2> axes_ = {};  ///< [axis][channel], to standard deviations
   std::array<std::size_t, 3> nodes_ = {};          ///< along axes and brightness
   std::vector<float> values_;                      ///< [3rd][2nd][1st axis][channel]

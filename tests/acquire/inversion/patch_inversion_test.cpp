@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <string>
 
 #include "acquire/inversion/synthetic_patch.h"
@@ -209,6 +210,80 @@ TEST(PatchInversion, KnowsItsErrors) {
   }
   EXPECT_LT(squares / expected, 9.0);  // carotene and blend vary, of which nothing is known
   EXPECT_GT(squares / expected, 0.3);
+}
+
+/// Six bands, in which all five numbers that vary show, with noise of so many stated deviations,
+/// [image].
+SmallPatch understated_patch(const std::vector<double>& factors) {
+  SyntheticSetup setup = small_setup();
+  setup.wavelengths = {400.0, 420.0, 480.0, 520.0, 580.0, 700.0};
+  SyntheticPatch patch = make_synthetic_patch(setup);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    PatchImage& image = patch.capture.images[i];
+    for (std::size_t t = 0; t < image.reflected.values.size(); ++t)
+      image.reflected.values[t] =
+          patch.clean[i].values[t] +
+          static_cast<float>(factors[i] * normal(random)) * image.deviation.values[t];
+  }
+  InversionModel model = small_model();
+  model.numbers = {"melanin", "melanin_blend", "hemoglobin_epidermis", "hemoglobin_dermis",
+                   "carotene"};
+  InversionTables tables = make_inversion_tables(patch.capture, model);
+  return {std::move(patch), std::move(tables)};
+}
+
+/// The share of coordinates of all maps that lie within so many standard deviations of the truth.
+double coverage(const SmallPatch& made, const InversionResult& result, double deviations) {
+  double covered = 0.0, count = 0.0;
+  for (std::size_t n = 0; n < result.numbers.size(); ++n) {
+    const FitParameter& parameter = made.tables.numbers[n].parameter;
+    const NumberMap& map = result.numbers[n];
+    for (std::size_t t = 0; t < map.value.values.size(); ++t) {
+      const auto at = [&](const Plane& plane) {
+        return fit_coordinate(parameter, static_cast<double>(plane.values[t]));
+      };
+      const auto deviation = static_cast<double>(map.deviation.values[t]);
+      covered += std::abs(at(map.value) - at(made.patch.truth[n])) < deviations * deviation;
+      count += 1.0;
+    }
+  }
+  return covered / count;
+}
+
+// Noise is understated by three in all images but one, and the maps have edges that smoothness
+// does not know. What was to be spent is spent before errors grow: the maps follow all the same.
+TEST(PatchInversion, ErrorsGrowToWhatIsLeft) {
+  const std::vector<double> factors = {3.0, 3.0, 3.0, 1.0, 3.0, 3.0};
+  const SmallPatch made = understated_patch(factors);
+  for (const InversionMethod method : {InversionMethod::gauss_newton, InversionMethod::lbfgs}) {
+    const InversionResult result =
+        invert_patch(made.patch.capture, made.tables, {.method = method, .deviation_samples = 4});
+    const std::vector<double> chi_squared = chi_squared_of(result.misfit);
+    ASSERT_EQ(result.error_growth.size(), factors.size());
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      EXPECT_NEAR(std::sqrt(chi_squared[i]), result.error_growth[i], 0.02 * factors[i]);
+      // Freckles of edges finer than a texel are left by the smoothness, and count as noise.
+      EXPECT_NEAR(result.error_growth[i] / factors[i], factors[i] > 1.0 ? 1.0 : 1.4, 0.3)
+          << name_of(method) << " " << i;
+    }
+    const double one = coverage(made, result, 1.0), two = coverage(made, result, 2.0);
+    EXPECT_NEAR(one, 0.683, 0.08) << name_of(method);
+    EXPECT_NEAR(two, 0.954, 0.05) << name_of(method);
+    RecordProperty(std::string(name_of(method)), std::to_string(one) + " " + std::to_string(two));
+  }
+}
+
+// Noise as it is stated; freckles of edges finer than a texel are left by the smoothness, with up
+// to twice its deviation, and errors that grow to that cover the truth.
+TEST(PatchInversion, ErrorsGrowToWhatSmoothnessLeaves) {
+  const SmallPatch made = understated_patch({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});
+  const InversionResult result =
+      invert_patch(made.patch.capture, made.tables, {.deviation_samples = 4});
+  for (const double growth : result.error_growth) EXPECT_LT(growth, 2.2);
+  EXPECT_NEAR(coverage(made, result, 1.0), 0.66, 0.12);
+  RecordProperty("coverage", std::to_string(coverage(made, result, 1.0)));
 }
 
 TEST(PatchInversion, OfTilesIsThatOfTheWhole) {

@@ -117,6 +117,22 @@ TEST(LeafPixels, FindLeavesWithinTheirErrors) {
   EXPECT_NEAR(maps.correlation(3, 3), 1.0, 1e-6);
 }
 
+// Noise that is understated by three grows to what it is.
+TEST(LeafPixels, ErrorsGrowToWhatIsLeft) {
+  LeafPixelOptions options = made_leaves().options;
+  options.noise.assign(made_leaves().wavelengths.size(), leaf_noise / 3.0);
+  const LeafMaps maps = fit_leaf_pixels(made_leaves().image, made_leaves().wavelengths, options);
+  double mean = 0.0, chi_squared = 0.0;
+  for (std::size_t n = 0; n < maps.maps.size(); ++n)
+    mean += leaf_coverage(maps, n) / static_cast<double>(maps.maps.size());
+  for (const double each : maps.chi_squared)
+    chi_squared += each / static_cast<double>(maps.chi_squared.size());
+  EXPECT_NEAR(mean, 0.683, 0.04);
+  EXPECT_NEAR(chi_squared, 9.0, 1.0);
+  for (std::size_t b = 0; b < maps.noise.size(); ++b)
+    EXPECT_NEAR(maps.noise[b], leaf_noise, 0.2 * leaf_noise);
+}
+
 // Values and derivatives, beside the slower table's.
 TEST(LeafLight, IsThatOfTheTable) {
   const std::vector<double> wavelengths = {440.0, 550.0, 690.0, 720.0, 850.0, 970.0};

@@ -19,7 +19,7 @@ DiskCache cache_of(const KeptTiles& tiles) {
 
 std::string key_of(const KeptTiles& tiles, const TexelRectangle& kept) {
   PackedWriter writer;
-  writer.put_text("tile, format 1");
+  writer.put_text("tile, format 2");
   const auto& [x, y, width, height] = kept;
   writer.put(tiles.key);
   for (const int value : {x, y, width, height}) writer.put(value);
@@ -41,8 +41,8 @@ void get(PackedReader& reader, Plane& plane) {
 }
 
 std::string packed(const InversionResult& result) {
-  const auto& [numbers, correlation, residual, smoothness, history, deviation_forwards, stop] =
-      result;
+  const auto& [numbers, correlation, residual, smoothness, history, misfit, error_growth,
+               deviation_forwards, stop] = result;
   PackedWriter writer;
   writer.put(numbers.size());
   for (const auto& [name, value, deviation, prior_share] : numbers) {
@@ -58,6 +58,10 @@ std::string packed(const InversionResult& result) {
   writer.put(history.size());
   for (const auto& [forwards, of_mean, in_deviations, objective] : history)
     for (const double value : {forwards, of_mean, in_deviations, objective}) writer.put(value);
+  writer.put(misfit.size());
+  for (const auto& [squares, left, count] : misfit)
+    for (const double value : {squares, left, count}) writer.put(value);
+  writer.put(error_growth);
   writer.put(deviation_forwards);
   writer.put(stop);
   return std::move(writer).bytes();
@@ -66,7 +70,8 @@ std::string packed(const InversionResult& result) {
 /// Of a checksum that holds: sizes are as they were written.
 std::optional<InversionResult> unpacked(std::string_view bytes) {
   InversionResult result;
-  auto& [numbers, correlation, residual, smoothness, history, deviation_forwards, stop] = result;
+  auto& [numbers, correlation, residual, smoothness, history, misfit, error_growth,
+         deviation_forwards, stop] = result;
   PackedReader reader(bytes);
   std::size_t size = 0;
   const auto get_size = [&] {
@@ -88,6 +93,10 @@ std::optional<InversionResult> unpacked(std::string_view bytes) {
   history.resize(get_size());
   for (auto& [forwards, of_mean, in_deviations, objective] : history)
     for (double* value : {&forwards, &of_mean, &in_deviations, &objective}) reader.get(*value);
+  misfit.resize(get_size());
+  for (auto& [squares, left, count] : misfit)
+    for (double* value : {&squares, &left, &count}) reader.get(*value);
+  reader.get(error_growth);
   reader.get(deviation_forwards);
   reader.get(stop);
   return reader.is_done() ? std::optional(std::move(result)) : std::nullopt;

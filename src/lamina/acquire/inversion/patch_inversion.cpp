@@ -42,6 +42,12 @@ void check(const PatchCapture& capture, const InversionTables& tables,
           "must be >= 0", options.level_error);
   require(options.deviation_samples >= 0, "deviation_samples", "must be >= 0",
           options.deviation_samples);
+  if (!options.error_growth.empty() && options.error_growth.size() != capture.images.size())
+    throw InvalidInput("error_growth: must have one for each of " +
+                       std::to_string(capture.images.size()) + " images, but has " +
+                       std::to_string(options.error_growth.size()));
+  for (const double factor : options.error_growth)
+    require(std::isfinite(factor) && factor >= 1.0, "error_growth", "must be >= 1", factor);
   const std::size_t numbers = tables.numbers.size();
   const auto require_all = [numbers](std::size_t given, const char* name) {
     if (given != 0 && given != numbers)
@@ -123,6 +129,7 @@ void put_results(const PatchObjective& objective, const InversionCourse& course,
     result.smoothness.push_back(each.first.weight);
   for (const MapSmoothness& each : objective.smoothness())
     result.smoothness.push_back(each.third.weight);
+  result.error_growth = objective.error_growth();
   result.history = course.history;
   result.stop = course.stop;
 }
@@ -138,6 +145,21 @@ struct PatchGrid {
   PatchObjective objective;
   TexelMaps level;
 };
+
+/// The leverage of the texels of each image together, by a draw: the sum of squares of what it
+/// changes the images by, in standard deviations.
+std::vector<double> leverage_of(PatchGrid& grid, const TexelMaps& draw) {
+  const TexelMaps changes = grid.light.change(draw);
+  std::vector<double> leverage;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < changes[i].size(); ++t)
+      sum += static_cast<double>(grid.objective.shares()[i][t]) *
+             std::pow(static_cast<double>(grid.objective.weights()[i][t] * changes[i][t]), 2);
+    leverage.push_back(sum);
+  }
+  return leverage;
+}
 
 /// Takes the smoothness that the data ask for, or edges alone where it is given.
 void choose_smoothness(PatchGrid& grid, InversionCourse& course, const InversionOptions& options) {
@@ -222,24 +244,39 @@ void put_errors(const PatchObjective& objective, detail::PosteriorErrors errors,
   }
 }
 
-/// The same from draws.
-void add_drawn_errors(PatchGrid& grid, InversionCourse& course, const InversionOptions& options,
-                      InversionResult& result) {
-  const double before = grid.light.forwards();
-  PatchObjective& objective = grid.objective;
-  course.best.images = grid.light.images(course.best.coordinates);
-  objective.linearize(course.best);
-  const detail::BandBlocks blocks(objective, course.best.coordinates, grid.level);
+/// Draws about the best state of a course: which errors it has, and what it leaves.
+struct PosteriorDraws {
+  PosteriorDraws(PatchGrid& grid, InversionCourse& course)
+      : blocks([&]() -> detail::BandBlocks {
+          course.best.images = grid.light.images(course.best.coordinates);
+          grid.objective.linearize(course.best);
+          return {grid.objective, course.best.coordinates, grid.level};
+        }()) {}
+  /// Adds draws until there are so many, or somebody asks to stop.
+  void draw(PatchGrid& grid, InversionCourse& course, std::uint64_t seed, int count) {
+    const auto must_end = [&] { return course.is_interrupted(); };
+    for (auto d = static_cast<int>(draws.size()); d < count && !must_end(); ++d)
+      draws.push_back(detail::draw_posterior(grid.objective, blocks, seed,
+                                             100 + static_cast<std::uint64_t>(d), must_end)
+                          .off);
+  }
+  detail::BandBlocks blocks;
   std::vector<TexelMaps> draws;
-  const auto must_end = [&] { return course.is_interrupted(); };
-  for (int d = 0; d < options.deviation_samples && !must_end(); ++d)
-    draws.push_back(detail::draw_posterior(objective, blocks, options.seed,
-                                           100 + static_cast<std::uint64_t>(d), must_end)
-                        .off);
-  result.deviation_forwards = grid.light.forwards() - before;
-  if (!draws.empty() && course.stop != InversionStop::interrupted)
-    put_errors(objective, detail::posterior_errors(objective, blocks, draws, options.level_error),
-               result);
+};
+
+/// The errors of texels each by itself grow to what samples of them leave.
+std::vector<BandMisfit> grow_errors_of_texels(PatchGrid& grid, double robust_limit) {
+  constexpr int most_rounds = 20;
+  constexpr double hardly = 1.02;
+  std::vector<BandMisfit> misfit;
+  for (int round = 0; round < most_rounds; ++round) {
+    misfit = detail::texel_misfit(grid.objective, grid.level, robust_limit);
+    const std::vector<double> before = grid.objective.error_growth();
+    const std::vector<double> growth = error_growth_of(misfit);
+    grid.objective.set_error_growth(growth);
+    if (largest_ratio(growth, before) < hardly && largest_ratio(before, growth) < hardly) break;
+  }
+  return misfit;
 }
 
 }  // namespace
@@ -256,6 +293,9 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
     start = finer_start(capture, tables, options, progress, 1.0);
   if (!options.start.empty()) start.coordinates = coordinates_of(options.start, tables);
   PatchGrid grid(capture, tables, options, 1.0, start.spent);
+  InversionResult result;
+  if (is_local && options.deviation_samples > 0 && options.error_growth.empty())
+    result.misfit = grow_errors_of_texels(grid, options.robust_limit);
   if (!is_local && !is_descent)
     grid.objective.set_smoothness(first_smoothness(options, tables, capture.mm_per_texel, 1.0));
   if (start.coordinates.empty() && is_descent)
@@ -269,15 +309,17 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
                                start.coordinates,
                                detail::local_images(grid.objective, grid.level, start.coordinates))
                          : grid.objective.state(start.coordinates);
-  InversionCourse course(options, grid.light, progress, std::move(state));
+  InversionOptions own = options;
+  InversionCourse course(own, grid.light, progress, std::move(state));
+  const auto run = [&](InversionMethod by, int most_steps) {
+    if (by == InversionMethod::lbfgs)
+      detail::run_lbfgs(grid.objective, grid.level, course, most_steps);
+    else
+      detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
+  };
+  constexpr int all_steps = std::numeric_limits<int>::max();
   if (is_descent) detail::run_gradient_descent(grid.objective, course);
   if (!is_local && !is_descent) {
-    const auto run = [&](InversionMethod by, int most_steps) {
-      if (by == InversionMethod::lbfgs)
-        detail::run_lbfgs(grid.objective, grid.level, course, most_steps);
-      else
-        detail::run_gauss_newton(grid.objective, grid.level, course, most_steps);
-    };
     if (chooses_smoothness(options)) {
       // Far off gradients alone find no step; nearer, they stand stiff smoothness better than
       // systems that are cut short.
@@ -290,19 +332,65 @@ InversionResult invert_patch(const PatchCapture& capture, const InversionTables&
     }
     if (course.goes_on() && (chooses_smoothness(options) || has_edges(options, tables)))
       choose_smoothness(grid, course, options);
-    if (course.goes_on()) run(method, std::numeric_limits<int>::max());
+    if (course.goes_on()) run(method, all_steps);
   }
-  InversionResult result;
-  put_results(grid.objective, course, result);
-  if (options.deviation_samples > 0 && is_local)
+  if (options.deviation_samples > 0 && is_local) {
+    put_results(grid.objective, course, result);
     put_errors(grid.objective,
                detail::texel_errors(grid.objective, grid.level, course.best.coordinates,
                                     options.robust_limit),
                result);
-  else if (options.deviation_samples > 0 && course.stop != InversionStop::interrupted)
-    add_drawn_errors(grid, course, options, result);
+  } else if (options.deviation_samples > 0 && course.stop != InversionStop::interrupted) {
+    // Errors grow to what is left; where that is much the maps follow. By the grown ones residuals
+    // are at their deviations from the first step on, which then says nothing of the maps.
+    own.stops_at_noise = false;
+    constexpr double much = 1.1, hardly = 1.02;
+    constexpr int most_rounds = 3;
+    double before = grid.light.forwards();
+    std::optional<PosteriorDraws> posterior(std::in_place, grid, course);
+    for (int round = 0; round < most_rounds; ++round) {
+      posterior->draw(grid, course, options.seed, 1);
+      if (course.stop == InversionStop::interrupted) break;
+      result.misfit =
+          grid.objective.misfit(course.best, leverage_of(grid, posterior->draws.front()));
+      if (!options.error_growth.empty()) break;
+      const std::vector<double> growth = error_growth_of(result.misfit);
+      const double more = std::max(largest_ratio(growth, grid.objective.error_growth()),
+                                   largest_ratio(grid.objective.error_growth(), growth));
+      if (more < hardly) break;
+      grid.objective.set_error_growth(growth);
+      grid.objective.weigh_again(course.best);
+      if (more > much && !is_descent && round + 1 < most_rounds) {
+        own.most_forwards = grid.light.forwards() + options.most_forwards;
+        course.begin_again();
+        if (chooses_smoothness(options)) choose_smoothness(grid, course, options);
+        if (course.goes_on()) run(method, all_steps);
+        before = grid.light.forwards();
+      }
+      posterior.emplace(grid, course);
+      if (more <= much) break;
+    }
+    put_results(grid.objective, course, result);
+    posterior->draw(grid, course, options.seed, options.deviation_samples);
+    result.deviation_forwards = grid.light.forwards() - before;
+    if (!posterior->draws.empty() && course.stop != InversionStop::interrupted)
+      put_errors(grid.objective,
+                 detail::posterior_errors(grid.objective, posterior->blocks, posterior->draws,
+                                          options.level_error),
+                 result);
+  } else {
+    put_results(grid.objective, course, result);
+  }
   result.stop = course.stop;
   return result;
+}
+
+std::vector<BandMisfit> misfit_of_texels(const PatchCapture& capture, const InversionTables& tables,
+                                         const InversionOptions& options) {
+  check_capture(capture);
+  check(capture, tables, options);
+  PatchGrid grid(capture, tables, options, 1.0, 0.0);
+  return grow_errors_of_texels(grid, options.robust_limit);
 }
 
 }  // namespace lamina

@@ -11,6 +11,7 @@
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/enum_names.h"
 #include "lamina/core/progress.h"
+#include "lamina/fit/least_squares/band_misfit.h"
 
 namespace lamina {
 
@@ -45,9 +46,13 @@ struct InversionOptions {
   /// What standard deviations add for errors of the level of an image that all its texels share,
   /// relative: of the transport, .0001 to .0026 with three bounces between layers, and of white
   double level_error = 0.001;
-  double most_forwards = 120.0;  ///< forward equivalents: light, change and gradient are one each
-  double tolerance = 1e-3;       ///< relative decrease of the objective that ends the steps
-  bool stops_at_noise = true;    ///< ends where residuals are at their standard deviations, too
+  /// Factors of the stated errors of the images, [image]; empty: those that residuals ask for where
+  /// standard deviations are computed, by which maps are solved anew; else 1
+  std::vector<double> error_growth = {};
+  /// Forward equivalents: light, change and gradient are one each. Where errors grow as many again
+  double most_forwards = 120.0;
+  double tolerance = 1e-3;     ///< relative decrease of the objective that ends the steps
+  bool stops_at_noise = true;  ///< ends where residuals are at their standard deviations, too
   /// Drawn for standard deviations; 0: none are computed. `per_pixel` has them without draws
   int deviation_samples = 0;
   std::uint64_t seed = 0;  ///< of these
@@ -69,7 +74,7 @@ struct NumberMap {
 struct InversionStep {
   double forwards = 0.0;       ///< forward equivalents so far
   double residual = 0.0;       ///< root of the mean square over images, each relative to its mean
-  double in_deviations = 0.0;  ///< the same of residuals in standard deviations
+  double in_deviations = 0.0;  ///< the same of residuals in standard deviations, as grown by then
   double objective = 0.0;      ///< with what smoothness and prior add
 };
 
@@ -88,7 +93,11 @@ struct InversionResult {
   std::vector<Plane> residual;     ///< [image] measured less predicted; 0 where not known
   std::vector<double> smoothness;  ///< first and third weights that were used, [2 * number]
   std::vector<InversionStep> history;
-  double deviation_forwards = 0.0;  ///< that standard deviations took
+  /// Of each image, what is left over what its stated errors leave; empty: no standard deviations
+  /// were asked for, it was interrupted, or texels are by themselves and growth was given
+  std::vector<BandMisfit> misfit;
+  std::vector<double> error_growth;  ///< [image] factors of stated errors that were used
+  double deviation_forwards = 0.0;   ///< that standard deviations took
   InversionStop stop = InversionStop::converged;
 };
 
@@ -105,6 +114,9 @@ struct InversionResult {
 /// to one skin each counts the prior's squares by one over their number, so that the patch as a
 /// whole is drawn from the population; without smoothness each texel is.
 ///
+/// Standard deviations hold what is left: where chi squared of an image is above 1 its errors grow
+/// by the root of that (band_misfit.h), and the maps are those of the grown errors.
+///
 /// Steps of gauss_newton are solved by conjugate gradients with tangent and gradient of the
 /// transport; the preconditioner, which lbfgs takes, too, is each texel's block of the matrix for
 /// waves of each octave.
@@ -120,5 +132,13 @@ struct InversionResult {
                                            const InversionTables& tables,
                                            const InversionOptions& options = {},
                                            const Progress& progress = {});
+
+/// What texels each by itself leave of each image, of some of them, where errors have grown to it:
+/// by error_growth_of, the growth that invert_patch finds by `per_pixel` where none is given.
+///
+/// @throws InvalidInput as invert_patch
+[[nodiscard]] std::vector<BandMisfit> misfit_of_texels(const PatchCapture& capture,
+                                                       const InversionTables& tables,
+                                                       const InversionOptions& options);
 
 }  // namespace lamina

@@ -179,8 +179,10 @@ InversionResult invert_tiles(
     is_interrupted |= part.stop == InversionStop::interrupted;
     if (tiling.kept && !kept && !is_interrupted) save_tile(*tiling.kept, tile.kept, part);
     take(tile, part);
+    add_misfit(whole.misfit, part.misfit);
     if (i > 0) continue;
     own.smoothness = whole.smoothness = std::move(part.smoothness);
+    own.error_growth = whole.error_growth = std::move(part.error_growth);
     whole.history = std::move(part.history);
     whole.correlation = std::move(part.correlation);
     whole.deviation_forwards = part.deviation_forwards;

@@ -74,7 +74,8 @@ void put_tile(int width, int height, const PatchTile& tile, const InversionResul
 /// @param take      is handed each tile with its maps; tiles that are left when progress asks to
 ///                  stop are as those of which nothing is known. It is not handed those that are
 ///                  left to other machines
-/// @return  history, smoothness and correlation of the first tile, without maps
+/// @return  history, smoothness, growth of errors and correlation of the first tile and what all
+///          leave, without maps
 /// @throws InvalidInput as check_capture, for tiling and options out of range; WriteError if a
 ///         tile cannot be kept
 [[nodiscard]] InversionResult invert_tiles(

@@ -285,6 +285,51 @@ double find_errors(LeafPixelModel& model, const Pixels& pixels, bool shares_misf
   return correlation;
 }
 
+/// The noise of bands grows to what fits of some pixels leave. Returns that, by the noise before.
+/// @param growth  that was used, [band]
+std::vector<BandMisfit> grow_errors(LeafPixelModel& model, const Pixels& pixels,
+                                    std::vector<double>& growth) {
+  constexpr std::size_t most_samples = 1000;
+  constexpr int most_rounds = 6;
+  constexpr double hardly = 1.02;
+  const std::size_t bands = model.spectra.size(), numbers = model.size();
+  const std::size_t samples = std::min(most_samples, pixels.leaves.size());
+  const std::vector<double> stated = model.deviation;
+  growth.assign(bands, 1.0);
+  std::vector<BandMisfit> misfit;
+  for (int round = 0; round < most_rounds; ++round) {
+    std::vector<std::vector<BandMisfit>> parts(samples, std::vector<BandMisfit>(bands));
+    parallel_for(
+        samples,
+        [&](std::size_t i) {
+          const std::vector<double> measured =
+              pixels.measured(pixels.leaves[i * pixels.leaves.size() / samples]);
+          LeafPrediction prediction;
+          const LeafFit fit = fit_leaf(model, measured, prediction);
+          for (std::size_t b = 0; b < bands; ++b) {
+            const detail::LeafCoordinates& by = prediction.by_coordinate[b];
+            double leverage = 0.0;
+            for (std::size_t n = 0; n < numbers; ++n)
+              for (std::size_t m = 0; m < numbers; ++m)
+                leverage += by[n] * fit.covariance[n][m] * by[m];
+            parts[i][b] = {
+                .squares = std::pow((measured[b] - prediction.reflectance[b]) / stated[b], 2),
+                .left = std::max(0.0, 1.0 - leverage / std::pow(model.deviation[b], 2)),
+                .count = 1.0};
+          }
+        },
+        {});
+    misfit.clear();
+    for (const std::vector<BandMisfit>& part : parts) add_misfit(misfit, part);
+    const std::vector<double> next = error_growth_of(misfit);
+    const double change = std::max(largest_ratio(next, growth), largest_ratio(growth, next));
+    growth = next;
+    for (std::size_t b = 0; b < bands; ++b) model.deviation[b] = stated[b] * growth[b];
+    if (change < hardly) break;
+  }
+  return misfit;
+}
+
 /// What chunks of pixels add up, in their order, so that sums are the same for any threads.
 struct Sums {
   std::vector<double> squares, misses;  ///< [band]
@@ -339,6 +384,8 @@ LeafMaps fit_leaf_pixels(const Image& image, const std::vector<double>& waveleng
         find_errors(model, pixels, options.shares_misfit, part_of(progress, table_end, errors_end));
   else
     model.deviation = options.noise;
+
+  result.chi_squared = chi_squared_of(grow_errors(model, pixels, result.error_growth));
 
   const std::size_t bands = image.channel_count(), numbers = model.size();
   const auto nowhere = [&](std::vector<std::string> channels) {

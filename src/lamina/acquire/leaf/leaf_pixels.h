@@ -11,6 +11,7 @@
 #include "lamina/acquire/calibration/pixel_mask.h"
 #include "lamina/core/dense_matrix.h"
 #include "lamina/core/progress.h"
+#include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/image/image.h"
 #include "lamina/materials/leaf.h"
@@ -89,7 +90,10 @@ struct LeafMaps {
   DenseMatrix correlation;       ///< of coordinates, as `maps`; mean over the leaf
   std::vector<double> ground;    ///< [band] that was used
   std::vector<double> missed;    ///< [band] what pixels share of the misfit, a part of `predicted`
-  std::vector<double> noise;     ///< [band] that was used
+  std::vector<double> noise;     ///< [band] that was used, grown
+  /// [band] reduced chi squared of what the maps leave, by the noise that was found or given
+  std::vector<double> chi_squared;
+  std::vector<double> error_growth;   ///< [band] factors of that noise that were used
   double residual_correlation = 0.0;  ///< of residuals of neighboring bands that was used
   std::vector<LeafPixelKind> kinds;   ///< [y][x]
   std::array<std::size_t, leaf_pixel_kinds> counts = {};  ///< of each kind
@@ -106,6 +110,9 @@ struct LeafMaps {
 /// Standard deviations are those of the Gaussian about the solution. If the noise is found from the
 /// residuals, errors of neighboring bands go together by the residuals' correlation c: variances
 /// grow by (1 + c) / (1 - c), as those of a mean over many bands do.
+///
+/// Where residuals of a band are larger than its noise says, that grows by the root of chi squared
+/// (band_misfit.h).
 ///
 /// @param image        reflectance factors: 1 is the white reference. Channel b is band b
 /// @param wavelengths  [nm], [band], those of the recipe

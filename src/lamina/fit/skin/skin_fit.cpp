@@ -2,6 +2,7 @@
 #include "lamina/fit/skin/skin_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -126,6 +127,47 @@ SkinFit fit_skin(const SkinReflectanceTable& table, const SkinMeasurement& measu
   for (const FittedParameter& fitted : result.fit.parameters) values.push_back(fitted.value);
   result.skin = with_numbers(skin, numbers, values);
   result.spectrum = spectrum_of(values);
+  return result;
+}
+
+std::vector<BandMisfit> misfit_of(const SkinFit& fit, const SkinReflectanceTable& table,
+                                  const SkinMeasurement& measurement,
+                                  const std::vector<SkinFitNumber>& numbers,
+                                  const SkinPopulation* population) {
+  const Sensor sensor(measurement.sensor, table.wavelengths().size(), measurement.measured.size());
+  std::vector<double SkinParameters::*> members;
+  for (const SkinFitNumber& number : numbers)
+    members.insert(members.end(), number.values.begin(), number.values.end());
+  DenseMatrix by_members;
+  (void)table.reflectance(fit.skin, members, by_members);
+  DenseMatrix slopes(by_members.rows, numbers.size());  // over one standard deviation of a number
+  for (std::size_t n = 0, member = 0; n < numbers.size(); ++n) {
+    const FitParameter& parameter = numbers[n].parameter;
+    const FittedParameter& fitted = fit.fit.parameters[n];
+    const double scale =
+        fitted.is_at_bound || !std::isfinite(fitted.standard_deviation)
+            ? 0.0
+            : fitted.standard_deviation *
+                  fit_value_derivative(parameter, fit_coordinate(parameter, fitted.value));
+    for (std::size_t k = 0; k < numbers[n].values.size(); ++k, ++member)
+      for (std::size_t w = 0; w < slopes.rows; ++w) slopes(w, n) += scale * by_members(w, member);
+  }
+  slopes = sensor(slopes);
+  std::vector<BandMisfit> result;
+  const DenseMatrix covariance =
+      population ? covariance_of(measurement, *population, table, sensor) : DenseMatrix();
+  for (std::size_t i = 0; i < measurement.measured.size(); ++i) {
+    const double variance =
+        population ? covariance(i, i) : std::pow(measurement.standard_deviation[i], 2);
+    double told = 0.0;
+    for (std::size_t n = 0; n < numbers.size(); ++n)
+      for (std::size_t m = 0; m < numbers.size(); ++m)
+        told += slopes(i, n) * (n == m ? 1.0 : fit.fit.correlation(n, m)) * slopes(i, m);
+    result.push_back(
+        {.squares = std::pow(measurement.measured[i] - fit.fit.prediction[i], 2) / variance,
+         .left = std::max(0.0, 1.0 - told / variance),
+         .count = 1.0});
+  }
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
@@ -41,5 +42,14 @@ struct SkinFit {
                                const SkinMeasurement& measurement, const SkinParameters& skin,
                                const std::vector<SkinFitNumber>& numbers,
                                const SkinPopulation* population = nullptr, FitOptions options = {});
+
+/// What a fit leaves of each number that was measured, by errors of measurement and model together.
+///
+/// @param measurement, numbers, population  as fit_skin took them
+[[nodiscard]] std::vector<BandMisfit> misfit_of(const SkinFit& fit,
+                                                const SkinReflectanceTable& table,
+                                                const SkinMeasurement& measurement,
+                                                const std::vector<SkinFitNumber>& numbers,
+                                                const SkinPopulation* population = nullptr);
 
 }  // namespace lamina

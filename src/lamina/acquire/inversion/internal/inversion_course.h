@@ -53,8 +53,8 @@ class InversionCourse {
   bool is_interrupted() {
     constexpr double of_sample = 21.0;  // forward equivalents of one for standard deviations
     const double all = options_.most_forwards + of_sample * options_.deviation_samples;
-    const double share = std::min(1.0, light_.forwards() / all);
-    return !report_progress(progress_, share) && ends(InversionStop::interrupted);
+    share_ = std::clamp(light_.forwards() / all, share_, 1.0);
+    return !report_progress(progress_, share_) && ends(InversionStop::interrupted);
   }
 
   /// Whether somebody asks to stop, or nothing is left to spend on `next` forward equivalents.
@@ -79,6 +79,7 @@ class InversionCourse {
   const InversionOptions& options_;
   const PatchLight& light_;
   const Progress& progress_;
+  double share_ = 0.0;     ///< of all that is to be spent, which may grow
   std::size_t first_ = 0;  ///< step of the history that has this objective
 
  public:

@@ -115,6 +115,47 @@ TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level, do
   return result;
 }
 
+std::vector<BandMisfit> texel_misfit(const PatchObjective& objective, const TexelMaps& level,
+                                     double robust_limit) {
+  constexpr std::size_t most_samples = 1024, chunk = 32;
+  const InversionTables& tables = objective.tables();
+  const std::size_t images = level.size(), numbers = tables.numbers.size();
+  std::vector<std::size_t> known;
+  for (std::size_t t = 0; t < level[0].size(); ++t)
+    if (std::ranges::any_of(objective.weights(), [&](const auto& map) { return map[t] > 0.0f; }))
+      known.push_back(t);
+  const std::size_t samples = std::min(known.size(), most_samples);
+  std::vector<std::vector<BandMisfit>> parts((samples + chunk - 1) / chunk);
+  parallel_for(parts.size(), [&](std::size_t c) {
+    parts[c].resize(images);
+    LocalModel model(objective.capture(), tables);
+    for (std::size_t s = c * chunk; s < std::min(samples, (c + 1) * chunk); ++s) {
+      const TexelData data = data_of(objective, level, known[s * known.size() / samples]);
+      const TexelNumbers fit = fit_texel(model, data, tables, tables.reference, robust_limit);
+      const TexelMatrix covariance =
+          texel_covariance(model, data, tables, std::span(fit).first(numbers), robust_limit);
+      for (std::size_t i = 0; i < images; ++i) {
+        if (data.weight[i] == 0.0) continue;
+        const double scale = data.level[i] * data.weight[i];
+        const double miss = scale * model.reflectance[i] - data.measured[i] * data.weight[i];
+        const double size = std::abs(miss);
+        const double share = robust_limit > 0.0 && size > robust_limit ? robust_limit / size : 1.0;
+        double leverage = 0.0;
+        for (std::size_t n = 0; n < numbers; ++n)
+          for (std::size_t m = 0; m < numbers; ++m)
+            leverage += model.by_number[i][n] * covariance[n][m] * model.by_number[i][m];
+        const double growth = objective.error_growth()[i];
+        parts[c][i].squares += share * miss * miss * growth * growth;
+        parts[c][i].left += 1.0 - share * scale * scale * leverage;
+        parts[c][i].count += 1.0;
+      }
+    }
+  });
+  std::vector<BandMisfit> result(images);
+  for (const std::vector<BandMisfit>& part : parts) add_misfit(result, part);
+  return result;
+}
+
 PosteriorErrors texel_errors(const PatchObjective& objective, const TexelMaps& level,
                              const TexelMaps& coordinates, double robust_limit) {
   const std::size_t numbers = coordinates.size(), texels = coordinates[0].size();

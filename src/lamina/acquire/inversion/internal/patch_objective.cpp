@@ -41,6 +41,34 @@ PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTable
     means_.push_back(count > 0.0 ? sum / count : 0.0);
     known_ += count;
   }
+  growth_.assign(weights_.size(), 1.0);
+  if (!options.error_growth.empty()) set_error_growth(options.error_growth);
+}
+
+void PatchObjective::set_error_growth(const std::vector<double>& growth) {
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    const auto factor = static_cast<float>(growth_[i] / growth[i]);
+    for (float& weight : weights_[i]) weight *= factor;
+  }
+  growth_ = growth;
+}
+
+std::vector<BandMisfit> PatchObjective::misfit(const PatchState& state,
+                                               const std::vector<double>& leverage) const {
+  std::vector<BandMisfit> result(weights_.size());
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    BandMisfit& image = result[i];
+    for (std::size_t t = 0; t < weights_[i].size(); ++t) {
+      if (weights_[i][t] == 0.0f) continue;
+      const double miss =
+          static_cast<double>(weights_[i][t] * (state.images[i][t] - measured_[i][t]));
+      image.squares += share_of(miss) * miss * miss;
+      image.count += 1.0;
+    }
+    image.squares *= growth_[i] * growth_[i];
+    image.left = image.count - leverage[i];
+  }
+  return result;
 }
 
 void PatchObjective::set_smoothness(std::vector<MapSmoothness> smoothness) {
@@ -146,11 +174,14 @@ TexelMaps PatchObjective::gradient(const PatchState& state) const {
 void PatchObjective::linearize(const PatchState& state) {
   shares_ = weights_;
   for (std::size_t i = 0; i < shares_.size(); ++i)
-    for (std::size_t t = 0; t < shares_[i].size(); ++t) {
-      const float size = std::abs(weights_[i][t] * (state.images[i][t] - measured_[i][t]));
-      const auto limit = static_cast<float>(robust_limit_);
-      shares_[i][t] = limit > 0.0f && size > limit ? limit / size : 1.0f;
-    }
+    for (std::size_t t = 0; t < shares_[i].size(); ++t)
+      shares_[i][t] = static_cast<float>(
+          share_of(static_cast<double>(weights_[i][t] * (state.images[i][t] - measured_[i][t]))));
+}
+
+double PatchObjective::share_of(double miss) const {
+  const double size = std::abs(miss);
+  return robust_limit_ > 0.0 && size > robust_limit_ ? robust_limit_ / size : 1.0;
 }
 
 TexelMaps PatchObjective::times_matrix(const TexelMaps& change) const {

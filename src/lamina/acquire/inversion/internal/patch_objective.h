@@ -47,6 +47,13 @@ class PatchObjective {
   /// Inverse covariance of the prior as each texel has it: smoothness ties texels to one skin, of
   /// which the prior then is as a whole.
   [[nodiscard]] const DenseMatrix& prior_precision() const { return prior_precision_; }
+  /// Factors of the errors that were stated, [image]; 1 at first.
+  void set_error_growth(const std::vector<double>& growth);
+  [[nodiscard]] const std::vector<double>& error_growth() const { return growth_; }
+  /// What a state leaves of each image. @param leverage  of all its texels together, [image]
+  [[nodiscard]] std::vector<BandMisfit> misfit(const PatchState& state,
+                                               const std::vector<double>& leverage) const;
+
   /// 1 / deviation of texels that are known, else 0, [image].
   [[nodiscard]] const TexelMaps& weights() const { return weights_; }
   /// Part of its square that a residual counts by (Huber), [image]; of the last linearize.
@@ -59,6 +66,8 @@ class PatchObjective {
 
  private:
   [[nodiscard]] double objective(const PatchState& state) const;
+  /// Part of its square that a residual in standard deviations counts by. Source: [Huber1964].
+  [[nodiscard]] double share_of(double miss) const;
   /// Adds what smoothness and prior make of a change.
   void add_prior_matrix(const TexelMaps& change, TexelMaps& sum) const;
   [[nodiscard]] TexelMaps off_prior(const TexelMaps& coordinates) const;
@@ -71,6 +80,7 @@ class PatchObjective {
   DenseMatrix prior_precision_;
   TexelMaps measured_, weights_, shares_;  ///< 0 where not known
   std::vector<double> means_;              ///< of what was measured, [image]
+  std::vector<double> growth_;             ///< [image]
   double known_ = 0.0;
 };
 
