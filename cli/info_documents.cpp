@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// What `lamina info` says of documents that lamina has a format of its own for.
+// Lines of `lamina info` on documents that lamina has a format of its own for.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ FileFacts material_facts(const FileLook& look, MemoryBudget memory) {
   std::vector<std::string> maps;
   const auto noted = [&](const MappableNumber& number, const JsonInput&) {
     maps.push_back(number.name);
-    // Of that many bands, and in the range: the file is not used, only looked at.
+    // Wavelengths of that many bands, in the range: the file is not used, only looked at.
     const double middle = 0.5 * (number.low + std::min(number.high, number.low + 1.0));
     return std::vector<double>(std::max<std::size_t>(number.channels.size(), 1), middle);
   };

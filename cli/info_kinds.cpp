@@ -211,7 +211,7 @@ FileFacts materialx_facts(const FileLook& look, MemoryBudget memory) {
   return facts;
 }
 
-// What lamina keeps of its own work.
+// Files that lamina keeps of its own work.
 
 #ifdef LAMINA_RENDER
 FileFacts picture_shard_facts(const FileLook& look, MemoryBudget) {
@@ -246,7 +246,7 @@ FileFacts kept_picture_facts(const FileLook& look, MemoryBudget) {
 }
 #endif
 
-/// Of light on surfaces: what the header of its PLY file says.
+/// Light kept on surfaces, by the header of its PLY file.
 FileFacts light_facts(const FileLook& look, MemoryBudget) {
   FileFacts facts;
   for (std::size_t at = 0; at < look.start.size();) {
@@ -301,7 +301,7 @@ bool is_light(const FileLook& look) {
 }
 
 bool is_mesh(const FileLook& look) {
-  // Those behind .glb are refused, with how to get to one that is read.
+  // Formats behind .glb are refused, with how to get to one that is read.
   constexpr std::array<std::string_view, 12> endings = {".obj", ".ply",  ".gltf",  ".glb",
                                                         ".usd", ".usda", ".usdc",  ".usdz",
                                                         ".abc", ".fbx",  ".blend", ".stl"};

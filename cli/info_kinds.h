@@ -32,7 +32,7 @@ struct FileLook {
 /// @throws FileError if there is no such file, or it cannot be read.
 [[nodiscard]] FileLook look_at(const std::filesystem::path& path, MemoryBudget memory);
 
-/// What a user wants to know of a file: lines of a name and a text, and the same as JSON.
+/// Facts of a file for its user: lines of a name and a text, and the same as JSON.
 struct FileFacts {
   std::vector<std::pair<std::string, std::string>> lines;
   JsonOutput json = JsonOutput::object();
@@ -49,10 +49,10 @@ struct FileKind {
   FileFacts (*facts)(const FileLook&, MemoryBudget);
 };
 
-/// That of a file; null if it is of none.
+/// The kind of a file; null if it is of none.
 [[nodiscard]] const FileKind* find_file_kind(const FileLook& look);
 
-/// What the key "lamina" of documents may say.
+/// Values of the key "lamina" of documents.
 [[nodiscard]] std::span<const std::string_view> document_kinds();
 
 /// The names of all kinds, for messages.

@@ -38,7 +38,7 @@ std::uint64_t content_of(const fs::path& place) {
   return hash.value();
 }
 
-/// What a result depends on: the program, the item's own files and commands, and what it needs of
+/// Inputs of a result: the program, the item's own files and commands, and what it needs of
 /// lamina's sources.
 std::string made_by(const ReproductionItem& item, const fs::path& sources) {
   std::error_code error;

@@ -6,7 +6,7 @@
 
 namespace lamina::python {
 
-/// What `work()` returns, without Python's lock: heard by Ctrl-C in the parallel loops of work that
+/// The result of `work()`, without Python's lock: heard by Ctrl-C in the parallel loops of work that
 /// knows no Progress. @throws what it throws; Interrupted after Ctrl-C.
 template <class F>
 auto heard(const F& work) {

@@ -108,7 +108,7 @@ __all__ = [
     "threads",
 ]
 
-# What help() and pickles call them, wherever they are written; functions say which argument may be meant.
+# Names of help() and pickles, wherever functions are written; functions say which argument may be meant.
 for _name in __all__:
     if isinstance(globals()[_name], _FunctionType):
         globals()[_name] = _suggests(globals()[_name])

@@ -141,7 +141,7 @@ TEST(SkinColorTable, KnowsColorsThatAreTooDark) {
   EXPECT_EQ(found.side, ColorSide::dark);
 }
 
-// What is skin does not become more where errors have grown, numbers become less sure.
+// Pixels of skin do not become more where errors have grown; numbers become less sure.
 TEST(SkinColorTable, KeepsDistancesWhereErrorsGrow) {
   ColorMeasurement grown = study().measurement;
   grown.error_growth = {4.0, 4.0, 4.0};

@@ -39,7 +39,7 @@ void require_population(const Capture& capture) {
     throw InvalidInput("capture: a table of colors needs a \"population\", but there is none");
 }
 
-/// What a fit of one pixel leaves, none if it is no skin.
+/// Residuals of a fit of one pixel, none if it is no skin.
 std::vector<BandMisfit> misfit_of_pixel(const Capture& capture, const SkinReflectanceTable& table,
                                         std::span<const float> pixel) {
   SkinMeasurement seen{.measured = {pixel.begin(), pixel.end()},

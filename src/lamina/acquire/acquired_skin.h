@@ -77,8 +77,8 @@ struct AcquiredSkin {
                                             std::span<const double> growth = {},
                                             const Progress& progress = {});
 
-/// What fits of some pixels, evenly spread over those that are used and of a color of skin, leave
-/// of each band by the errors that are stated. Not by errors that have grown, again: numbers follow
+/// Misfit to each band of fits of some pixels, evenly spread over those that are used and of a color
+/// of skin, by stated errors. Not by errors that have grown, again: numbers follow
 /// a color nearly everywhere, and skin that is not of the population would all become noise.
 /// @throws InvalidInput if there is no population
 [[nodiscard]] std::vector<BandMisfit> misfit_of_pixels(const Capture& capture,

@@ -19,7 +19,7 @@
 namespace lamina {
 namespace {
 
-/// What loops that this thread begins ask whether to go on; null: nothing.
+/// Function that loops of this thread ask whether to go on; null: nothing.
 thread_local const Progress* asked_by_loops = nullptr;
 
 }  // namespace

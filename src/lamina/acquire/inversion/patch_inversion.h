@@ -93,8 +93,8 @@ struct InversionResult {
   std::vector<Plane> residual;     ///< [image] measured less predicted; 0 where not known
   std::vector<double> smoothness;  ///< first and third weights that were used, [2 * number]
   std::vector<InversionStep> history;
-  /// Of each image, what is left over what its stated errors leave; empty: no standard deviations
-  /// were asked for, it was interrupted, or texels are by themselves and growth was given
+  /// Misfit to each image, beside what stated errors leave; empty: no standard deviations were asked
+  /// for, it was interrupted, or texels are by themselves and growth was given
   std::vector<BandMisfit> misfit;
   std::vector<double> error_growth;  ///< [image] factors of stated errors that were used
   double deviation_forwards = 0.0;   ///< that standard deviations took
@@ -133,7 +133,7 @@ struct InversionResult {
                                            const InversionOptions& options = {},
                                            const Progress& progress = {});
 
-/// What texels each by itself leave of each image, of some of them, where errors have grown to it:
+/// Misfit to each image of some texels, each by itself, where errors have grown to it:
 /// by error_growth_of, the growth that invert_patch finds by `per_pixel` where none is given.
 ///
 /// @throws InvalidInput as invert_patch

@@ -6,7 +6,7 @@
 
 namespace lamina {
 
-/// What many fits leave of one band, beside what errors of the stated size would leave.
+/// Misfit of many fits to one band, beside what errors of the stated size would leave.
 struct BandMisfit {
   double squares = 0.0;  ///< sum of squared residuals, in stated standard deviations
   /// Sum of 1 less the leverage of each residual: what its square is on average, over the square of

@@ -43,7 +43,7 @@ struct SkinFit {
                                const std::vector<SkinFitNumber>& numbers,
                                const SkinPopulation* population = nullptr, FitOptions options = {});
 
-/// What a fit leaves of each number that was measured, by errors of measurement and model together.
+/// Misfit of a fit to each number that was measured, by errors of measurement and model together.
 ///
 /// @param measurement, numbers, population  as fit_skin took them
 [[nodiscard]] std::vector<BandMisfit> misfit_of(const SkinFit& fit,

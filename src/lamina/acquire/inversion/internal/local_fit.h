@@ -17,7 +17,7 @@ namespace lamina::detail {
 [[nodiscard]] TexelMaps fit_texels(const PatchObjective& objective, const TexelMaps& level,
                                    double robust_limit);
 
-/// What such fits leave of each image, of some of the texels evenly spread over those that are
+/// Misfit of such fits to each image, of some of the texels evenly spread over those that are
 /// known.
 [[nodiscard]] std::vector<BandMisfit> texel_misfit(const PatchObjective& objective,
                                                    const TexelMaps& level, double robust_limit);

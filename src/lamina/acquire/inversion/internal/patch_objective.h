@@ -50,7 +50,7 @@ class PatchObjective {
   /// Factors of the errors that were stated, [image]; 1 at first.
   void set_error_growth(const std::vector<double>& growth);
   [[nodiscard]] const std::vector<double>& error_growth() const { return growth_; }
-  /// What a state leaves of each image. @param leverage  of all its texels together, [image]
+  /// Misfit of a state to each image. @param leverage  of all its texels together, [image]
   [[nodiscard]] std::vector<BandMisfit> misfit(const PatchState& state,
                                                const std::vector<double>& leverage) const;
 
