@@ -123,7 +123,7 @@ class WrongUse(unittest.TestCase):
         self.check(["materials", "jad"], "jade")
 
     def test_says_what_a_file_of_another_kind_is_and_who_takes_it(self):
-        commands = {"render": ("scene", []), "info": ("scene", []), "patch": ("patch", []), "maps": ("maps", []), "fit": ("measurement", []),
+        commands = {"render": ("scene", []), "patch": ("patch", []), "maps": ("maps", []), "fit": ("measurement", []),
                     "acquire": ("capture", ["-o", "x"]), "slab": ("material", []), "profile": ("material", []), "bsdf": ("material", []),
                     "photons": ("material", []), "materials": ("material", []), "export": ("material", ["--to", "table"]),
                     "reproduce": ("reproduction", [])}

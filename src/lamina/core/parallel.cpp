@@ -14,21 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "lamina/core/stoppable_loops.h"
+#include "lamina/core/internal/loop_check.h"
 
 namespace lamina {
-namespace {
-
-/// Function that loops of this thread ask whether to go on; null: nothing.
-thread_local const Progress* asked_by_loops = nullptr;
-
-}  // namespace
-
-StoppableLoops::StoppableLoops(const Progress& progress) : former_(asked_by_loops) {
-  asked_by_loops = &progress;
-}
-
-StoppableLoops::~StoppableLoops() { asked_by_loops = former_; }
 
 #ifdef __SANITIZE_THREAD__
 namespace {
@@ -78,11 +66,11 @@ void run_all(std::size_t count, const std::function<void(std::size_t)>& body) {
 }  // namespace
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  const Progress* const asked = asked_by_loops;
-  if (!asked) return run_all(count, body);
+  const std::function<void()>* const check = detail::loop_check();
+  if (!check) return run_all(count, body);
   run_all(count, [&](std::size_t i) {
-    report_or_throw(*asked, 0.0);
-    const StoppableLoops within(*asked);  // in whichever thread this is
+    (*check)();
+    const detail::LoopCheck within(check);  // in whichever thread this is
     body(i);
   });
 }

@@ -1,6 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "lamina/core/progress.h"
 
 namespace lamina {
@@ -13,12 +15,11 @@ class StoppableLoops {
  public:
   /// @param progress  must outlive it
   explicit StoppableLoops(const Progress& progress);
-  StoppableLoops(const StoppableLoops&) = delete;
-  StoppableLoops& operator=(const StoppableLoops&) = delete;
   ~StoppableLoops();
 
  private:
-  const Progress* former_;
+  struct Check;
+  std::unique_ptr<Check> check_;
 };
 
 }  // namespace lamina

@@ -141,10 +141,14 @@ TEST(MethodChoice, FollowsLightInsideSmallBodies) {
     const double sigma_s = 0.15 * size - 0.01;
     surface_of(ball).material = half_space({0.01, 0.01, 0.01}, sigma_s, 1.4);
     ball.film = {.width = 4, .height = 4};
-    return chosen_for(ball).method;
+    return chosen_for(ball);
   };
-  EXPECT_EQ(of_size(29.0), Method::random_walk);
-  EXPECT_EQ(of_size(31.0), Method::hierarchy);
+  EXPECT_EQ(of_size(9.0).method, Method::random_walk);
+  EXPECT_TRUE(of_size(9.0).warnings.empty());
+  EXPECT_EQ(of_size(11.0).method, Method::hierarchy);
+  EXPECT_EQ(of_size(29.0).warnings.size(), 1u);
+  EXPECT_EQ(of_size(31.0).method, Method::hierarchy);
+  EXPECT_TRUE(of_size(31.0).warnings.empty());
 
   // A light without an area, which walks do not find below layers that refract.
   Scene layered = lit_ball();

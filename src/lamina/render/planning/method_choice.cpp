@@ -19,9 +19,10 @@ namespace {
 
 using Method = SceneMethod;
 
-/// Mean chord of a body in transport mean free paths below which flat profiles do not fit it. Their
-/// error over it is in docs/measurements/subsurface.md.
-constexpr double least_flat_size = 30.0;
+/// Mean chords of a body in transport mean free paths below which flat profiles do not fit it: below
+/// the first they are a quarter off and more, and walks take less time; below the second a tenth,
+/// which is said. Witness: docs/measurements/subsurface.md, small bodies.
+constexpr double least_flat_size = 10.0, least_right_size = 30.0;
 
 /// The best first, as far as they honour what is asked for.
 std::array<Method, 6> preferred_methods() {
@@ -53,10 +54,10 @@ bool has_profile(const Material& material, const RenderSettings& settings) {
              : has_diffusion_profile(material, settings);
 }
 
-/// The size of the bodies of a material that are too small for flat profiles; else absent.
-std::optional<OpticalSize> small_bodies(const Scene& scene, std::uint32_t material) {
+/// The size of the bodies of a material if it is below that [transport mean free paths].
+std::optional<OpticalSize> small_bodies(const Scene& scene, std::uint32_t material, double below) {
   const auto size = optical_size(scene, material);
-  return size && size->in_mean_free_paths() < least_flat_size ? size : std::nullopt;
+  return size && size->in_mean_free_paths() < below ? size : std::nullopt;
 }
 
 std::string describe(const OpticalSize& size) {
@@ -94,7 +95,7 @@ MethodChoice choose_method(const Scene& scene, const RenderOptions& options) {
   if (is_able(Method::random_walk) &&
       std::ranges::all_of(translucent, [&](std::uint32_t m) { return takes_walks(scene, m); }))
     for (const std::uint32_t m : translucent)
-      if (const auto size = small_bodies(scene, m))
+      if (const auto size = small_bodies(scene, m, least_flat_size))
         return {Method::random_walk,
                 "bodies of " + quoted_name(scene, m) + " are small: " + describe(*size)};
   for (const std::uint32_t m : translucent)
@@ -113,11 +114,11 @@ std::vector<std::string> warnings_of_small_bodies(const Scene& scene) {
   const Method method = scene.render.method;
   if (method == Method::random_walk || method->is_bsdf || scene.render.is_corrected) return lines;
   for (const std::uint32_t m : translucent_materials_in_use(scene))
-    if (const auto size = small_bodies(scene, m))
+    if (const auto size = small_bodies(scene, m, least_right_size))
       lines.push_back("material " + quoted_name(scene, m) + ": its bodies are small, " +
                       describe(*size) + ", but method " + std::string(method.name()) +
                       " takes surfaces as flat: its light may be a tenth off, or a half in smaller ones; "
-                      "take random_walk");
+                      "take random_walk, or correct it");
   return lines;
 }
 

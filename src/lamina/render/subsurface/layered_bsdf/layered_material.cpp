@@ -172,7 +172,7 @@ std::unique_ptr<LayeredPoint<N>> LayeredMaterial<N>::at(const SurfacePoint& poin
                                                         const Vec3f& wo) const {
   typename LayeredPoint<N>::Layers layers;
   const SurfaceMaterial& material = scene_.scene->materials[point.material];
-  layers.is_bare = !material.coat && specular_top(surface_.material).roughness == 0.0;
+  layers.is_bare = !material.coat && surface_.material.layers.front().top.roughness == 0.0;
   layers.orders = orders_;
   layers.factors = scene_.scene->render.factors;
   if (parameters_.empty()) {
