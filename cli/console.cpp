@@ -17,7 +17,7 @@
 
 #include "lamina/core/error.h"
 #include "lamina/core/parallel.h"
-#include "lamina/core/zero_signs.h"
+#include "lamina/io/zero_signs.h"
 #include "lamina/io/file_bytes.h"
 #include "lamina/io/write_places.h"
 

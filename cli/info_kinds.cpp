@@ -20,10 +20,6 @@
 #include "lamina/mesh/files/materialx_file.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/spectrum/spectrum_table.h"
-#ifdef LAMINA_RENDER
-#include "lamina/render/film/film_shard.h"
-#include "lamina/render/film/tile_passes.h"
-#endif
 
 namespace lamina::cli {
 namespace {
@@ -119,18 +115,24 @@ std::optional<std::pair<double, double>> range_of(const CsvTable& table, std::si
   return std::pair{low, high};
 }
 
+/// The wavelengths of a table, turned to rise; none of tables of something else.
+std::optional<std::vector<double>> wavelengths_of(CsvTable& table) {
+  try {
+    raise_wavelengths(table);
+    return read_wavelengths(table);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+}
+
 FileFacts table_facts(const FileLook& look, MemoryBudget memory) {
   CsvTable table = load_csv(look.path, memory);
   FileFacts facts;
   facts.json = {{"rows", table.rows()}};
   facts.lines.emplace_back("rows", fmt::format("{}", table.rows()));
-  try {
-    raise_wavelengths(table);
-    const std::vector<double> nm = read_wavelengths(table);
-    facts.lines.emplace_back("bands", fmt::format("{:g} to {:g} nm", nm.front(), nm.back()));
-    facts.json["wavelengths_nm"] = nm;
-  } catch (const InvalidInput&) {
-    // A table of something else.
+  if (const auto nm = wavelengths_of(table)) {
+    facts.lines.emplace_back("bands", fmt::format("{:g} to {:g} nm", nm->front(), nm->back()));
+    facts.json["wavelengths_nm"] = *nm;
   }
   facts.json["columns"] = JsonOutput::array();
   for (std::size_t c = 0; c < table.columns().size(); ++c) {
@@ -212,39 +214,6 @@ FileFacts materialx_facts(const FileLook& look, MemoryBudget memory) {
 }
 
 // Files that lamina keeps of its own work.
-
-#ifdef LAMINA_RENDER
-FileFacts picture_shard_facts(const FileLook& look, MemoryBudget) {
-  const FilmShardInfo info = FilmShard(look.path).info();
-  std::int64_t samples = 0;
-  for (const IndexRange& range : info.ranges) samples += range.size();
-  FileFacts facts;
-  facts.lines = {{"size", fmt::format("{} x {} pixels", info.width, info.height)},
-                 {"samples", fmt::format("{} of {} per pixel, in {} shards", samples, info.samples,
-                                         info.shards)},
-                 {"method", info.method},
-                 {"lamina", info.version}};
-  facts.json = {{"width", info.width},        {"height", info.height}, {"samples", samples},
-                {"of_samples", info.samples}, {"shards", info.shards}, {"method", info.method},
-                {"version", info.version}};
-  return facts;
-}
-
-FileFacts kept_picture_facts(const FileLook& look, MemoryBudget) {
-  const std::optional<KeptSamples> kept = kept_samples(look.path);
-  if (!kept)
-    throw FileError(
-        look.path.string() +
-        ": must be an unfinished picture of this version, but is of another or damaged");
-  FileFacts facts;
-  facts.lines.emplace_back("samples",
-                           kept->least == kept->most
-                               ? fmt::format("{} per pixel", kept->least)
-                               : fmt::format("{} to {} per pixel", kept->least, kept->most));
-  facts.json = {{"least_samples", kept->least}, {"most_samples", kept->most}};
-  return facts;
-}
-#endif
 
 /// Light kept on surfaces, by the header of its PLY file.
 FileFacts light_facts(const FileLook& look, MemoryBudget) {
@@ -350,7 +319,7 @@ constexpr auto kinds = std::to_array<FileKind>({
      [](const FileLook& f) { return image_format(f) == "ENVI"; }, envi_facts},
 #ifdef LAMINA_RENDER
     {"shard of a picture", ".shard", "merge",
-     [](const FileLook& f) { return !f.is_folder && is_film_shard(f.path); }, picture_shard_facts},
+     is_picture_shard, picture_shard_facts},
     {"unfinished picture", ".unfinished", "render --resume",
      [](const FileLook& f) { return !f.is_folder && !f.is_json && f.ending == ".unfinished"; },
      kept_picture_facts},

@@ -73,6 +73,11 @@ struct FileKind {
 [[nodiscard]] FileFacts photon_counts_facts(const FileLook& look, MemoryBudget memory);
 [[nodiscard]] FileFacts result_facts(const FileLook& look, MemoryBudget memory);
 
+// Facts of parts of pictures; only where lamina renders.
+[[nodiscard]] bool is_picture_shard(const FileLook& look);
+[[nodiscard]] FileFacts picture_shard_facts(const FileLook& look, MemoryBudget memory);
+[[nodiscard]] FileFacts kept_picture_facts(const FileLook& look, MemoryBudget memory);
+
 /// Adds "bands": "8, 400 to 645 nm".
 void add_bands(FileFacts& facts, const BandSet& bands);
 

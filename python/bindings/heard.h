@@ -1,6 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
+#include "lamina/core/progress.h"
 #include "lamina/core/stoppable_loops.h"
 #include "work.h"
 
@@ -12,7 +15,8 @@ template <class F>
 auto heard(const F& work) {
   Work call(py::none{});
   return call.run([&](const Progress& progress) {
-    const StoppableLoops loops(progress);
+    const std::function<void()> ask = [&] { report_or_throw(progress, 0.0); };
+    const StoppableLoops loops(ask);
     return work();
   });
 }

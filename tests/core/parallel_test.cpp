@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -97,7 +98,8 @@ TEST(StoppableLoops, EndLoopsOfWorkThatKnowsNoProgress) {
     });
   };
   {
-    const StoppableLoops loops(progress);
+    const std::function<void()> ask = [&] { report_or_throw(progress, 0.0); };
+    const StoppableLoops loops(ask);
     EXPECT_THROW(work(), Interrupted);
   }
   EXPECT_LT(calls, 100 * 100);

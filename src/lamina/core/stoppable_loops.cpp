@@ -1,20 +1,19 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/core/stoppable_loops.h"
 
-#include <functional>
-
-#include "lamina/core/internal/loop_check.h"
-
 namespace lamina {
+namespace {
 
-struct StoppableLoops::Check {
-  std::function<void()> ask;
-  detail::LoopCheck of_thread{&ask};
-};
+thread_local const std::function<void()>* asked_by_loops = nullptr;
 
-StoppableLoops::StoppableLoops(const Progress& progress)
-    : check_(new Check{.ask = [&progress] { report_or_throw(progress, 0.0); }}) {}
+}  // namespace
 
-StoppableLoops::~StoppableLoops() = default;
+const std::function<void()>* function_of_loops() { return asked_by_loops; }
+
+StoppableLoops::StoppableLoops(const std::function<void()>& ask) : former_(asked_by_loops) {
+  asked_by_loops = &ask;
+}
+
+StoppableLoops::~StoppableLoops() { asked_by_loops = former_; }
 
 }  // namespace lamina

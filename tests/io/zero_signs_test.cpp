@@ -1,5 +1,5 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-#include "lamina/core/zero_signs.h"
+#include "lamina/io/zero_signs.h"
 
 #include <gtest/gtest.h>
 
