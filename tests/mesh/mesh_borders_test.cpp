@@ -9,6 +9,7 @@
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_orientation.h"
 #include "lamina/mesh/mesh_shapes.h"
+#include "mesh/mesh_samples.h"
 
 namespace lamina {
 namespace {
@@ -34,11 +35,6 @@ PolygonMesh box_of_sheets(float error) {
     add_face(sheets, corners, 0);
   }
   return sheets;
-}
-
-PreparedMesh prepared(PolygonMesh mesh) {
-  const std::vector<std::uint32_t> materials(mesh.parts.size());
-  return make_mesh(std::move(mesh), {}, materials);
 }
 
 TEST(MeshBorders, ThatDifferByRoundingAreOneAndTheirTextureStays) {

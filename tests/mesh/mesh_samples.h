@@ -8,9 +8,11 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lamina/core/error.h"
+#include "lamina/mesh/mesh.h"
 #include "lamina/mesh/polygon_mesh.h"
 
 namespace lamina {
@@ -142,5 +144,17 @@ struct SquareGltf {
   }
   [[nodiscard]] std::string glb() const { return glb_bytes(json, binary); }
 };
+
+/// A mesh as scenes have it, all parts of one material.
+inline PreparedMesh prepared(PolygonMesh mesh, const MeshOptions& options = {}) {
+  const std::vector<std::uint32_t> materials(mesh.parts.size());
+  return make_mesh(std::move(mesh), options, materials);
+}
+
+/// Whether a line has these words.
+inline bool says(const std::vector<std::string>& lines, std::string_view words) {
+  return std::ranges::any_of(
+      lines, [&](const std::string& line) { return line.find(words) != std::string::npos; });
+}
 
 }  // namespace lamina
