@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 

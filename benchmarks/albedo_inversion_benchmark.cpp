@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/scattering/layered_bsdf/sampled_layers.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

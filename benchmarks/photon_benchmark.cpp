@@ -16,7 +16,7 @@
 #include <map>
 #include <string>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "scattering/monte_carlo/scalar_photons.h"
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 
 namespace lamina {

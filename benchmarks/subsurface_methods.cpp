@@ -22,8 +22,8 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/image/image_file.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/render/render.h"
 #include "light_error.h"
 #include "run_apart.h"

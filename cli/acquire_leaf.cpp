@@ -8,13 +8,13 @@
 #include <cmath>
 #include <vector>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/plot/correlation_picture.h"
+#include "lamina/base/plot/html_page.h"
+#include "lamina/base/plot/map_picture.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
-#include "lamina/image/image_file.h"
-#include "lamina/plot/correlation_picture.h"
-#include "lamina/plot/html_page.h"
-#include "lamina/plot/map_picture.h"
-#include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 namespace {

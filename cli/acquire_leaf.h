@@ -4,7 +4,7 @@
 #include <string>
 
 #include "lamina/acquire/leaf_acquisition.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 
 namespace lamina::cli {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/acquire/acquisition_check.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 
 namespace lamina::cli {
 

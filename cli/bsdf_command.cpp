@@ -3,7 +3,7 @@
 
 #include "bsdf_options.h"
 #include "commands.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

@@ -10,11 +10,11 @@
 
 #include "bsdf_options.h"
 #include "degrees.h"
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/io/nearest_name.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/materials/material.h"
-#include "lamina/plot/plot.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
 #include "material_bands.h"
 

@@ -9,9 +9,9 @@
 
 #include "bsdf_options.h"
 #include "degrees.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/materials/material.h"
-#include "lamina/plot/plot.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

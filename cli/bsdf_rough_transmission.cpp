@@ -8,9 +8,9 @@
 
 #include "bsdf_options.h"
 #include "degrees.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/optics/rough/rough_surface_scattering.h"
-#include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <span>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_output.h"
-#include "lamina/io/shell_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/io/shell_text.h"
 
 namespace lamina::cli {
 

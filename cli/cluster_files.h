@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_input.h"
 
 // A job of a cluster as files: what it is, and its folder.
 namespace lamina::cli {

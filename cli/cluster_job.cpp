@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/json_output.h"
-#include "lamina/io/shell_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/io/shell_text.h"
 #include "picture_look.h"
 #include "run_program.h"
 #include "shard_option.h"

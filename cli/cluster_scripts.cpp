@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "lamina/io/shell_text.h"
+#include "lamina/base/io/shell_text.h"
 #include "run_program.h"
 #include "shard_option.h"
 

@@ -17,8 +17,8 @@
 #include <set>
 #include <sstream>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 #include "run_program.h"
 
 namespace lamina::cli {

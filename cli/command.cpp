@@ -14,10 +14,10 @@
 #include <type_traits>
 
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/io/nearest_name.h"
-#include "lamina/io/whole_number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/nearest_name.h"
+#include "lamina/base/io/whole_number_text.h"
 
 namespace lamina::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 
 namespace CLI {
 class App;

@@ -12,7 +12,7 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/builtin_texts.h"
 
 namespace lamina::cli {

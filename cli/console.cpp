@@ -15,11 +15,11 @@
 #include <span>
 #include <system_error>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/io/zero_signs.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/write_places.h"
+#include "lamina/base/io/zero_signs.h"
 
 namespace lamina::cli {
 

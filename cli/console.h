@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "command.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/progress.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/json_output.h"
 
 namespace lamina::cli {
 

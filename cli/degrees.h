@@ -5,6 +5,7 @@
 
 namespace lamina::cli {
 
-inline constexpr double degree = std::numbers::pi / 180.0;  ///< [rad]; users state angles in degrees
+inline constexpr double degree =
+    std::numbers::pi / 180.0;  ///< [rad]; users state angles in degrees
 
 }  // namespace lamina::cli

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
 
 namespace lamina::cli {
 namespace {

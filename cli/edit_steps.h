@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "command.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/skin_maps/edits/skin_edits.h"
 
 namespace lamina::cli {

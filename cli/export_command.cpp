@@ -10,11 +10,11 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/exchange/export_format.h"
 #include "lamina/exchange/misfit_json.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/write_places.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

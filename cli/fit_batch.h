@@ -7,7 +7,7 @@
 
 #include "console.h"
 #include "fit_page.h"
-#include "lamina/core/shard.h"
+#include "lamina/base/core/shard.h"
 
 namespace lamina::cli {
 

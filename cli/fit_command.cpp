@@ -8,9 +8,9 @@
 #include "fit_batch.h"
 #include "fit_page.h"
 #include "fit_report.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/io/file_bytes.h"
 #include "lamina/materials/material.h"
 #include "shard_option.h"
 

@@ -9,8 +9,8 @@
 
 #include "fit_page_tables.h"
 #include "fit_report.h"
-#include "lamina/core/number_text.h"
-#include "lamina/plot/correlation_picture.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/plot/correlation_picture.h"
 
 namespace lamina::cli {
 namespace {

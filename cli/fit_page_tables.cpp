@@ -10,9 +10,9 @@
 
 #include "fit_report.h"
 #include "fit_units.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/json_input.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/plot/plot.h"
 
 namespace lamina::cli {
 namespace {

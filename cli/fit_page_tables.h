@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/base/plot/html_page.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/plot/html_page.h"
 
 // Tables of the page of a fit, as HTML.
 

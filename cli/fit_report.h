@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/io/json_output.h"
-#include "lamina/plot/plot.h"
 
 namespace lamina::cli {
 

@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/csv_table.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/csv_table.h"
+#include "lamina/base/io/json_input.h"
 #include "shard_option.h"
 
 namespace lamina::cli {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/shard.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/shard.h"
+#include "lamina/base/io/json_output.h"
 #include "merge_options.h"
 
 namespace lamina::cli {

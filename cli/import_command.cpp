@@ -8,7 +8,7 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/exchange/material_import.h"
 #include "lamina/exchange/misfit_json.h"
 

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina::cli {
 

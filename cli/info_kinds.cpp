@@ -11,15 +11,15 @@
 #include <limits>
 
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/image/envi_file.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/csv_table.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/envi_file.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/csv_table.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 #include "lamina/mesh/files/materialx_file.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
-#include "lamina/spectrum/spectrum_table.h"
 
 namespace lamina::cli {
 namespace {
@@ -318,8 +318,7 @@ constexpr auto kinds = std::to_array<FileKind>({
     {"ENVI image", ".hdr beside its numbers", "captures",
      [](const FileLook& f) { return image_format(f) == "ENVI"; }, envi_facts},
 #ifdef LAMINA_RENDER
-    {"shard of a picture", ".shard", "merge",
-     is_picture_shard, picture_shard_facts},
+    {"shard of a picture", ".shard", "merge", is_picture_shard, picture_shard_facts},
     {"unfinished picture", ".unfinished", "render --resume",
      [](const FileLook& f) { return !f.is_folder && !f.is_json && f.ending == ".unfinished"; },
      kept_picture_facts},

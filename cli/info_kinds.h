@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/image/image.h"
-#include "lamina/io/json_output.h"
-#include "lamina/spectrum/band_set.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/spectrum/band_set.h"
 
 // Kinds of files that lamina reads or writes, and what `lamina info` says of each.
 namespace lamina::cli {

@@ -13,11 +13,11 @@
 #include "commands.h"
 #include "console.h"
 #include "invert_texture.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/spectrum/srgb.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 #include "lamina/materials/material.h"
-#include "lamina/spectrum/srgb.h"
 
 namespace lamina::cli {
 namespace {

@@ -6,9 +6,9 @@
 #include <array>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::cli {
 namespace {

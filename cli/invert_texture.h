@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image_file.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/image/image_file.h"
 
 namespace lamina::cli {
 

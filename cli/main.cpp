@@ -19,11 +19,11 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/disk_cache.h"
-#include "lamina/io/nearest_name.h"
-#include "lamina/io/write_places.h"
-#include "lamina/io/reading_warnings.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/io/nearest_name.h"
+#include "lamina/base/io/reading_warnings.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/reproduction/run_item.h"
 #include "shard_option.h"
 

@@ -10,9 +10,9 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina::cli {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "command.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/materials/material.h"
 
 namespace lamina::cli {

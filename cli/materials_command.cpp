@@ -7,7 +7,7 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "material_bands.h"

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "console.h"
-#include "lamina/io/utf8_text.h"
+#include "lamina/base/io/utf8_text.h"
 
 namespace lamina::cli {
 std::string printable(std::string_view text, std::string_view also) {

@@ -12,11 +12,11 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
-#include "lamina/io/disk_cache.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/skin_patch/skin_patch.h"
 #include "picture_files.h"
 

@@ -6,11 +6,11 @@
 #include <array>
 #include <charconv>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/io/json_input.h"
-#include "lamina/spectrum/band_set.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/spectrum/band_set.h"
 #include "photons_options.h"
 
 namespace lamina::cli {

@@ -5,8 +5,8 @@
 #include <ctime>
 #include <filesystem>
 
-#include "lamina/core/error.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/scattering/monte_carlo/mcml_output.h"
 #include "photons_options.h"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/plot/plot.h"
 #include "photons_report.h"
 
 namespace lamina::cli {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina::cli {
 namespace {

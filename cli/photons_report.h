@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 
 namespace lamina::cli {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "photons_options.h"
 
 namespace lamina::cli {

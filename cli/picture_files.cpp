@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "console.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina::cli {
 namespace {

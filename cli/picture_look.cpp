@@ -6,9 +6,9 @@
 
 #include <cstdlib>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/nearest_name.h"
 
 namespace lamina::cli {
 namespace {

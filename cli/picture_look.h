@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/image_frame.h"
-#include "lamina/image/ocio_view.h"
-#include "lamina/image/tone.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/ocio_view.h"
+#include "lamina/base/image/tone.h"
 #include "picture_files.h"
 
 namespace lamina::cli {

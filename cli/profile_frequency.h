@@ -2,7 +2,7 @@
 #pragma once
 
 #include "console.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/hankel.h"
 

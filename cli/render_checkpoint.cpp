@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/film/tile_passes.h"
 #include "render_options.h"
 

@@ -18,8 +18,8 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
 #include "lamina/scene/plausible_size.h"

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/image_frame.h"
-#include "lamina/image/tone.h"
-#include "lamina/plot/picture_sheet.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/plot/picture_sheet.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/method_settings.h"
 

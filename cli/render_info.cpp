@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "info_kinds.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/tile_passes.h"
 

@@ -6,11 +6,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "lamina/core/error.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/parallel.h"
-#include "lamina/image/compare.h"
-#include "lamina/image/denoise.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/compare.h"
+#include "lamina/base/image/denoise.h"
 #include "lamina/render/film/film_shard.h"
 #include "merge_options.h"
 #include "picture_files.h"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/image/denoise.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/denoise.h"
 #include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/skin_totals.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/render.h"
 #include "picture_files.h"
 #include "render_options.h"

@@ -2,8 +2,8 @@
 #include "render_swatch.h"
 
 #include "console.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/tone.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/swatch_scene.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/io/files_read.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/files_read.h"
 #include "render_options.h"
 #include "watched_files.h"
 

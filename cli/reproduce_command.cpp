@@ -12,9 +12,9 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/nearest_name.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/nearest_name.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/reproduction/page.h"
 #include "reproduce_finished.h"
 #include "reproduce_run.h"

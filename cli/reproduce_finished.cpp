@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/json_output.h"
 
 namespace lamina::cli {
 namespace {

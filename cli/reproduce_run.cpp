@@ -12,8 +12,8 @@
 #include <string_view>
 #include <thread>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 
 namespace lamina::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 
 namespace lamina::cli {
 

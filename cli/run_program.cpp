@@ -13,7 +13,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina::cli {
 namespace {

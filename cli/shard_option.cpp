@@ -7,8 +7,8 @@
 #include <array>
 #include <charconv>
 
-#include "lamina/core/error.h"
-#include "lamina/io/shell_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/shell_text.h"
 
 namespace lamina::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/shard.h"
+#include "lamina/base/core/shard.h"
 
 namespace lamina::cli {
 

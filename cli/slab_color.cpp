@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/reflectance/skin_colors.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina::cli {
 namespace {

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
-#include "lamina/spectrum/color.h"
 
 namespace lamina::cli {
 

@@ -13,7 +13,7 @@
 #include "commands.h"
 #include "console.h"
 #include "incidence_option.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

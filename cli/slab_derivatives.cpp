@@ -6,8 +6,8 @@
 #include <array>
 #include <cstddef>
 
-#include "lamina/core/error.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/progress.h"
 #include "layer_derivatives.h"
 
 namespace lamina::cli {

@@ -9,8 +9,8 @@
 #include "cluster_state.h"
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/shell_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/shell_text.h"
 
 namespace lamina::cli {
 namespace {

@@ -12,9 +12,9 @@
 #include "cluster_state.h"
 #include "commands.h"
 #include "console.h"
-#include "lamina/core/error.h"
-#include "lamina/io/shell_text.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/shell_text.h"
+#include "lamina/base/io/write_places.h"
 #include "run_program.h"
 #include "shard_option.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/files_read.h"
+#include "lamina/base/io/files_read.h"
 
 namespace lamina::cli {
 

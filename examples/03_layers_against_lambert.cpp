@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/tone.h"
 #include "lamina/render/render.h"
 
 namespace {

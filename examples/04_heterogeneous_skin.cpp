@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <string>
 
-#include "lamina/image/image_file.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_patch/skin_patch.h"
 

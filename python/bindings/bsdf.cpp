@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
 #include "layer_stacks.h"
 #include "work.h"

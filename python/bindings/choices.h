@@ -3,8 +3,8 @@
 
 #include <string_view>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina::python {
 

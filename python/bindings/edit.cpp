@@ -16,7 +16,7 @@
 #include "images.h"
 #include "json_files.h"
 #include "lamina/acquire/bands/band_choice.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/skin_maps/edits/editable_skin.h"
 #include "lamina/skin_maps/edits/skin_edits.h"
 #include "lamina/skin_maps/edits/skin_preview.h"

@@ -4,8 +4,8 @@
 #include <exception>
 #include <new>
 
-#include "lamina/core/error.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/progress.h"
 
 namespace lamina::python {
 namespace {

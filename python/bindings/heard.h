@@ -3,14 +3,14 @@
 
 #include <functional>
 
-#include "lamina/core/progress.h"
-#include "lamina/core/stoppable_loops.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/core/stoppable_loops.h"
 #include "work.h"
 
 namespace lamina::python {
 
-/// The result of `work()`, without Python's lock: heard by Ctrl-C in the parallel loops of work that
-/// knows no Progress. @throws what it throws; Interrupted after Ctrl-C.
+/// The result of `work()`, without Python's lock: heard by Ctrl-C in the parallel loops of work
+/// that knows no Progress. @throws what it throws; Interrupted after Ctrl-C.
 template <class F>
 auto heard(const F& work) {
   Work call(py::none{});

@@ -15,13 +15,13 @@
 
 #include "arrays.h"
 #include "choices.h"
-#include "lamina/image/compare.h"
-#include "lamina/image/envi_file.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/image_frame.h"
-#include "lamina/image/ocio_view.h"
-#include "lamina/image/tone.h"
-#include "lamina/spectrum/srgb.h"
+#include "lamina/base/image/compare.h"
+#include "lamina/base/image/envi_file.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/ocio_view.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/spectrum/srgb.h"
 
 namespace lamina::python {
 namespace {

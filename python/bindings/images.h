@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/error.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina::python {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/io/json_file.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_file.h"
 
 namespace lamina::python {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "natives.h"
 
 namespace lamina::python {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/monte_carlo/cylinder_photons.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
 #include "layer_stacks.h"
@@ -47,9 +47,9 @@ py::tuple estimates(const std::vector<Estimate>& all, const Shape& shape) {
                         read_array(all, shape, [](const Estimate& e) { return e.standard_error; }));
 }
 
-py::dict patch_photons(const LayerStacks& stacks, const Shape& shape, const Doubles& irradiance, double texel,
-                       std::uint64_t photons, std::uint64_t seed, bool is_diffuse, double theta,
-                       const py::object& callback) {
+py::dict patch_photons(const LayerStacks& stacks, const Shape& shape, const Doubles& irradiance,
+                       double texel, std::uint64_t photons, std::uint64_t seed, bool is_diffuse,
+                       double theta, const py::object& callback) {
   const Patch patch = patch_of(stacks, shape, irradiance, texel);
   Work work(callback);
   const PatchPhotons found = work.run_partly([&](const Progress& progress) {

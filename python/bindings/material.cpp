@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/error.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/material_file.h"

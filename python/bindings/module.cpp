@@ -12,7 +12,7 @@
 #include "fit.h"
 #include "half_spaces.h"
 #include "images.h"
-#include "lamina/io/reading_warnings.h"
+#include "lamina/base/io/reading_warnings.h"
 #include "layer_stacks.h"
 #include "map_photons.h"
 #include "material.h"

@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
+#include "lamina/base/spectrum/cie_1931.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/mie.h"
-#include "lamina/spectrum/band_color.h"
-#include "lamina/spectrum/cie_1931.h"
-#include "lamina/spectrum/color.h"
 #include "tables.h"
 
 namespace lamina::python {

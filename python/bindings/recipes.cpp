@@ -12,8 +12,8 @@
 
 #include "arrays.h"
 #include "choices.h"
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/materials/skin.h"
 #include "lamina/materials/snow.h"

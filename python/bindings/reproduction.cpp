@@ -10,9 +10,9 @@
 
 #include "choices.h"
 #include "json_files.h"
-#include "lamina/core/error.h"
-#include "lamina/io/json_input.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/reproduction/item.h"
 #include "lamina/reproduction/page.h"
 #include "lamina/reproduction/run_item.h"

@@ -7,7 +7,7 @@
 #include "arrays.h"
 #include "choices.h"
 #include "images.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina::python {

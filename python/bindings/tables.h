@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "work.h"
 
 namespace lamina::python {

@@ -8,7 +8,7 @@
 #include <exception>
 #include <mutex>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::python {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 
 namespace lamina::python {
 

@@ -14,9 +14,9 @@
 #include "lamina/acquire/acquisition_check.h"
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/acquire/patch_acquisition.h"
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {
@@ -306,8 +306,7 @@ TEST(AcquiredFiles, AreReadByWhatUsesThem) {
   const JsonDocument document = load_json(files.material);
   const JsonObject object =
       document.root().file_object("material", 1, {"name", "length_unit", "surface", "skin"});
-  const JsonObject surface =
-      object.required("surface").object({"roughness", "specular_roughness"});
+  const JsonObject surface = object.required("surface").object({"roughness", "specular_roughness"});
   // Layers as the inversion saw them, under a surface that shows no images of lamps.
   EXPECT_EQ(surface.required("roughness").number({.low = 0.0, .high = 1.0}), 0.0);
   EXPECT_NEAR(surface.required("specular_roughness").number({.low = 0.0, .high = 1.0}), 0.32, 1e-9);

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "image/png_chunk.h"
-#include "image/scratch_folder.h"
+#include "base/image/png_chunk.h"
+#include "base/image/scratch_folder.h"
 #include "lamina/acquire/capture.h"
-#include "lamina/image/color_space.h"
-#include "lamina/image/image_file.h"
-#include "lamina/spectrum/rgb_encoding.h"
-#include "lamina/spectrum/rgb_space.h"
+#include "lamina/base/image/color_space.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/spectrum/rgb_encoding.h"
+#include "lamina/base/spectrum/rgb_space.h"
 
 namespace lamina {
 namespace {

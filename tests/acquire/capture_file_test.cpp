@@ -7,12 +7,12 @@
 #include <numeric>
 #include <string>
 
-#include "io/bad_files.h"
+#include "base/io/bad_files.h"
 #include "lamina/acquire/capture.h"
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/spectrum/band_color.h"
-#include "lamina/spectrum/srgb.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/spectrum/band_color.h"
+#include "lamina/base/spectrum/srgb.h"
 
 namespace lamina {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/skin_maps/material_maps.h"
 

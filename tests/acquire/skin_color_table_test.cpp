@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lamina/acquire/bands/band_choice.h"
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
-#include "lamina/spectrum/band_color.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

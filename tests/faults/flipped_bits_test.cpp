@@ -11,9 +11,9 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/io/disk_cache.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/internal/checkpoint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "io/bad_files.h"
-#include "lamina/core/error.h"
+#include "base/io/bad_files.h"
+#include "lamina/base/core/error.h"
 #include "lamina/fit/internal/measurement_model.h"
 #include "lamina/fit/measurement.h"
 

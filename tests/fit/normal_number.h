@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 

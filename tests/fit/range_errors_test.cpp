@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "fit/normal_number.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/fit/skin/skin_fit.h"
 #include "lamina/reflectance/leaf_totals_table.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

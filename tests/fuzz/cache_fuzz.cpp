@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "fuzz_input.h"
-#include "lamina/core/hash.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/render/film/internal/checkpoint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 

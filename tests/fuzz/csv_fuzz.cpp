@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Tables, and the spectra in them.
 #include "fuzz_input.h"
-#include "lamina/io/csv_table.h"
+#include "lamina/base/io/csv_table.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lamina;

@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#include "fuzz_input.h"
+
 #include <unistd.h>
 
 #include <fstream>
 #include <system_error>
-
-#include "fuzz_input.h"
 
 namespace lamina::fuzz {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/core/error.h"
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/memory_budget.h"
 
 // What the fuzz targets share. Whatever the bytes, a reader reads them or throws lamina's own
 // error: any other exception, a crash, a hang or a sanitizer's finding is a bug.

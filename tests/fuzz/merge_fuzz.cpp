@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "fuzz_input.h"
-#include "lamina/core/hash.h"
+#include "lamina/base/core/hash.h"
 #include "lamina/render/film/film_shard.h"
 #include "photons_report.h"
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
 
 namespace lamina {
 namespace {

@@ -16,11 +16,11 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/image/compare.h"
-#include "lamina/image/image_file.h"
+#include "lamina/base/image/compare.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/scene.h"
-#include "lamina/spectrum/color.h"
 
 namespace lamina {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/integrating_sphere/integrating_sphere.h"
 
 namespace lamina {

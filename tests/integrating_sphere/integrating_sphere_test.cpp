@@ -7,7 +7,7 @@
 #include <string>
 
 #include "integrating_sphere/bouncing_rays.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

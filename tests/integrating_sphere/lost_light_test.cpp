@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/spatial_frequency/frequency_response.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
 

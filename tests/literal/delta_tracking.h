@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

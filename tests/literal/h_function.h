@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 
 namespace lamina::reference {
 

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"

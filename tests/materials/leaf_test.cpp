@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

@@ -12,10 +12,10 @@
 #include <sstream>
 #include <string>
 
-#include "io/bad_files.h"
-#include "lamina/core/error.h"
+#include "base/io/bad_files.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 #include "lamina/materials/material.h"
-#include "lamina/spectrum/spectrum_table.h"
 
 namespace lamina {
 namespace {

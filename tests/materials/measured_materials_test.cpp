@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/pigments.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/mie.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/pigments.h"
 #include "lamina/optics/mie.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

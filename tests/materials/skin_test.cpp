@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/materials/chromophores.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/material_file.h"

@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
-// Which meshes are closed, as programs and scanners of other people leave them: lathes, surfaces that
-// touch themselves, bowls.
+// Which meshes are closed, as programs and scanners of other people leave them: lathes, surfaces
+// that touch themselves, bowls.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_orientation.h"

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_orientation.h"

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "mesh/mesh_samples.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/mesh/files/gltf_image.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"

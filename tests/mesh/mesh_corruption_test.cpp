@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_shapes.h"

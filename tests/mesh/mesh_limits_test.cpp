@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "image/peak_memory.h"
+#include "base/image/peak_memory.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_shapes.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/polygon_mesh.h"
 

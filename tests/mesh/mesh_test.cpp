@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh_shapes.h"
 #include "lamina/mesh/mesh_triangulation.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/estimate.h"
+#include "lamina/base/core/estimate.h"
 #include "lamina/optics/rough/internal/facet_walk.h"
 
 namespace lamina {

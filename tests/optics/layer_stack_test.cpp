@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

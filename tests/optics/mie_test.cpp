@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 
 namespace lamina {
 namespace {

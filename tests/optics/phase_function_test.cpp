@@ -7,31 +7,36 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 namespace {
 
 const std::vector<PhaseFunction> phases = {
-    HenyeyGreenstein{-0.6}, HenyeyGreenstein{0.0}, HenyeyGreenstein{1e-5}, HenyeyGreenstein{0.9},
-    Rayleigh{}, PhaseMixture{{{0.7, HenyeyGreenstein{0.8}}, {0.3, Rayleigh{}}}}};
+    HenyeyGreenstein{-0.6},
+    HenyeyGreenstein{0.0},
+    HenyeyGreenstein{1e-5},
+    HenyeyGreenstein{0.9},
+    Rayleigh{},
+    PhaseMixture{{{0.7, HenyeyGreenstein{0.8}}, {0.3, Rayleigh{}}}}};
 
 TEST(PhaseFunction, HasUnitIntegralAndItsLegendreMoments) {
   for (const PhaseFunction& phase : phases)
     for (const int l : {0, 1, 2, 5}) {
-      const double moment = 2.0 * std::numbers::pi *
-                            integrate(
-                                [&](double c) {
-                                  return std::legendre(static_cast<unsigned>(l), c) *
-                                         evaluate(phase, c);
-                                },
-                                -1.0, 1.0, 1e-12);
+      const double moment =
+          2.0 * std::numbers::pi *
+          integrate(
+              [&](double c) {
+                return std::legendre(static_cast<unsigned>(l), c) * evaluate(phase, c);
+              },
+              -1.0, 1.0, 1e-12);
       EXPECT_NEAR(moment, legendre_moment(phase, l), 1e-9) << phase.index() << " l " << l;
     }
 }
 
-// 50 bins of equal probability by the quadrature of the density; 4 standard deviations of chi-square.
+// 50 bins of equal probability by the quadrature of the density; 4 standard deviations of
+// chi-square.
 TEST(PhaseFunction, SamplesFollowTheDensity) {
   for (const PhaseFunction& phase : phases) {
     constexpr int bins = 50, draws = 200'000;

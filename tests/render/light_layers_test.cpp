@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scene/subsurface_methods.h"
 #include "render/small_scenes.h"
 

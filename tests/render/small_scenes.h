@@ -156,9 +156,7 @@ inline Scene translucent_scene(RenderSettings::Method method, Mesh mesh, Materia
   Scene scene;
   scene.camera = camera_above(0.5);
   scene.film = {.width = 4, .height = 4};
-  scene.render = {.method = method,
-                  .profile = quick_profile(method),
-                  .samples_per_pixel = 4};
+  scene.render = {.method = method, .profile = quick_profile(method), .samples_per_pixel = 4};
   scene.render.max_bounces = 0;
   scene.materials = {
       {.name = "translucent",

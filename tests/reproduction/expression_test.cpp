@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/reproduction/item.h"
 #include "lamina/reproduction/page.h"
 #include "lamina/reproduction/run_item.h"

@@ -7,15 +7,15 @@
 #include <fstream>
 #include <string>
 
-#include "image/png_chunk.h"
-#include "image/scratch_folder.h"
-#include "lamina/core/error.h"
-#include "lamina/image/color_space.h"
-#include "lamina/image/image_file.h"
+#include "base/image/png_chunk.h"
+#include "base/image/scratch_folder.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/color_space.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/spectrum/rgb_encoding.h"
+#include "lamina/base/spectrum/rgb_space.h"
+#include "lamina/base/spectrum/srgb.h"
 #include "lamina/scene/scene.h"
-#include "lamina/spectrum/rgb_encoding.h"
-#include "lamina/spectrum/rgb_space.h"
-#include "lamina/spectrum/srgb.h"
 
 namespace lamina {
 namespace {

@@ -9,15 +9,15 @@
 #include <locale>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/compare.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/compare.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/plot/plot.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/plot/plot.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/scattering/monte_carlo/mcml_output.h"

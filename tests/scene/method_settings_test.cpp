@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/planning/method_choice.h"
 #include "lamina/render/render.h"

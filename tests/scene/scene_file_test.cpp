@@ -11,8 +11,8 @@
 #include <sstream>
 #include <variant>
 
-#include "io/bad_files.h"
-#include "lamina/image/image_file.h"
+#include "base/io/bad_files.h"
+#include "lamina/base/image/image_file.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/scattering/diffusion/dipole.h"
 #include "lamina/scene/common_bands.h"

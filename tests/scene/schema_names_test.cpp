@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/tone.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"

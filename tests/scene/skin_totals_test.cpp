@@ -24,9 +24,7 @@ using Method = RenderSettings::Method;
 Scene scene_of(const Material& skin, Method method) {
   Scene scene;
   scene.film = {.width = 16, .height = 16};
-  scene.render = {.method = method,
-                  .profile = quick_profile(method),
-                  .samples_per_pixel = 16};
+  scene.render = {.method = method, .profile = quick_profile(method), .samples_per_pixel = 16};
   scene.render.max_bounces = 0;
   scene.render.hierarchy = {.spacing = 0.7f, .irradiance_samples = 2};
   scene.render.texture_space = {.texel = 0.7f, .irradiance_samples = 2};
@@ -67,8 +65,7 @@ TEST(SkinTotals, BuiltInSkinHasOneColorByAllMethods) {
   const Vec3 exact = exact_color(skin);
   // Its rough mirror sends back less of grazing light than a smooth one, so that more enters.
   const Vec3 under_rough = color_of(skin, Method::hierarchy);
-  for (int c = 0; c < 3; ++c)
-    EXPECT_NEAR(under_rough[c], exact[c], 0.04 * exact[c]) << "RGB"[c];
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(under_rough[c], exact[c], 0.04 * exact[c]) << "RGB"[c];
   skin.specular_roughness.reset();
   // Few views of the sky make steps of light in shadow_map; a ball is not flat for random_walk.
   const std::pair<Method, double> tolerances[] = {

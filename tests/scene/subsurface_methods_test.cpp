@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/scene/method_settings.h"
 
 namespace lamina {

@@ -10,9 +10,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/skin_maps/material_maps.h"
 #include "lamina/skin_maps/skin_features.h"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "lamina/image/image_file.h"
+#include "lamina/base/image/image_file.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "skin_patch/patch_files.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {

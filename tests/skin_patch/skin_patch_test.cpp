@@ -10,7 +10,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/image/image_file.h"
+#include "lamina/base/image/image_file.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"

@@ -7,10 +7,10 @@
 #include <functional>
 #include <vector>
 
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/pigments.h"
 #include "lamina/optics/mie.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/exchange/albedo_inversion/internal/color_table.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

@@ -26,7 +26,7 @@ namespace {
 using namespace lamina;
 
 struct Free {
-  double SkinParameters::* value;
+  double SkinParameters::*value;
   double low, high, step;  ///< of finite differences
 };
 
@@ -205,7 +205,7 @@ void report(const char* name, const std::vector<SkinParameters>& people, const S
     rms.push_back(std::sqrt(error.squaredNorm() / static_cast<double>(error.size())));
   }
   std::ranges::sort(rms);
-  const auto median = [&](double SkinParameters::* value) {
+  const auto median = [&](double SkinParameters::*value) {
     std::vector<double> values;
     for (const SkinParameters& skin : people) values.push_back(skin.*value);
     std::ranges::sort(values);

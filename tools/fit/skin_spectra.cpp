@@ -20,11 +20,11 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/symmetric_eigen.h"
+#include "lamina/base/spectrum/band_color.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/fit/skin/skin_fit.h"
-#include "lamina/spectrum/band_color.h"
-#include "lamina/spectrum/color.h"
 
 namespace {
 

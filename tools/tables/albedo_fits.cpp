@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "lamina/base/plot/plot.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 #include "lamina/exchange/albedo_inversion/renderer_albedos.h"
-#include "lamina/plot/plot.h"
 
 namespace {
 

@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
       for (const double theta : thetas) {
         const double t = theta * std::numbers::pi / 180.0;
         const Vec3 wi{std::sin(t), 0.0, std::cos(t)};
-        const RoughInterface<double> interface{{.alpha = 2.0 / s}, eta};
+        const RoughInterface<double> interface { {.alpha = 2.0 / s}, eta };
         Random random = make_random(1, ++stream);
         // A first run says how many walks it takes.
         const FacetFurnace first = facet_furnace(interface, wi, 20'000, random);

@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 
 namespace {

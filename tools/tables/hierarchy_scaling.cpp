@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 //
 // Time and memory of the method `hierarchy` over the size of a mesh, with two samples of the light
-// per triangle: the table and the figure of docs/subsurface_hierarchy.md. Each size is a process of its own,
-// so that its peak of memory is its own.
+// per triangle: the table and the figure of docs/subsurface_hierarchy.md. Each size is a process of
+// its own, so that its peak of memory is its own.
 //
 // usage: hierarchy_scaling [FIGURE.svg]
 #include <array>
@@ -11,12 +11,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "run_apart.h"
-
+#include "lamina/base/plot/plot.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/mesh_shapes.h"
-#include "lamina/plot/plot.h"
 #include "lamina/render/render.h"
+#include "run_apart.h"
 
 namespace lamina {
 namespace {

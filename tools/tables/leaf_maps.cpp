@@ -21,10 +21,10 @@
 #include <vector>
 
 #include "lamina/acquire/leaf/leaf_pixels.h"
-#include "lamina/core/error.h"
-#include "lamina/image/envi_file.h"
-#include "lamina/image/image_file.h"
-#include "lamina/spectrum/band_color.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/envi_file.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/spectrum/band_color.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "acquire/inversion/synthetic_patch.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "acquire/inversion/synthetic_patch.h"
-#include "lamina/image/image_file.h"
+#include "lamina/base/image/image_file.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
 

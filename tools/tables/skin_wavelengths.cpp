@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_patch/skin_patch.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "fit/normal_number.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/integrating_sphere/lost_light.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

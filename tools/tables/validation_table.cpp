@@ -14,7 +14,7 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "literal/h_function.h"

@@ -5,13 +5,13 @@
 #include <system_error>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/fit/skin/number_unit.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_output.h"
-#include "lamina/io/write_places.h"
 #include "lamina/materials/skin.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 
@@ -90,9 +90,7 @@ JsonOutput scene_json(const AcquiredSkin& skin, double mm_per_pixel) {
       {"mm_per_unit", 1},
       {"camera", camera},
       {"film", {{"width", 512}, {"height", 512}}},
-      {"materials",
-       {{"skin",
-         {{"subsurface", "material.json"}}}}},
+      {"materials", {{"skin", {{"subsurface", "material.json"}}}}},
       {"meshes",
        JsonOutput::array(
            {{{"shape", "rectangle"}, {"width", width}, {"height", height}, {"material", "skin"}}})},
@@ -131,12 +129,13 @@ AcquiredFiles save_acquired(const AcquiredSkin& skin, const Capture& capture,
     write_file_bytes(file, std::as_bytes(std::span(text)));
   };
   files.material = folder / "material.json";
-  write(files.material, {{"lamina", "material"},
-                         {"version", 1},
-                         {"name", capture.name},
-                         {"length_unit", "mm"},
-                         {"surface", {{"roughness", 0}, {"specular_roughness", skin_specular_roughness}}},
-                         {"skin", recipe}});
+  write(files.material,
+        {{"lamina", "material"},
+         {"version", 1},
+         {"name", capture.name},
+         {"length_unit", "mm"},
+         {"surface", {{"roughness", 0}, {"specular_roughness", skin_specular_roughness}}},
+         {"skin", recipe}});
   if (capture.mm_per_pixel) {
     files.patch = folder / "patch.json";
     write(files.patch, {{"lamina", "patch"},

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/fit/skin/skin_fit.h"
 
 namespace lamina {

@@ -11,8 +11,8 @@
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/inversion/patch_inversion.h"
 #include "lamina/acquire/skin_color_table.h"
-#include "lamina/core/progress.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 
@@ -77,9 +77,9 @@ struct AcquiredSkin {
                                             std::span<const double> growth = {},
                                             const Progress& progress = {});
 
-/// Misfit to each band of fits of some pixels, evenly spread over those that are used and of a color
-/// of skin, by stated errors. Not by errors that have grown, again: numbers follow
-/// a color nearly everywhere, and skin that is not of the population would all become noise.
+/// Misfit to each band of fits of some pixels, evenly spread over those that are used and of a
+/// color of skin, by stated errors. Not by errors that have grown, again: numbers follow a color
+/// nearly everywhere, and skin that is not of the population would all become noise.
 /// @throws InvalidInput if there is no population
 [[nodiscard]] std::vector<BandMisfit> misfit_of_pixels(const Capture& capture,
                                                        const SkinReflectanceTable& table);

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <span>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/fit/skin/skin_fit.h"
-#include "lamina/spectrum/color.h"
 
 namespace lamina {
 namespace {

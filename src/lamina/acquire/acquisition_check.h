@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/acquire/acquired_skin.h"
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/json_file.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/image/image.h"
-#include "lamina/io/json_file.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

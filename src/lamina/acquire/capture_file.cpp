@@ -12,9 +12,9 @@
 #include "lamina/acquire/calibration/skin_gains.h"
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/internal/decoded_photograph.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 #include "lamina/skin_maps/skin_maps.h"
 

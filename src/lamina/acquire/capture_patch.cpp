@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/leaf/leaf_pixels.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 
 namespace lamina {
 

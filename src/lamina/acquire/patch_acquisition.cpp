@@ -7,7 +7,7 @@
 
 #include "lamina/acquire/capture_patch.h"
 #include "lamina/acquire/inversion/inversion_tables.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

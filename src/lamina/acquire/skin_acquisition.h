@@ -9,9 +9,9 @@
 #include "lamina/acquire/acquisition_check.h"
 #include "lamina/acquire/capture.h"
 #include "lamina/acquire/patch_acquisition.h"
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/disk_cache.h"
 
 namespace lamina {
 

@@ -8,10 +8,10 @@
 
 #include "lamina/acquire/bands/band_choice.h"
 #include "lamina/acquire/internal/node_blend.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/symmetric_eigen.h"
 #include "lamina/fit/least_squares/band_misfit.h"
 
 namespace lamina {

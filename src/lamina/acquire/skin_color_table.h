@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/skin/skin_fit.h"
 
 namespace lamina {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/io/nearest_name.h"
 
 namespace lamina {
 namespace {

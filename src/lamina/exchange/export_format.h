@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/materials/material.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
 #include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
 #include "lamina/materials/material.h"
 

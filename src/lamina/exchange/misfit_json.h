@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "lamina/base/io/json_output.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
-#include "lamina/io/json_output.h"
 
 namespace lamina {
 

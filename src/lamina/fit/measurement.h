@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_file.h"
+#include "lamina/base/spectrum/band_set.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/integrating_sphere/integrating_sphere.h"
-#include "lamina/io/json_file.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
-#include "lamina/spectrum/band_set.h"
 
 namespace lamina {
 

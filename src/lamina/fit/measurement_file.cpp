@@ -4,15 +4,15 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/fit/internal/decoded_free.h"
 #include "lamina/fit/internal/decoded_series.h"
 #include "lamina/fit/internal/timed_prediction.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/json_output.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/fit/internal/measurement_model.h"
 
 namespace lamina {

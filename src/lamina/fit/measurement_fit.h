@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/fit/measurement_tables.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/measurement.h"
 
 namespace lamina {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 
 namespace lamina {
 

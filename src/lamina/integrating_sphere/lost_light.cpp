@@ -4,8 +4,8 @@
 #include <atomic>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina {

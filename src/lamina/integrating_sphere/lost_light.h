@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "lamina/core/estimate.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/estimate.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "lamina/core/error.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/internal/jensen2001.h"
 #include "lamina/materials/material.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/optics/absorbing_sheet.h"
 

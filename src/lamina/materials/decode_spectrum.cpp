@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 #include "lamina/materials/chromophores.h"
 #include "lamina/materials/material_file.h"
-#include "lamina/spectrum/spectrum_table.h"
 
 namespace lamina::material_file {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "lamina/core/number_text.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {
@@ -106,8 +106,7 @@ std::string format_material(const Material& material) {
     add_interface(surface, top);
     if (material.specular_roughness) {
       if (surface.empty()) surface.push_back(entry("roughness", "0"));
-      surface.push_back(
-          entry("specular_roughness", number_text(*material.specular_roughness)));
+      surface.push_back(entry("specular_roughness", number_text(*material.specular_roughness)));
     }
   }
   if (!surface.empty()) file.push_back(entry("surface", one_line(surface)));

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

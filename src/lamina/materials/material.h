@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/spectrum/band_set.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/materials/mappable_number.h"
 #include "lamina/materials/skin.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/spectrum/band_set.h"
 
 namespace lamina {
 

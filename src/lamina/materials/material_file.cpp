@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/materials/builtin_texts.h"
 
 namespace lamina {
@@ -152,12 +152,12 @@ Material decode_material(const JsonInput& root, const MaterialMaps& maps,
         {.of = MappableNumber::Of::oiliness, .name = "oiliness", .low = 0.0, .high = 1.0}, context);
   }
   if (const auto surface = file.optional("surface")) {
-    const JsonObject object =
-        surface->object({"roughness", "distribution", "specular_roughness"});
+    const JsonObject object = surface->object({"roughness", "distribution", "specular_roughness"});
     (void)object.required("roughness");
     material.layers.front().top = decode_interface(object, &context);
     if (const auto roughness = object.optional("specular_roughness"))
-      material.specular_roughness = material_file::plain_number(*roughness, closed_interval(0.0, 1.0));
+      material.specular_roughness =
+          material_file::plain_number(*roughness, closed_interval(0.0, 1.0));
   } else if (material.skin) {
     material.specular_roughness = skin_specular_roughness;
   }

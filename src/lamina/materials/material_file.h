@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
-#include "lamina/spectrum/spectrum_table.h"
 
 // What the decoders of a material file share: one for `layers`, one per recipe.
 

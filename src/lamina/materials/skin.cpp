@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/materials/chromophore_tables.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/materials/chromophore_tables.h"
 #include "lamina/materials/pigments.h"
 #include "lamina/optics/mie.h"

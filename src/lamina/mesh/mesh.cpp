@@ -8,10 +8,10 @@
 #include <set>
 #include <utility>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/mesh_holes.h"
 #include "lamina/mesh/mesh_orientation.h"
 #include "lamina/mesh/mesh_subdivision.h"

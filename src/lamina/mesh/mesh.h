@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/mesh_subdivision.h"
 #include "lamina/mesh/polygon_mesh.h"
 

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/mesh_shapes.h"
 
 namespace lamina {

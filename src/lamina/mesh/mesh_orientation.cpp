@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/mesh_edges.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/mesh_edges.h"
 #include "lamina/mesh/mesh_orientation.h"
 

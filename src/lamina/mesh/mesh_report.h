@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/mesh/polygon_mesh.h"
 

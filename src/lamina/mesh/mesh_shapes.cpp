@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <numbers>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 
 namespace lamina {
 namespace {

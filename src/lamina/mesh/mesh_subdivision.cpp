@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/mesh/mesh_edges.h"
 
 namespace lamina {

@@ -9,9 +9,9 @@
 #include <tuple>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/internal/mesh_borders.h"
 
 namespace lamina {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/file_material.h"
 
 namespace lamina {

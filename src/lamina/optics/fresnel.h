@@ -7,7 +7,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

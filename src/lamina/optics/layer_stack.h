@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 #include "lamina/optics/medium.h"
 #include "lamina/optics/phase_function.h"
 

@@ -12,7 +12,8 @@ struct HenyeyGreenstein {
   friend bool operator==(const HenyeyGreenstein&, const HenyeyGreenstein&) = default;
 };
 
-/// Scattering by particles much smaller than the wavelength. Source: [Chandrasekhar1960] §3, Eq. 29.
+/// Scattering by particles much smaller than the wavelength. Source: [Chandrasekhar1960] §3,
+/// Eq. 29.
 struct Rayleigh {
   friend bool operator==(const Rayleigh&, const Rayleigh&) = default;
 };
@@ -38,7 +39,8 @@ using PhaseFunction = std::variant<HenyeyGreenstein, Rayleigh, PhaseMixture>;
 /// Mean cosine of the scattering angle.
 [[nodiscard]] double mean_cosine(const PhaseFunction& phase);
 
-/// Mean of the Legendre polynomial P_l over the scattering angle; l >= 0. For Henyey-Greenstein g^l.
+/// Mean of the Legendre polynomial P_l over the scattering angle; l >= 0. For Henyey-Greenstein
+/// g^l.
 [[nodiscard]] double legendre_moment(const PhaseFunction& phase, int l);
 
 /// Cosine of a scattering angle drawn from the phase function.

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
@@ -63,8 +63,9 @@ LeafTotalsTable::LeafTotalsTable(const std::vector<double>& wavelengths, Inciden
   check(range);
   for (const double nm : wavelengths) {
     if (!(shortest_leaf_wavelength <= nm && nm <= longest_leaf_wavelength))
-      throw InvalidInput("wavelength: must lie in [" + number_text(shortest_leaf_wavelength) + ", " +
-                         number_text(longest_leaf_wavelength) + "] nm, but is " + number_text(nm));
+      throw InvalidInput("wavelength: must lie in [" + number_text(shortest_leaf_wavelength) +
+                         ", " + number_text(longest_leaf_wavelength) + "] nm, but is " +
+                         number_text(nm));
     spectra_.push_back(leaf_spectrum(nm));
   }
   if (spectra_.empty()) throw InvalidInput("wavelengths: must be given");

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/chebyshev_table.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/chebyshev_table.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

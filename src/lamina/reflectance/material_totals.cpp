@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

@@ -40,8 +40,8 @@ struct EnteredTotals {
 /// and what is left of the thickness [mm] of the last one between them.
 [[nodiscard]] LayerStack make_slab(const LayerStack& stack, double thickness);
 
-/// The layers with their absorption times a factor. Where there is none, a thousandth of the reduced
-/// scattering stands in, so that it can be made darker.
+/// The layers with their absorption times a factor. Where there is none, a thousandth of the
+/// reduced scattering stands in, so that it can be made darker.
 [[nodiscard]] LayerStack with_absorption(const LayerStack& stack, double factor);
 
 /// The material whose totals of reflectance are given, [band], by its absorption. Where no

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/skin.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/absorbing_sheet.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
@@ -319,8 +319,7 @@ double SkinReflectanceTable::reflectance_at(std::size_t wavelength, const SkinPa
     const Place below = place(band, moved);
     number = skin.*numbers[n];
     double sum = 0.0;
-    for (std::size_t d = 0; d < by.size(); ++d)
-      sum += by[d] * (above[d] - below[d]) / (2.0 * step);
+    for (std::size_t d = 0; d < by.size(); ++d) sum += by[d] * (above[d] - below[d]) / (2.0 * step);
     derivatives[n] = value * sum;
   }
   return value;

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/chebyshev_table.h"
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/chebyshev_table.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/materials/skin.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -14,12 +14,12 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/image/compare.h"
-#include "lamina/image/pixel_rectangle.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/compare.h"
+#include "lamina/base/image/pixel_rectangle.h"
 #include "lamina/render/film/film_accumulator.h"
 #include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/matte_film.h"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
-#include "lamina/image/image.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/image_frame.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/image_frame.h"
 #include "lamina/scene/render_options.h"
 #include "lamina/scene/scene.h"
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "lamina/core/error.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/reproduction/internal/expansion.h"
 #include "lamina/reproduction/internal/papers.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/io/json_input.h"
-#include "lamina/plot/plot.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/plot/plot.h"
 
 // One table, figure or plate of a paper as data: what it shows, from which inputs, by which
 // commands of lamina, and how agreement is judged. docs/reproduction.md describes the format.

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <span>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/shell_text.h"
-#include "lamina/plot/html_page.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/shell_text.h"
+#include "lamina/base/plot/html_page.h"
 #include "lamina/reproduction/internal/papers.h"
 
 namespace lamina {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/reproduction/run_item.h"
 
 namespace lamina {

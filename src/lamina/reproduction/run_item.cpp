@@ -10,13 +10,13 @@
 #include <set>
 #include <span>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/csv_table.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_output.h"
-#include "lamina/io/write_places.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/csv_table.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/reproduction/expression.h"
 
 namespace lamina {

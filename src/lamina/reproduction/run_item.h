@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/reproduction/item.h"
 
 namespace lamina {

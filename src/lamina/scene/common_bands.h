@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/scene/scene.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "lamina/base/io/json_output.h"
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"
-#include "lamina/io/json_output.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/reflectance/material_totals.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <variant>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scene/materials_in_use.h"
 #include "lamina/scene/subsurface_methods.h"
 

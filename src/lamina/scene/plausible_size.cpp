@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/shard.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/shard.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

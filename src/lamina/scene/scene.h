@@ -15,14 +15,14 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
-#include "lamina/image/pixel_rectangle.h"
-#include "lamina/image/tone.h"
-#include "lamina/image/uv_placement.h"
-#include "lamina/io/json_file.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/image/pixel_rectangle.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/image/uv_placement.h"
+#include "lamina/base/io/json_file.h"
 #include "lamina/materials/material.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/scene/scene_method.h"

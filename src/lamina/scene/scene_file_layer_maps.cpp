@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/scene/internal/scene_file.h"
 
 namespace lamina::scene_file {

@@ -4,9 +4,9 @@
 #include <numeric>
 #include <span>
 
-#include "lamina/image/map_description.h"
-#include "lamina/io/files_read.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/image/map_description.h"
+#include "lamina/base/io/files_read.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/materials/builtin_texts.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/scene/internal/scene_file.h"

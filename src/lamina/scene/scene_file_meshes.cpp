@@ -8,12 +8,13 @@
 #include <set>
 #include <utility>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/vec_precision.h"
-#include "lamina/image/bilinear.h"
-#include "lamina/image/map_description.h"
-#include "lamina/io/files_read.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/vec_precision.h"
+#include "lamina/base/image/bilinear.h"
+#include "lamina/base/image/map_description.h"
+#include "lamina/base/io/files_read.h"
+#include "lamina/base/io/nearest_name.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/mesh/files/gltf_image.h"
 #include "lamina/mesh/files/materialx_file.h"
 #include "lamina/mesh/files/mesh_file.h"
@@ -22,7 +23,6 @@
 #include "lamina/mesh/mesh_subdivision.h"
 #include "lamina/scene/file_materials.h"
 #include "lamina/scene/internal/scene_file.h"
-#include "lamina/spectrum/color.h"
 
 namespace lamina::scene_file {
 

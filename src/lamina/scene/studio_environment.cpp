@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/smooth_step.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/smooth_step.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina {

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/core/random.h"
-#include "lamina/core/smooth_step.h"
-#include "lamina/image/blur.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/smooth_step.h"
+#include "lamina/base/image/blur.h"
 
 namespace lamina {
 namespace {

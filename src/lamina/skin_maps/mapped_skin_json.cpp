@@ -11,9 +11,7 @@ JsonOutput mapped_skin_json(const SkinMaps& base, std::span<const SkinMap> maps)
   const auto has_map = [&](const std::string& name) {
     return std::ranges::find(maps, name, &SkinMap::name) != maps.end();
   };
-  const auto map_json = [](const std::string& name) {
-    return JsonOutput{{"map", name + ".exr"}};
-  };
+  const auto map_json = [](const std::string& name) { return JsonOutput{{"map", name + ".exr"}}; };
   JsonOutput skin;
   skin["constants"] = name_of(base.constants);
   for (const SkinParameterRange& range : skin_parameter_ranges()) {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <system_error>
 
-#include "lamina/core/error.h"
-#include "lamina/core/float_within.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/map_description.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/float_within.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/map_description.h"
+#include "lamina/base/io/nearest_name.h"
 #include "lamina/materials/material_file.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 #include "lamina/materials/material.h"
 
 namespace lamina {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/float_within.h"
-#include "lamina/core/random.h"
-#include "lamina/core/smooth_step.h"
-#include "lamina/image/bilinear.h"
+#include "lamina/base/core/float_within.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/smooth_step.h"
+#include "lamina/base/image/bilinear.h"
 #include "lamina/skin_maps/internal/skin_canvas.h"
 #include "lamina/skin_maps/vessel_fork.h"
 

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/resample.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/resample.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/skin_maps/skin_features.h"
 
 namespace lamina {

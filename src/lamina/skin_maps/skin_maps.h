@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 #include "lamina/materials/skin.h"
 #include "lamina/skin_maps/material_maps.h"
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <array>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
 #include "lamina/skin_maps/internal/skin_canvas.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 

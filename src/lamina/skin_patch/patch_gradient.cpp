@@ -6,9 +6,9 @@
 #include <mutex>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/parallel_parts.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/parallel_parts.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/scattering/heterogeneous/transport_gradient.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {

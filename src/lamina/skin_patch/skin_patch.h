@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/progress.h"
-#include "lamina/image/image.h"
-#include "lamina/io/disk_cache.h"
-#include "lamina/io/json_file.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/io/json_file.h"
+#include "lamina/base/spectrum/band_set.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/skin_maps/skin_maps.h"
 #include "lamina/skin_patch/material_texels.h"
-#include "lamina/spectrum/band_set.h"
 
 namespace lamina {
 

@@ -4,11 +4,11 @@
 #include <numbers>
 #include <tuple>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/resample.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/resample.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/spectrum/color.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/surface/texture.h"
 
 namespace lamina {

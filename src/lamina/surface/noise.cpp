@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
 
 namespace lamina {
 namespace {

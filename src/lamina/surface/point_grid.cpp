@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "lamina/core/hash.h"
+#include "lamina/base/core/hash.h"
 #include "lamina/surface/internal/near_places.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

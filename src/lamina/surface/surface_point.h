@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/surface/ray.h"
 

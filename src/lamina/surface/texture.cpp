@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/image/bilinear.h"
-#include "lamina/spectrum/color.h"
+#include "lamina/base/image/bilinear.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/surface/noise.h"
 
 namespace lamina {

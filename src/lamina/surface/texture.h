@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/surface_point.h"
 

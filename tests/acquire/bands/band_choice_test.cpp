@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/fit/skin/skin_fit.h"
 
 namespace lamina {

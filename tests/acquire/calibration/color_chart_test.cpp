@@ -8,7 +8,7 @@
 
 #include "acquire/calibration/synthetic_images.h"
 #include "lamina/acquire/calibration/light_window.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 #include "acquire/calibration/synthetic_images.h"
 #include "lamina/acquire/calibration/gray_card.h"
 #include "lamina/acquire/calibration/polarized_pair.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

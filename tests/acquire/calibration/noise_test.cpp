@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "acquire/calibration/synthetic_images.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

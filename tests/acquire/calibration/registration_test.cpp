@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "acquire/calibration/synthetic_images.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -8,10 +8,10 @@
 #include <filesystem>
 
 #include "acquire/calibration/synthetic_images.h"
-#include "lamina/core/error.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/symmetric_eigen.h"
+#include "lamina/base/io/csv_table.h"
 #include "lamina/fit/skin/skin_fit.h"
-#include "lamina/io/csv_table.h"
 
 namespace lamina {
 namespace {

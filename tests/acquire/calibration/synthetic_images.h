@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "lamina/core/random.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/image/image.h"
 
 // Images of known truth.
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina::detail {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "acquire/inversion/synthetic_patch.h"
 #include "lamina/acquire/inversion/patch_tiles.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/fit/skin/skin_fit.h"
 
 namespace lamina {

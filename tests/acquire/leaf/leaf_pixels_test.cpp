@@ -11,9 +11,9 @@
 #include <numbers>
 
 #include "lamina/acquire/leaf/internal/leaf_light.h"
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
-#include "lamina/image/envi_file.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/image/envi_file.h"
 #include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

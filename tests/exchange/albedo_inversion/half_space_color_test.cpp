@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "literal/h_function.h"

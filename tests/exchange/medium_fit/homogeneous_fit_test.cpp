@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

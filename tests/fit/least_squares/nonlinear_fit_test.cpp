@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "fit/normal_number.h"
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/symmetric_eigen.h"
 
 namespace lamina {
 namespace {

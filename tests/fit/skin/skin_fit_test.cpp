@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "fit/normal_number.h"
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

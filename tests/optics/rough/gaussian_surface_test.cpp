@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 #include "optics/rough/sampler_test.h"
 
 namespace lamina {

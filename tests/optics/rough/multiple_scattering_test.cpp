@@ -62,7 +62,7 @@ TEST(MultipleScattering, EvaluationReturnsAllTheLight) {
 // The same with directions drawn without regard to the facets, for the function as it is called.
 TEST(MultipleScattering, EvaluationReturnsAllTheLightInDirectionsOfAnyKind) {
   for (const double eta : {1.4, 1.0 / 1.4}) {
-    const RoughInterface<double> interface{{.alpha = 1.0}, eta};
+    const RoughInterface<double> interface { {.alpha = 1.0}, eta };
     const Vec3 wi = direction(60.0 * degree);
     Random random = make_random(8, 1);
     Mean flux;
@@ -77,7 +77,7 @@ TEST(MultipleScattering, EvaluationReturnsAllTheLightInDirectionsOfAnyKind) {
 TEST(MultipleScattering, OrderOneIsTheClosedForm) {
   for (const auto distribution : distributions)
     for (const double eta : {1.4, 1.0 / 1.4}) {
-      const RoughInterface<double> interface{{0.8, distribution}, eta};
+      const RoughInterface<double> interface { {0.8, distribution}, eta };
       const InterfaceReflectance table = make_interface_reflectance(interface);
       for (const double cos_i : {0.25, 0.75}) {
         Random random = make_random(8, 0);
@@ -143,7 +143,7 @@ TEST(MultipleScattering, EvaluationAgreesWithSamplingAtEitherEndOfSmoothnessAndA
 
 TEST(MultipleScattering, IsReciprocalAcrossTheInterface) {
   const double eta = 1.4;
-  const RoughInterface<double> interface{{1.2}, eta}, turned{{1.2}, 1.0 / eta};
+  const RoughInterface<double> interface { {1.2}, eta }, turned{{1.2}, 1.0 / eta};
   const Vec3 wi = direction(0.9), wo = direction(0.5, 2.0);
   Random random = make_random(10, 0);
   Mean there, back, up, down;
@@ -163,7 +163,7 @@ TEST(MultipleScattering, IsReciprocalAcrossTheInterface) {
 
 TEST(MultipleScattering, FillsTheReflectanceTableUpToAllTheLight) {
   for (const double eta : {1.4, 1.0 / 1.4}) {
-    const RoughInterface<double> interface{{1.0}, eta};
+    const RoughInterface<double> interface { {1.0}, eta };
     const auto table = make_interface_reflectance(interface, FacetMasking::smith_multiple);
     EXPECT_NEAR(table.diffuse_reflectance + table.diffuse_transmittance, 1.0, 1e-4);
     for (const double cos_i : {0.3, 0.8}) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/rough/interface_reflectance.h"
 #include "optics/rough/sampler_test.h"
 
@@ -28,7 +28,7 @@ TEST(RoughInterface, ReflectionIsReciprocalAndTransmissionWithTheSquareOfTheInde
   for (const auto distribution : distributions)
     for (int i = 0; i < 2000; ++i) {
       const double alpha = 0.05 + random.uniform(), eta = std::exp(random.uniform() - 0.5);
-      const RoughInterface<double> interface{{alpha, distribution}, eta};
+      const RoughInterface<double> interface { {alpha, distribution}, eta };
       const Vec3 wi = direction(std::acos(1.0 - random.uniform()), 6.28 * random.uniform());
       const Vec3 wo = direction(std::acos(1.0 - random.uniform()), 6.28 * random.uniform());
       EXPECT_NEAR(brdf(interface, wi, wo), brdf(interface, wo, wi),
@@ -48,7 +48,7 @@ TEST(RoughInterface, SamplesFollowTheirDensityOnBothSides) {
       for (const double alpha : {0.01, 0.1, 0.4, 1.0, 4.0})
         for (const double theta : {0.0, 50.0, 89.0})
           for (const double side : {1.0, -1.0}) {
-            const RoughInterface<double> interface{{alpha, distribution}, eta};
+            const RoughInterface<double> interface { {alpha, distribution}, eta };
             const Vec3 wi = direction(theta * degree, 0.7);
             Random random = make_random(21, static_cast<std::uint64_t>(theta * 100.0 * alpha));
             const auto density = [&](const Vec3& wo) {
@@ -76,7 +76,7 @@ TEST(RoughInterface, WeightOfASampleIsTheBsdfOverItsDensity) {
   for (const auto distribution : distributions)
     for (const double eta : {1.4, 1.0 / 1.4})
       for (int i = 0; i < 2000; ++i) {
-        const RoughInterface<double> interface{{0.05 + random.uniform(), distribution}, eta};
+        const RoughInterface<double> interface { {0.05 + random.uniform(), distribution}, eta };
         const Vec3 wi = direction(std::acos(1.0 - random.uniform()));
         const auto sample = sample_rough_interface(interface, wi, random.uniform(),
                                                    random.uniform(), random.uniform());
@@ -93,7 +93,7 @@ TEST(InterfaceReflectance, IsTheIntegralOfTheBsdf) {
   for (const auto distribution : distributions)
     for (const double eta : {1.4, 1.0 / 1.4})
       for (const double alpha : {0.2, 1.0}) {
-        const RoughInterface<double> interface{{alpha, distribution}, eta};
+        const RoughInterface<double> interface { {alpha, distribution}, eta };
         const InterfaceReflectance table = make_interface_reflectance(interface);
         for (const double cos_i : {0.25, 0.75}) {  // nodes of the table
           const Vec3 wi = direction(std::acos(cos_i));

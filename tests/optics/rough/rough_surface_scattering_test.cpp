@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/rough/gaussian_height_field.h"
 #include "lamina/optics/rough/interface_reflectance.h"
 

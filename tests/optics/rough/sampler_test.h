@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

@@ -11,5 +11,6 @@ int main() {
   const lamina::LayerStack stack = lamina::layer_stack(lamina::find_material("jade"), 0);
   const lamina::SlabTotals totals = lamina::adding_doubling(stack, {}).totals;
   const auto photons = lamina::trace_photons(stack, {.photons = 1000});
-  std::printf("%.2f of light, %zu photons\n", totals.diffuse_reflectance, static_cast<std::size_t>(photons.photons));
+  std::printf("%.2f of light, %zu photons\n", totals.diffuse_reflectance,
+              static_cast<std::size_t>(photons.photons));
 }

@@ -9,10 +9,10 @@
 #include <functional>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/render/render.h"
 #include "render/small_scenes.h"
 

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/paths/path_tracer.h"

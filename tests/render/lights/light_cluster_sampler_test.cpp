@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/scene/studio_environment.h"
 
 namespace lamina {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <set>
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/random.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/surface/noise.h"
 

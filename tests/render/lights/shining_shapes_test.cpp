@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/render/lights/internal/light_shapes.h"
 #include "lamina/render/lights/light_views.h"
 #include "lamina/render/lights/lights.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/rough/gaussian_surface.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 #include "render/small_scenes.h"

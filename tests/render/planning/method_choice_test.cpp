@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/subsurface/bodies/optical_size.h"
 #include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/render/subsurface/surface_cells.h"

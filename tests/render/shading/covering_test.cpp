@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material_file.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/render.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

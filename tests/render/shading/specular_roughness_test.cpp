@@ -55,8 +55,7 @@ TEST(SpecularRoughness, SkinShowsNoImagesOfLamps) {
                             .radiance = {40, 40, 40}};
   for (const Method method : methods()) {
     const Image rough = render(ball(method, skin(), lamp)).image;
-    const Image smooth =
-        render(ball(method, skin(R"("surface": {"roughness": 0}, )"), lamp)).image;
+    const Image smooth = render(ball(method, skin(R"("surface": {"roughness": 0}, )"), lamp)).image;
     EXPECT_GT(contrast(smooth), 1.5 * contrast(rough)) << method.name();  // 2 to 4, 1.98 with noise
   }
 }

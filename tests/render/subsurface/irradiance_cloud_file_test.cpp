@@ -10,10 +10,10 @@
 #include <sstream>
 #include <string>
 
-#include "image/peak_memory.h"
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/io/file_bytes.h"
+#include "base/image/peak_memory.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/file_bytes.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <ostream>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "literal/h_function.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "scattering/layer_parameters.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/diffusion/dipole.h"
 #include "literal/diffusion_skin.h"
 

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/diffusion/dipole.h"
 #include "literal/diffusion_skin.h"
 

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/diffusion/dipole.h"
 #include "lamina/scattering/profile/layer_response.h"

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/speed_of_light.h"
 #include "lamina/scattering/diffusion/pulsed_dipole.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/rough/interface_reflectance.h"
 #include "lamina/optics/rough/rough_surface_scattering.h"

@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/optics/fresnel.h"
 #include "literal/first_order_cases.h"
 

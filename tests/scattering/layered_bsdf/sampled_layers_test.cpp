@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 #include "scattering/only_target.h"
 
 namespace lamina {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/medium.h"
 #include "scattering/monte_carlo/scalar_photons.h"

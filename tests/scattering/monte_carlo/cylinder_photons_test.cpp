@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "scattering/monte_carlo/delta_tracking.h"
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/medium.h"
 
 namespace lamina {

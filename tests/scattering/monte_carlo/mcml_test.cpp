@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/monte_carlo/mcml_input.h"
 #include "lamina/scattering/monte_carlo/mcml_output.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

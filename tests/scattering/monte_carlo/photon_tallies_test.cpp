@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "literal/stack_table.h"
 

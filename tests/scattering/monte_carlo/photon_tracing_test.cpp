@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "literal/stack_table.h"
 
 namespace lamina {

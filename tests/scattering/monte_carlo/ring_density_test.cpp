@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 namespace {

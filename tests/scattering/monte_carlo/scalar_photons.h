@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/optics/phase_function.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/scattering/transport_profile/gaussian_profile.h"
 #include "literal/diffusion_skin.h"

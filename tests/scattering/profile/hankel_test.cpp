@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/diffusion/dipole.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/io/file_bytes.h"
 
 namespace lamina {
 namespace {

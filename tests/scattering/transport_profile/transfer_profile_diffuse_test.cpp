@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/diffuse_single_scattering.h"
 #include "lamina/scattering/low_orders/internal/diffuse_single_near.h"

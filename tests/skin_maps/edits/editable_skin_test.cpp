@@ -7,8 +7,8 @@
 #include <fstream>
 #include <limits>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
 
 namespace lamina {
 namespace {

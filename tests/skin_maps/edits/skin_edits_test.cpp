@@ -11,12 +11,12 @@
 #include <string>
 
 #include "lamina/acquire/bands/band_choice.h"
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/skin_maps/edits/skin_preview.h"
 #include "lamina/skin_maps/edits/skin_variations.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"

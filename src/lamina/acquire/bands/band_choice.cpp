@@ -9,11 +9,11 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/symmetric_eigen.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

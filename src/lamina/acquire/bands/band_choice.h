@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/skin/skin_population.h"
 
 namespace lamina {

@@ -7,8 +7,8 @@
 #include "lamina/acquire/calibration/internal/chart_lattice.h"
 #include "lamina/acquire/calibration/internal/convex_polygon.h"
 #include "lamina/acquire/calibration/internal/homography.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/color_correction.h"
-#include "lamina/core/enum_names.h"
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
-#include "lamina/spectrum/color.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/spectrum/color.h"
 
 namespace lamina {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "lamina/acquire/calibration/internal/channel_values.h"
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/image/image.h"
-#include "lamina/spectrum/color.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/spectrum/color.h"
 
 namespace lamina {
 

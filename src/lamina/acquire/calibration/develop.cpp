@@ -8,8 +8,8 @@
 
 #include "lamina/acquire/calibration/internal/channel_values.h"
 #include "lamina/acquire/calibration/internal/local_median.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "lamina/acquire/calibration/noise.h"
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

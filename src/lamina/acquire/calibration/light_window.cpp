@@ -7,9 +7,9 @@
 
 #include "lamina/acquire/calibration/internal/connected_regions.h"
 #include "lamina/acquire/calibration/internal/convex_polygon.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/bilinear.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/bilinear.h"
 
 namespace lamina {
 namespace {

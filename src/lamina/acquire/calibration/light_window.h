@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

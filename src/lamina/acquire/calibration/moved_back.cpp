@@ -4,8 +4,8 @@
 
 #include "lamina/acquire/calibration/internal/cubic_lookup.h"
 #include "lamina/acquire/calibration/registration.h"
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "lamina/acquire/calibration/internal/channel_values.h"
 #include "lamina/acquire/calibration/internal/chi_squared.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

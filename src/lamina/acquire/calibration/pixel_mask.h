@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

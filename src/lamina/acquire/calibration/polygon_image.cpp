@@ -5,7 +5,7 @@
 
 #include "lamina/acquire/calibration/internal/convex_polygon.h"
 #include "lamina/acquire/calibration/light_window.h"
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -11,11 +11,11 @@
 
 #include "lamina/acquire/calibration/internal/channel_values.h"
 #include "lamina/acquire/calibration/internal/gradient_field.h"
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/symmetric_eigen.h"
 
 namespace lamina {
 namespace {

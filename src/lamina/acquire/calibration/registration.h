@@ -8,8 +8,8 @@
 
 #include "lamina/acquire/calibration/develop.h"
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 
@@ -51,9 +51,9 @@ struct Registration {
 /// From coarse to fine: all shifts at the coarsest of images that halve, then Gauss-Newton steps of
 /// robust least squares at each.
 ///
-/// Measured on a texture of 10 % contrast, 160 x 120 pixels, with a shift, a scale of 1.001 and a turn
-/// of 1 mrad: in noise of .5 % .009 pixel in the corners, of 2 % .039, of which the expected error is
-/// .85 to .9; without noise .0003. Bands with spots of their own, .1 pixel.
+/// Measured on a texture of 10 % contrast, 160 x 120 pixels, with a shift, a scale of 1.001 and a
+/// turn of 1 mrad: in noise of .5 % .009 pixel in the corners, of 2 % .039, of which the expected
+/// error is .85 to .9; without noise .0003. Bands with spots of their own, .1 pixel.
 ///
 /// @param mask  pixels of the first image to compare.
 /// @throws InvalidInput for images of different sizes or with a side below 32 pixels, or if the

@@ -11,9 +11,9 @@
 #include "lamina/acquire/calibration/internal/channel_values.h"
 #include "lamina/acquire/calibration/internal/chi_squared.h"
 #include "lamina/acquire/calibration/internal/local_median.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/image/image.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/image/image.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 
 namespace lamina {

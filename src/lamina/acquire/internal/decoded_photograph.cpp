@@ -12,8 +12,8 @@
 #include "lamina/acquire/calibration/gray_card.h"
 #include "lamina/acquire/calibration/light_window.h"
 #include "lamina/acquire/calibration/polarized_pair.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina::acquire_detail {
 namespace {

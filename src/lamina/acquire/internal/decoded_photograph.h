@@ -7,9 +7,9 @@
 #include "lamina/acquire/calibration/color_chart.h"
 #include "lamina/acquire/calibration/develop.h"
 #include "lamina/acquire/internal/decoded_sensor.h"
-#include "lamina/core/vec.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::acquire_detail {

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "lamina/acquire/bands/band_choice.h"
-#include "lamina/core/number_text.h"
-#include "lamina/spectrum/band_color.h"
-#include "lamina/spectrum/cie_1931.h"
-#include "lamina/spectrum/spectrum_table.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/spectrum/band_color.h"
+#include "lamina/base/spectrum/cie_1931.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 
 namespace lamina::acquire_detail {
 namespace {

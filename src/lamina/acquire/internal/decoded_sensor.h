@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 
 namespace lamina::acquire_detail {
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/local_model.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/skin_patch/skin_patch.h"

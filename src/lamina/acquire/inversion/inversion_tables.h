@@ -8,7 +8,7 @@
 
 #include "lamina/acquire/inversion/local_reflectance.h"
 #include "lamina/acquire/inversion/patch_capture.h"
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/scattering/heterogeneous/transport_gradient.h"
 

@@ -4,9 +4,9 @@
 #include <limits>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/io/disk_cache.h"
-#include "lamina/io/packed_values.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/io/packed_values.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is
 // written here, too.

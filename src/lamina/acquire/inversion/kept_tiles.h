@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lamina/acquire/inversion/patch_inversion.h"
-#include "lamina/core/shard.h"
+#include "lamina/base/core/shard.h"
 
 namespace lamina {
 

@@ -13,8 +13,8 @@
 #include "lamina/acquire/inversion/internal/local_fit.h"
 #include "lamina/acquire/inversion/internal/posterior.h"
 #include "lamina/acquire/inversion/internal/smoothness_choice.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

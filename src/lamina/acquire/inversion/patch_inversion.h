@@ -8,9 +8,9 @@
 
 #include "lamina/acquire/inversion/inversion_tables.h"
 #include "lamina/acquire/inversion/patch_capture.h"
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/least_squares/band_misfit.h"
 
 namespace lamina {
@@ -93,8 +93,8 @@ struct InversionResult {
   std::vector<Plane> residual;     ///< [image] measured less predicted; 0 where not known
   std::vector<double> smoothness;  ///< first and third weights that were used, [2 * number]
   std::vector<InversionStep> history;
-  /// Misfit to each image, beside what stated errors leave; empty: no standard deviations were asked
-  /// for, it was interrupted, or texels are by themselves and growth was given
+  /// Misfit to each image, beside what stated errors leave; empty: no standard deviations were
+  /// asked for, it was interrupted, or texels are by themselves and growth was given
   std::vector<BandMisfit> misfit;
   std::vector<double> error_growth;  ///< [image] factors of stated errors that were used
   double deviation_forwards = 0.0;   ///< that standard deviations took

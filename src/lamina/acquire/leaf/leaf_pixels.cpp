@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "lamina/acquire/leaf/internal/leaf_pixel.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

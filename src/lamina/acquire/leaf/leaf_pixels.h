@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
 #include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
-#include "lamina/image/image.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

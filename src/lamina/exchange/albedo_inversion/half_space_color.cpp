@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/internal/color_table.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/rough/rough_interface.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/optics/medium.h"
 

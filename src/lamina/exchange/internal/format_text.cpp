@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/utf8_text.h"
 #include "lamina/exchange/misfit_json.h"
-#include "lamina/io/utf8_text.h"
 
 namespace lamina::detail {
 namespace {

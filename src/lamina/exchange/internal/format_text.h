@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/base/io/json_output.h"
 #include "lamina/exchange/export_format.h"
-#include "lamina/io/json_output.h"
 
 // What the files of several formats say alike.
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/photon_formats.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/internal/format_text.h"

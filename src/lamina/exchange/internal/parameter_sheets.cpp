@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/internal/burley_profile.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
@@ -54,9 +54,7 @@ ExportedMaterial finished(const ExportInput& input, std::string_view format,
 
 double enters(const ExportInput& input) { return 1.0 - fresnel_diffuse(input.surface_ior); }
 
-double perceptual_roughness(const ExportInput& input) {
-  return std::sqrt(input.surface.roughness);
-}
+double perceptual_roughness(const ExportInput& input) { return std::sqrt(input.surface.roughness); }
 
 /// Colors under a surface that lets only a part of diffuse light in.
 std::vector<double> below_surface(std::span<const double> totals, double enters, double share = 1) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <type_traits>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/internal/format_text.h"
 
 namespace lamina::detail {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/io/json_output.h"
+#include "lamina/base/io/json_output.h"
 
 // Nodes of shading networks with their parameters, as the scene files of renderers write them.
 

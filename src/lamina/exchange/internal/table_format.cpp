@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <numbers>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/npz_bytes.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/image/image.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/npz_bytes.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 

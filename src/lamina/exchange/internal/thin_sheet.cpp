@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina::detail {
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/base/io/json_output.h"
 #include "lamina/exchange/export_format.h"
-#include "lamina/io/json_output.h"
 
 namespace lamina::detail {
 

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/transport_profile/doubtful_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile_cache.h"
-#include "lamina/spectrum/band_color.h"
 
 namespace lamina {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"

@@ -6,8 +6,8 @@
 #include <functional>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
 #include "lamina/fit/slab/slab_inversion.h"
 #include "lamina/reflectance/material_totals.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/optics/layer_stack.h"
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "lamina/base/io/json_input.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/io/json_input.h"
 
 namespace lamina::fit_detail {
 

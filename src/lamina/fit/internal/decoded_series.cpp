@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/fit/internal/decoded_spheres.h"
 #include "lamina/fit/internal/decoded_timed_series.h"
 #include "lamina/fit/internal/measured_column.h"

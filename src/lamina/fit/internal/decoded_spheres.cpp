@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <string_view>
 
+#include "lamina/base/io/json_input.h"
 #include "lamina/fit/internal/measured_table.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/io/json_input.h"
 
 namespace lamina::fit_detail {
 

@@ -11,11 +11,11 @@
 #include <tuple>
 #include <utility>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/io/csv_table.h"
 #include "lamina/fit/internal/measured_column.h"
 #include "lamina/fit/internal/measured_table.h"
-#include "lamina/io/csv_table.h"
 
 namespace lamina::fit_detail {
 namespace {

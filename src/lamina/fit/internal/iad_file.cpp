@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/json_output.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cctype>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_output.h"
-#include "lamina/spectrum/spectrum_table.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_output.h"
+#include "lamina/base/spectrum/spectrum_table.h"
 
 namespace lamina::fit_detail {
 namespace {

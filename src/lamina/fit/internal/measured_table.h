@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "lamina/base/io/csv_table.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/fit/internal/iad_file.h"
-#include "lamina/io/csv_table.h"
-#include "lamina/io/json_input.h"
 
 namespace lamina::fit_detail {
 

@@ -6,8 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/fit/internal/decoded_timed_series.h"
 #include "lamina/fit/internal/layer_change.h"
 #include "lamina/fit/internal/series_prediction.h"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/internal/recipe_totals.h"
 #include "lamina/fit/internal/timed_prediction.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"

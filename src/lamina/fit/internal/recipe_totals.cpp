@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/reflectance/skin_reflectance_table.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/measurement.h"
 
 namespace lamina::fit_detail {

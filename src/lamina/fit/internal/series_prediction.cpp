@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/fit/internal/sphere_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/optics/layer_stack.h"
 

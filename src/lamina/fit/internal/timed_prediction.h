@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/fit/internal/time_curves.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/optics/layer_stack.h"

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
 #include "lamina/fit/least_squares/internal/fit_errors.h"
 #include "lamina/fit/least_squares/internal/whitening.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 
 namespace lamina {

@@ -1,10 +1,10 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/symmetric_eigen.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/json_output.h"
 
 namespace lamina {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/memory_budget.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/materials/skin.h"
 

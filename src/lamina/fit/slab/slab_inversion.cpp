@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/fit/slab/internal/sample_model.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 

@@ -3,9 +3,9 @@
 
 #include <charconv>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/mesh/files/internal/gltf_data.h"
 
 namespace lamina {

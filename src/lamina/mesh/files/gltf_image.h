@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/memory_budget.h"
 
 namespace lamina {
 

@@ -9,12 +9,12 @@
 #include <optional>
 #include <set>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/utf8_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/utf8_text.h"
+#include "lamina/base/spectrum/rgb_encoding.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/internal/xml_elements.h"
-#include "lamina/spectrum/rgb_encoding.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/memory_budget.h"
 #include "lamina/mesh/file_material.h"
 
 namespace lamina {

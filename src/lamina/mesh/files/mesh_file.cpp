@@ -7,8 +7,8 @@
 #include <optional>
 #include <set>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/mesh/files/internal/mtl_materials.h"
 
 namespace lamina {

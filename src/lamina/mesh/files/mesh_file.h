@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/memory_budget.h"
 #include "lamina/mesh/polygon_mesh.h"
 
 namespace lamina {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/mesh/files/internal/gltf_data.h"
 #include "lamina/mesh/files/internal/gltf_materials.h"
 #include "lamina/mesh/files/mesh_file.h"

@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "lamina/core/error.h"
-#include "lamina/io/utf8_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/mesh_file.h"
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/utf8_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 #include "lamina/mesh/files/mesh_file.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

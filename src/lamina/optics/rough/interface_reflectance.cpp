@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/optics/rough/interface_reflectance.h"
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/rough/facet_lattice.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/rough/gaussian_height_field.h"
 #include "lamina/optics/rough/internal/facet_walk.h"
 #include "lamina/optics/rough/internal/scattering_tally.h"

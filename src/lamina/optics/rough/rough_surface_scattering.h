@@ -5,9 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/estimate.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/estimate.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/rough/gaussian_surface.h"
 
 namespace lamina {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/rough/interface_reflectance.h"
 
 namespace lamina {
@@ -48,9 +48,10 @@ BoundaryReflectance::BoundaryReflectance(float ior, MicrofacetDistribution distr
   rows_.resize(roughness_.size());
   parallel_for(rows_.size(), [&](std::size_t i) {
     const float alpha = roughness_[i] < smooth_below ? 0.0f : roughness_[i];
-    const RoughInterface<double> interface{
-        .facets = {.alpha = static_cast<double>(alpha), .distribution = distribution},
-        .eta = static_cast<double>(ior)};
+    const RoughInterface<double> interface {
+      .facets = {.alpha = static_cast<double>(alpha), .distribution = distribution},
+      .eta = static_cast<double>(ior)
+    };
     const InterfaceReflectance table =
         make_interface_reflectance(interface, FacetMasking::v_cavity);
     for (std::size_t a = 0; a < angles; ++a)

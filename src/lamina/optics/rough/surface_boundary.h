@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/optics/rough/rough_interface.h"
 

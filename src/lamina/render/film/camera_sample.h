@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 #include "lamina/render/film/camera_sample.h"
 #include "lamina/render/film/film_pixel.h"
 

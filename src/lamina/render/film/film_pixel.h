@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "lamina/core/exact_sum.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/exact_sum.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

@@ -9,13 +9,13 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/core/parallel.h"
-#include "lamina/image/pixel_rectangle.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/pixel_rectangle.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/render/film/internal/packed_plane.h"
 
 // The file: a Start, the FilmShardInfo as JSON, the packed planes band by band, their sizes and

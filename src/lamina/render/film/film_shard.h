@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/shard.h"
-#include "lamina/image/image_file.h"
-#include "lamina/image/image_frame.h"
-#include "lamina/image/tone.h"
-#include "lamina/io/file_parts.h"
+#include "lamina/base/core/shard.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/tone.h"
+#include "lamina/base/io/file_parts.h"
 #include "lamina/render/film/film_accumulator.h"
 
 // Sums of a part of a picture's samples in files, which are larger than what should be in memory:

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/image/cryptomatte.h"
+#include "lamina/base/image/cryptomatte.h"
 #include "lamina/render/film/camera_sample.h"
 #include "lamina/scene/scene.h"
 

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/core/hash.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/file_bytes.h"
 #include "render_fingerprint.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is

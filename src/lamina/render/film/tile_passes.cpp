@@ -13,8 +13,8 @@
 #include <xmmintrin.h>
 #endif
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/film/internal/checkpoint.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/render/film/film_accumulator.h"
 
 namespace lamina {

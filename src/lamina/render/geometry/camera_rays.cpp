@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/vec_precision.h"
 
 namespace lamina {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/ray.h"
 

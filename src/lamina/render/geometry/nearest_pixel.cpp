@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 
 namespace lamina {
 

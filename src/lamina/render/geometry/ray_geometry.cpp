@@ -11,7 +11,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/surface/ray.h"
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/lights.h"
 

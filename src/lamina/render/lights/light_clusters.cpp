@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/render/lights/lights.h"
 
 namespace lamina {

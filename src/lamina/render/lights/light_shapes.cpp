@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/vec_precision.h"
 
 namespace lamina {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <variant>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/internal/light_shapes.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/scene.h"
 
 namespace lamina {

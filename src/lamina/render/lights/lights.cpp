@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/vec_precision.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/internal/light_shapes.h"
 #include "lamina/scene/scene.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/parallel_chunks.h"
 
 namespace lamina {
 namespace {

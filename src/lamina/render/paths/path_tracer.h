@@ -1,12 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/film/camera_sample.h"
 #include "lamina/render/paths/path.h"
 #include "lamina/render/shading/shadow_transmittance.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/paths/path_tracer.h"
 #include "lamina/render/planning/internal/cpu_time.h"
 #include "lamina/scene/materials_in_use.h"

@@ -5,8 +5,8 @@
 #include <array>
 #include <optional>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/render/subsurface/bodies/optical_size.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/random_walk/walk_refusal.h"
@@ -19,9 +19,9 @@ namespace {
 
 using Method = SceneMethod;
 
-/// Mean chords of a body in transport mean free paths below which flat profiles do not fit it: below
-/// the first they are a quarter off and more, and walks take less time; below the second a tenth,
-/// which is said. Witness: docs/measurements/subsurface.md, small bodies.
+/// Mean chords of a body in transport mean free paths below which flat profiles do not fit it:
+/// below the first they are a quarter off and more, and walks take less time; below the second a
+/// tenth, which is said. Witness: docs/measurements/subsurface.md, small bodies.
 constexpr double least_flat_size = 10.0, least_right_size = 30.0;
 
 /// The best first, as far as they honour what is asked for.
@@ -115,10 +115,11 @@ std::vector<std::string> warnings_of_small_bodies(const Scene& scene) {
   if (method == Method::random_walk || method->is_bsdf || scene.render.is_corrected) return lines;
   for (const std::uint32_t m : translucent_materials_in_use(scene))
     if (const auto size = small_bodies(scene, m, least_right_size))
-      lines.push_back("material " + quoted_name(scene, m) + ": its bodies are small, " +
-                      describe(*size) + ", but method " + std::string(method.name()) +
-                      " takes surfaces as flat: its light may be a tenth off, or a half in smaller ones; "
-                      "take random_walk, or correct it");
+      lines.push_back(
+          "material " + quoted_name(scene, m) + ": its bodies are small, " + describe(*size) +
+          ", but method " + std::string(method.name()) +
+          " takes surfaces as flat: its light may be a tenth off, or a half in smaller ones; "
+          "take random_walk, or correct it");
   return lines;
 }
 

@@ -1,9 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/band_color.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_color.h"
+#include "lamina/base/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

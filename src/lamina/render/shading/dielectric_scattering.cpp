@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/vec_precision.h"
+#include "lamina/base/core/vec_precision.h"
 #include "lamina/optics/rough/gaussian_surface.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/texture.h"

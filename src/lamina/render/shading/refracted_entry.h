@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/lights/lights.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/surface/surface_point.h"

@@ -1,9 +1,9 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/shading/thin_sheet.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

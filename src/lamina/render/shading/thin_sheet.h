@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/internal/cosine_table.h"
 #include "lamina/scene/scene.h"
-#include "lamina/spectrum/band_values.h"
 #include "lamina/surface/texture.h"
 
 namespace lamina {

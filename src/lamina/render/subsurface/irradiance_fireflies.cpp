@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 
 namespace lamina {
 

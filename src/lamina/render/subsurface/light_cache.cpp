@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/render/geometry/camera_rays.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/light_cache.h"

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/sky_irradiance.h"
-#include "lamina/spectrum/band_values.h"
 #include "lamina/surface/surface_point.h"
 
 namespace lamina {

@@ -9,9 +9,9 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/hash.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
 #include "lamina/surface/surface_point.h"
 
 namespace lamina {
@@ -340,7 +340,8 @@ std::vector<double> expected_cells(const std::vector<Mesh>& meshes, std::uint32_
   for (const std::vector<Piece>& pieces : make_pieces(meshes, material, field)) {
     const auto spacing = static_cast<double>(field.spacing(static_cast<int>(counts.size())));
     double area = 0.0;
-    for (const Piece& piece : pieces) area += static_cast<double>(area_of_corners(corners(meshes, piece)));
+    for (const Piece& piece : pieces)
+      area += static_cast<double>(area_of_corners(corners(meshes, piece)));
     counts.push_back(area / (spacing * spacing));
   }
   return counts;

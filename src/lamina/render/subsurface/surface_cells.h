@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/subsurface/spacing_field.h"
 #include "lamina/scene/scene.h"
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_rough.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_totals.h"
 

@@ -58,9 +58,9 @@ struct DifferentiatedSlab {
 [[nodiscard]] DifferentiatedSlab double_slab_with_derivatives(
     const SlabProblem& problem, std::span<const SlabProblemDerivative> derivatives);
 
-/// Several slabs of the same states and signs, without `conserved`; up to some 60 states faster each
-/// in groups of `slabs_at_once`, which depends on the processor. In half-spaces all of a group are
-/// doubled until each is opaque.
+/// Several slabs of the same states and signs, without `conserved`; up to some 60 states faster
+/// each in groups of `slabs_at_once`, which depends on the processor. In half-spaces all of a group
+/// are doubled until each is opaque.
 void double_slabs(std::span<const SlabProblem> problems, double* const* reflection,
                   double* const* transmission);
 [[nodiscard]] std::size_t slabs_at_once();

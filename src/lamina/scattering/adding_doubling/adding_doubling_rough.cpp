@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/internal/adding_doubling_facets.h"
 #include "lamina/scattering/adding_doubling/internal/adding_doubling_heights.h"

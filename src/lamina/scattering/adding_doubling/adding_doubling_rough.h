@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/adding_doubling/direction_grid.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_layer.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"

@@ -10,9 +10,9 @@ struct AddingDoublingTotals {
   SlabTotals totals;
   double unscattered_transmittance = 0.0;  ///< part of totals.transmittance, with all reflections
   double unscattered_reflectance = 0.0;  ///< specular, and what comes back from inside unscattered
-  double estimated_error = 0.0;  ///< by the changes of the totals from grid to grid
-  int nodes = 0;                 ///< of the last grid
-  bool is_accurate = false;      ///< estimated_error <= options.accuracy
+  double estimated_error = 0.0;          ///< by the changes of the totals from grid to grid
+  int nodes = 0;                         ///< of the last grid
+  bool is_accurate = false;              ///< estimated_error <= options.accuracy
 };
 
 }  // namespace lamina

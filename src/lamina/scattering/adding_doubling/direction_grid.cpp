@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 
 namespace lamina {
 

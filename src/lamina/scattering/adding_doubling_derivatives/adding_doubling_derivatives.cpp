@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling_derivatives/differentiated_layer.h"
 #include "lamina/scattering/adding_doubling_derivatives/stack_derivatives.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/diffusion/diffusion_kernels.h"
 
 namespace lamina {

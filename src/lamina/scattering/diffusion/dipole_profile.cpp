@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/diffusion/albedo_inversion.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/bounce_counter.h"
 #include "lamina/scattering/heterogeneous/internal/interlayer_series.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweeps.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
 #include "lamina/scattering/heterogeneous/mapped_operator.h"
 #include "lamina/scattering/heterogeneous/path_absorption.h"

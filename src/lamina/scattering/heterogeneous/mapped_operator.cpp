@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/both_ends.h"
 #include "lamina/scattering/heterogeneous/internal/operator_powers.h"
 #include "lamina/scattering/heterogeneous/internal/sum_over_entries.h"

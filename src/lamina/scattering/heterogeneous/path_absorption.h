@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina {

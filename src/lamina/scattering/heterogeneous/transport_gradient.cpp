@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/scattering/heterogeneous/internal/bounce_counter.h"
 #include "lamina/scattering/heterogeneous/internal/plane_paths.h"
 #include "lamina/scattering/heterogeneous/internal/transport_tape.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <variant>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/layered_bsdf/internal/first_order_beam-inl.h"
 
 namespace lamina {

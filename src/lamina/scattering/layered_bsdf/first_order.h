@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "lamina/core/inline_vector.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/inline_vector.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/spectrum/band_values.h"
 
 // Everything here is written once for V = double, one band at full precision, and V =
 // BandValues<N>, the bands of a rendering pass side by side in single precision.

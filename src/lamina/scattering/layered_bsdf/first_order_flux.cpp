@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/layered_bsdf/internal/first_order-inl.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/layered_bsdf/internal/rough_top_orders.h"
 

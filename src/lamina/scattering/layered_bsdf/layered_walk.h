@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {

@@ -17,10 +17,10 @@ struct ProfileCurves {
 struct StraightLight {
   int nodes = 24;  ///< that do for diffuse light; a beam that a top of little roughness spreads may
                    ///< want more behind a slab, and fewer show by how much they are wrong
-  int modes = 41;   ///< azimuthal, of light scattered once
+  int modes = 41;  ///< azimuthal, of light scattered once
   int frequencies = 48;
   int depth_nodes = 8;  ///< of a panel of depths, see make_diffuse_single
-  int mirrors = 3;  ///< most reflections of what is not scattered
+  int mirrors = 3;      ///< most reflections of what is not scattered
 };
 
 /// Of diffuse light from above on one point, or of a beam that a rough top spreads, what is not

@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/low_orders/straight_ray.h"
 #include "lamina/scattering/profile/bessel.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/low_orders/straight_ray.h"
 
 namespace lamina::detail {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/low_orders/internal/way_out.h"
 
 namespace lamina::detail {

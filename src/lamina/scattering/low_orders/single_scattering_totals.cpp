@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/low_orders/internal/way_out.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 

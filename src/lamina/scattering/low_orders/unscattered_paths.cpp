@@ -6,7 +6,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/scattering/low_orders/straight_ray.h"
 
 namespace lamina::detail {

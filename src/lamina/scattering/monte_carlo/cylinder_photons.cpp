@@ -7,11 +7,11 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/scattering/monte_carlo/internal/turned_direction.h"

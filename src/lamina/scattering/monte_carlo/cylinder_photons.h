@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/estimate.h"
-#include "lamina/core/progress.h"
+#include "lamina/base/core/estimate.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 
 namespace lamina {

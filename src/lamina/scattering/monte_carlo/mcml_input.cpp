@@ -8,8 +8,8 @@
 #include <optional>
 #include <sstream>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/memory_budget.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/checked_size.h"
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/checked_size.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 
 namespace lamina {

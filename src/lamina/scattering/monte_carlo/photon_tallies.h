@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/estimate.h"
+#include "lamina/base/core/estimate.h"
 
 namespace lamina {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 
 namespace lamina {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
-#include "lamina/core/shard.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/core/shard.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 #include "lamina/scattering/profile/slab_totals.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/estimate.h"
+#include "lamina/base/core/estimate.h"
 
 namespace lamina {
 

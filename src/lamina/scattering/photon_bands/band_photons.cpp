@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/estimate.h"
+#include "lamina/base/core/estimate.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"

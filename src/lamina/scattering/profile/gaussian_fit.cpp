@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 
 namespace lamina {
 namespace {

@@ -7,8 +7,8 @@
 #include <complex>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/profile/internal/correlation_kernel.h"
 
 namespace lamina {

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 
 namespace lamina {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
+#include "lamina/base/core/enum_names.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 
 namespace lamina {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/progress.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"

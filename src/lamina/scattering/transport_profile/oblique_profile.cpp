@@ -8,10 +8,10 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"

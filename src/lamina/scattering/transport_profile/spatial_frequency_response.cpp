@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 #include "lamina/scattering/spatial_frequency/scaled_derivatives.h"

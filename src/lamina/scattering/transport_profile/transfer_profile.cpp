@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/absorbing_sheet.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/spatial_frequency/rough_inside.h"
@@ -98,7 +98,9 @@ TransferProfile transfer_profile(std::span<const LayerStack> stacks, const Radia
   result.estimated_error.assign(bands, 0.0);
   const Incidence incidence{.is_diffuse = options.illumination == Illumination::diffuse};
   const std::vector<AddingDoublingTotals> totals =
-      adding_doubling(stacks, incidence, {.accuracy = options.error == ProfileError::mean ? 2e-5 : 1e-6, .progress = options.progress});
+      adding_doubling(stacks, incidence,
+                      {.accuracy = options.error == ProfileError::mean ? 2e-5 : 1e-6,
+                       .progress = options.progress});
   for (const AddingDoublingTotals& of_band : totals) {
     profile.total_reflectance.push_back(of_band.totals.diffuse_reflectance);
     profile.total_transmittance.push_back(of_band.totals.transmittance);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/io/packed_values.h"
+#include "lamina/base/io/packed_values.h"
 #include "transfer_profile_fingerprint.h"
 
 // Structures are taken apart by structured bindings: a new member does not compile until it is

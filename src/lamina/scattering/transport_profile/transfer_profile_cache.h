@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {

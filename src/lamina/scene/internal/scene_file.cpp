@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string_view>
 
-#include "lamina/image/map_description.h"
-#include "lamina/io/files_read.h"
+#include "lamina/base/image/map_description.h"
+#include "lamina/base/io/files_read.h"
 #include "lamina/mesh/files/gltf_image.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/method_settings.h"

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/scene/scene.h"
 
 // What the decoders of a scene file share: one each for materials, meshes and lights.

@@ -7,13 +7,13 @@
 #include <system_error>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/file_bytes.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/base/io/write_places.h"
 #include "lamina/fit/skin/number_unit.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/file_bytes.h"
-#include "lamina/io/json_input.h"
-#include "lamina/io/write_places.h"
 #include "lamina/skin_maps/edits/internal/edit_course.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 #include "lamina/skin_patch/skin_patch.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/io/json_output.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/io/json_output.h"
 #include "lamina/skin_maps/skin_maps.h"
 
 namespace lamina {

@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/image/blur.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/image/blur.h"
 #include "lamina/skin_maps/edits/internal/detail_edits.h"
 #include "lamina/skin_maps/edits/internal/homogenize.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/image/image.h"
 #include "lamina/skin_maps/edits/editable_skin.h"
 
 // Edits of the maps of skin: they change what skin is made of, so that a tan looks like one in any

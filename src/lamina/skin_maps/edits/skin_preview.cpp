@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/image/resample.h"
+#include "lamina/base/image/resample.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {

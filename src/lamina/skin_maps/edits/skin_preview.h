@@ -3,11 +3,11 @@
 
 #include <optional>
 
-#include "lamina/core/progress.h"
-#include "lamina/image/image.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/disk_cache.h"
+#include "lamina/base/spectrum/color.h"
 #include "lamina/skin_maps/edits/editable_skin.h"
-#include "lamina/spectrum/color.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <utility>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/skin_maps/edits/internal/edit_course.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"

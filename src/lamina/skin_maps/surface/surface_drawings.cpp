@@ -3,10 +3,10 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
-#include "lamina/core/smooth_step.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/smooth_step.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
 #include "lamina/skin_maps/vessel_fork.h"
 #include "lamina/surface/noise.h"

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "lamina/core/hash.h"
-#include "lamina/core/random.h"
-#include "lamina/core/smooth_step.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/smooth_step.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
 #include "lamina/surface/noise.h"
 #include "lamina/surface/surface_point.h"

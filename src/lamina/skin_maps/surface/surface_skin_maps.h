@@ -9,10 +9,10 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/progress.h"
-#include "lamina/image/image.h"
-#include "lamina/io/json_file.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/json_file.h"
 #include "lamina/scene/scene.h"
 #include "lamina/skin_maps/skin_features.h"
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/image/image_file.h"
-#include "lamina/io/json_input.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "lamina/core/hash.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/random.h"
 #include "lamina/skin_maps/surface/internal/surface_canvas.h"
 #include "lamina/surface/point_grid.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina::surface_detail {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/image.h"
 #include "lamina/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"

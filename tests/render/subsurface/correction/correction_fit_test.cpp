@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 
 namespace lamina {
 namespace {

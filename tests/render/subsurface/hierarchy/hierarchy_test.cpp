@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
 #include "lamina/render/subsurface/profiles/gather_table.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/render.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/methods/make_methods.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/absorption_series.h"

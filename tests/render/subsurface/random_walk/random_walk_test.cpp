@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/fresnel.h"
 #include "render/small_scenes.h"

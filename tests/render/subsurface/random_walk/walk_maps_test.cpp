@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/materials/material.h"
 #include "lamina/materials/skin.h"
 #include "lamina/render/shading/band_conversion.h"
@@ -16,7 +17,6 @@
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/monte_carlo/patch_photons.h"
 #include "lamina/scene/common_bands.h"
-#include "lamina/spectrum/band_color.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/random.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/rough/multiple_scattering.h"
 #include "lamina/render/shading/render_scene.h"

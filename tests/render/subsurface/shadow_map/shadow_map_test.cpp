@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/light_views.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"

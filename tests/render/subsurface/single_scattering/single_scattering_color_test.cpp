@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
@@ -54,8 +54,7 @@ double absorption_for(double reflectance, std::size_t band) {
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     const LayerStack tried = with_absorption(layers, std::exp(middle));
-    const double found =
-        make_profile(one_layer(0.0, n), std::span(&tried, 1)).total_reflectance[0];
+    const double found = make_profile(one_layer(0.0, n), std::span(&tried, 1)).total_reflectance[0];
     (found > reflectance ? low : high) = middle;
   }
   return layers.layers()[0].medium.sigma_a * std::exp(low);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "render/subsurface/single_scattering/light_once.h"

@@ -10,7 +10,8 @@
 #include <sstream>
 #include <string>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/spectrum/band_color.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
@@ -18,7 +19,6 @@
 #include "lamina/render/subsurface/texture_space/internal/texel_samples.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_color.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <span>
 
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/io/file_bytes.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"

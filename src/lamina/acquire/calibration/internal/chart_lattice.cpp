@@ -10,8 +10,8 @@
 #include "lamina/acquire/calibration/internal/convex_polygon.h"
 #include "lamina/acquire/calibration/internal/flat_patches.h"
 #include "lamina/acquire/calibration/internal/homography.h"
-#include "lamina/core/error.h"
-#include "lamina/image/resample.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/image/resample.h"
 
 namespace lamina {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "lamina/acquire/calibration/color_chart.h"
-#include "lamina/image/image.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

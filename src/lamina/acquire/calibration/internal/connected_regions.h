@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

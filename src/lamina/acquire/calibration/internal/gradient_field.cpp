@@ -7,8 +7,8 @@
 
 #include "lamina/acquire/calibration/internal/cubic_lookup.h"
 #include "lamina/acquire/calibration/internal/local_median.h"
-#include "lamina/core/parallel.h"
-#include "lamina/image/resample.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/resample.h"
 
 namespace lamina {
 namespace {

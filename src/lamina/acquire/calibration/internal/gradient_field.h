@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/acquire/calibration/pixel_mask.h"
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
 
 namespace lamina {
 

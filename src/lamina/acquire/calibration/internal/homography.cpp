@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 
 namespace lamina {
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/color.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/color.h"
 
 namespace lamina {
 

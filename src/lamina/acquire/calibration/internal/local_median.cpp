@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/core/parallel.h"
-#include "lamina/image/bilinear.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/bilinear.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include "lamina/acquire/inversion/internal/half_grid.h"
 #include "lamina/acquire/inversion/internal/patch_objective.h"
 #include "lamina/acquire/inversion/internal/skin_at_texel.h"
-#include "lamina/core/small_matrix.h"
+#include "lamina/base/core/small_matrix.h"
 
 namespace lamina::detail {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/local_model.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::detail {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "lamina/acquire/inversion/internal/skin_at_texel.h"
 #include "lamina/acquire/inversion/inversion_tables.h"
-#include "lamina/core/small_matrix.h"
+#include "lamina/base/core/small_matrix.h"
 
 namespace lamina::detail {
 

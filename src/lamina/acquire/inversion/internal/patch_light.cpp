@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::detail {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lamina/acquire/inversion/internal/half_grid.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::detail {
 PatchObjective::PatchObjective(const PatchCapture& capture, const InversionTables& tables,

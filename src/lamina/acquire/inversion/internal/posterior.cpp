@@ -6,9 +6,9 @@
 
 #include "lamina/acquire/inversion/internal/gauss_newton.h"
 #include "lamina/acquire/inversion/internal/skin_at_texel.h"
-#include "lamina/core/parallel.h"
-#include "lamina/core/random.h"
-#include "lamina/core/small_matrix.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/small_matrix.h"
 
 namespace lamina::detail {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/acquire/inversion/internal/band_blocks.h"
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 
 namespace lamina::detail {
 

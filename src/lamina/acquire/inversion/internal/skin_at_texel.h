@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "lamina/core/small_matrix.h"
+#include "lamina/base/core/small_matrix.h"
 #include "lamina/fit/skin/skin_population.h"
 
 namespace lamina::detail {

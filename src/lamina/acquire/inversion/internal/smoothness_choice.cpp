@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::detail {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

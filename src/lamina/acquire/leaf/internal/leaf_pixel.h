@@ -8,7 +8,7 @@
 
 #include "lamina/acquire/leaf/internal/leaf_light.h"
 #include "lamina/acquire/leaf/leaf_pixels.h"
-#include "lamina/core/small_matrix.h"
+#include "lamina/base/core/small_matrix.h"
 
 namespace lamina::detail {
 

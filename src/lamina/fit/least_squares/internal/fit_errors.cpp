@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/symmetric_eigen.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 
 namespace lamina::fit_detail {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/slab/slab_measurement.h"
 #include "lamina/optics/layer_stack.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "lamina/core/error.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/file_bytes.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/mesh/files/mesh_file.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/mesh/polygon_mesh.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/mesh/files/internal/gltf_buffers.h"
 
 namespace lamina {

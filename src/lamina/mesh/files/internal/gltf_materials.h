@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "lamina/io/json_input.h"
+#include "lamina/base/io/json_input.h"
 #include "lamina/mesh/file_material.h"
 
 namespace lamina {

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/core/error.h"
-#include "lamina/core/memory_budget.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/number_text.h"
 
 namespace lamina {
 

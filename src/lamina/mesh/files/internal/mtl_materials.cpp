@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <set>
 
-#include "lamina/core/error.h"
-#include "lamina/io/utf8_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/io/utf8_text.h"
 #include "lamina/mesh/files/internal/mesh_text.h"
 
 namespace lamina {

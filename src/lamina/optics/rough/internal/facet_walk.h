@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/rough/rough_interface.h"
 
 namespace lamina::detail {

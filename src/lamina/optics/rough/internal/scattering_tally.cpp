@@ -70,7 +70,7 @@ RoughSurfaceScattering scattering_of(std::span<const ScatteringTally> parts) {
   for (const ScatteringTally& part : parts) rays += static_cast<double>(part.rays());
 
   RoughSurfaceScattering result{.cells = cells};
-  const auto sums = [&](std::size_t side, std::vector<double> ScatteringTally::Side::* of) {
+  const auto sums = [&](std::size_t side, std::vector<double> ScatteringTally::Side::*of) {
     std::vector<double> values(size_of(cells), 0.0);
     for (const ScatteringTally& part : parts)
       for (std::size_t k = 0; k < values.size(); ++k) values[k] += (part.sides_[side].*of)[k];
@@ -79,7 +79,7 @@ RoughSurfaceScattering scattering_of(std::span<const ScatteringTally> parts) {
   const auto solid_angle = [&](std::size_t k) {
     return projected_solid_angle(cells, static_cast<int>(k) / cells.phis);
   };
-  const auto over_cells = [&](std::size_t side, std::vector<double> ScatteringTally::Side::* of) {
+  const auto over_cells = [&](std::size_t side, std::vector<double> ScatteringTally::Side::*of) {
     std::vector<double> values = sums(side, of);
     for (std::size_t k = 0; k < values.size(); ++k) values[k] /= rays * solid_angle(k);
     return values;

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/io/file_parts.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/io/file_parts.h"
 #include "lamina/render/film/tile_passes.h"
 
 // The file is for the machine that wrote it: a header, the tiles, and the film as it lies in

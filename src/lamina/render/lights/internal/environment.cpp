@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 
 namespace lamina {
 namespace {

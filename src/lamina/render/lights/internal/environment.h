@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
-#include "lamina/image/image.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image.h"
 #include "lamina/render/lights/internal/segment_search.h"
 
 namespace lamina {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/scene.h"
 
 namespace lamina {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
 #include "lamina/render/lights/light_cluster_sampler.h"
 #include "lamina/render/paths/path.h"
 #include "lamina/render/shading/shadow_transmittance.h"

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
 #include "lamina/render/paths/internal/path_surface.h"
 
 namespace lamina {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 
@@ -20,8 +20,8 @@ inline constexpr std::size_t cosine_nodes = 17;
   constexpr double grazing = 0.02;
   std::vector<Incidence> incidences;
   for (std::size_t i = 0; i < cosine_nodes; ++i)
-    incidences.push_back({.theta = std::acos(std::max(
-                              grazing, static_cast<double>(i) / (cosine_nodes - 1.0)))});
+    incidences.push_back(
+        {.theta = std::acos(std::max(grazing, static_cast<double>(i) / (cosine_nodes - 1.0)))});
   return incidences;
 }
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/surface_point.h"
 

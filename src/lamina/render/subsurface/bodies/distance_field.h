@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/lazy_values.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/lazy_values.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/subsurface/depth_layers/node_lattice.h"
 

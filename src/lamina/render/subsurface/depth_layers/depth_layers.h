@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/lazy_values.h"
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/subsurface/depth_layers/node_lattice.h"
 #include "lamina/render/subsurface/depth_layers/texel_grid.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/parallel.h"
-#include "lamina/image/resample.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/image/resample.h"
 #include "lamina/skin_patch/material_texels.h"
 
 namespace lamina {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/materials/material.h"
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"
 #include "lamina/skin_maps/material_maps.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

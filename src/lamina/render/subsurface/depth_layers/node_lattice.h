@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lamina/core/vec.h"
-#include "lamina/image/bilinear.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/bilinear.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/surface_cells.h"
 

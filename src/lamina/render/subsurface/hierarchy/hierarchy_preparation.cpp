@@ -4,8 +4,8 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/geometry/nearest_pixel.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/surface_cells.h"

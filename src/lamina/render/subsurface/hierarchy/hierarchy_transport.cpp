@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"
 

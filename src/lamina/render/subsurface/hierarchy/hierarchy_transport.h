@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/lazy_values.h"
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/render/subsurface/hierarchy/internal/inner_blockers.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"

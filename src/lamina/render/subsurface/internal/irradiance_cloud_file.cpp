@@ -13,10 +13,10 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/hash.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/file_bytes.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/hash.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/file_bytes.h"
 
 namespace lamina {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/core/memory_budget.h"
+#include "lamina/base/core/memory_budget.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
 

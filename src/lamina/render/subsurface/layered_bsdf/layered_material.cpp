@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/float_within.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/float_within.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/surface/map_range.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/low_discrepancy.h"
+#include "lamina/base/core/low_discrepancy.h"
 #include "lamina/optics/rough/surface_boundary.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"

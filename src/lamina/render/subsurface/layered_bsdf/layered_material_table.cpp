@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 
 namespace lamina {

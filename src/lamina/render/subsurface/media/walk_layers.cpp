@@ -8,8 +8,8 @@
 #include <string>
 #include <variant>
 
-#include "lamina/core/error.h"
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/optics/same_ior.h"
 #include "lamina/reflectance/material_totals.h"

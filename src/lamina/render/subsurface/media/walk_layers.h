@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
@@ -14,7 +15,6 @@
 #include "lamina/render/subsurface/depth_layers/layer_maps.h"
 #include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/random.h"
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/surface/ray.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/render/subsurface/correction/corrected_transport.h"
 #include "lamina/render/subsurface/hierarchy/hierarchy_transport.h"
 #include "lamina/render/subsurface/probe/probe_transport.h"

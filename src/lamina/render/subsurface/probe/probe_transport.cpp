@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 
 namespace lamina {

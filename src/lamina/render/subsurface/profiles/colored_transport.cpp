@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/nearby_point.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"

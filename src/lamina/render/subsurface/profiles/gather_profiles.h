@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/profiles/material_profiles.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 
 namespace lamina {
 namespace {
@@ -64,7 +64,8 @@ template <int N>
 BandValues<N> integral(const RadialTable<N>& table) {
   BandValues<N> total = float_pi * table.node_r2(0) * table[0];
   for (std::size_t i = 0; i + 1 < table.size(); ++i)
-    total += 0.5f * float_pi * (table.node_r2(i + 1) - table.node_r2(i)) * (table[i] + table[i + 1]);
+    total +=
+        0.5f * float_pi * (table.node_r2(i + 1) - table.node_r2(i)) * (table[i] + table[i + 1]);
   return total;
 }
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/profiles/profile_table.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <span>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/optics/layer_stack.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"

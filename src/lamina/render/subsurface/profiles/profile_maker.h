@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "lamina/core/progress.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/materials/material.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/scattering/profile/profile.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

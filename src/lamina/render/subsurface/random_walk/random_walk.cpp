@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
 #include "lamina/render/subsurface/random_walk/walk_refusal.h"

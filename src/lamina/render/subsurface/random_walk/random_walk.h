@@ -5,12 +5,12 @@
 #include <memory>
 #include <span>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 
 namespace lamina {

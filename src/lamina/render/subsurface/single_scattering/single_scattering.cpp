@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/shading/refracted_entry.h"

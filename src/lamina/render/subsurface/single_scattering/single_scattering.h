@@ -5,7 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "lamina/core/inline_vector.h"
+#include "lamina/base/core/inline_vector.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
@@ -13,7 +14,6 @@
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
 #include "lamina/render/subsurface/subsurface_method.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/render/subsurface/texture_space/internal/far_sides.h"
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 
 namespace lamina {
 

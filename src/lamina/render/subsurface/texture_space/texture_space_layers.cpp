@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
 #include "lamina/scene/skin_totals.h"

@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/nearest_pixel.h"
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/subsurface/irradiance_fireflies.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/surface_cells.h"

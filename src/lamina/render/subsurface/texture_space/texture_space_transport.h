@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/irradiance_cloud.h"
 #include "lamina/render/subsurface/preparation.h"

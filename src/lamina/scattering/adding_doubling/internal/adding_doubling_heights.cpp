@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/quadrature.h"
+#include "lamina/base/core/quadrature.h"
 
 namespace lamina::detail {
 namespace {

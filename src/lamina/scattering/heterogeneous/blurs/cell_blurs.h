@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 #include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina::detail {
 

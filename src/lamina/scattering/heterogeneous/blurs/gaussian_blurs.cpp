@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_grids.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "lamina/core/dual_number.h"
+#include "lamina/base/core/dual_number.h"
 #include "lamina/scattering/heterogeneous/internal/local_sweep_derivatives.h"
 
 namespace lamina::detail {

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/tables/internal/operator_profile.h"

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/enum_names.h"
-#include "lamina/core/progress.h"
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/core/enum_names.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 

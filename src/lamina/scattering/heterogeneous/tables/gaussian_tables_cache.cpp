@@ -4,7 +4,7 @@
 #include <string>
 
 #include "gaussian_tables_fingerprint.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/scattering/heterogeneous/tables/mapped_stack.h"
 
 namespace lamina::detail {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/scattering/heterogeneous/blurs/for_cells.h"
 #include "lamina/scattering/heterogeneous/thin_parts/internal/facing_cells.h"
 #include "lamina/scattering/heterogeneous/thin_parts/internal/slab_profiles.h"

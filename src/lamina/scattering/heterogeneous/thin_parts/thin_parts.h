@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 

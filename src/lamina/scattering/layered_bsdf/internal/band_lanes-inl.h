@@ -11,7 +11,7 @@
 
 #include <hwy/highway.h>
 
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/spectrum/band_values.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace lamina::first_order::HWY_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
+#include "lamina/base/core/error.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina::photon {

@@ -20,7 +20,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/core/random.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/optics/henyey_greenstein.h"
 #include "lamina/optics/rough/multiple_scattering.h"

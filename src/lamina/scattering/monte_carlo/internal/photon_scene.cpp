@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/random.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina::photon {

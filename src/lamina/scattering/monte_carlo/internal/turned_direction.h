@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 
 namespace lamina::detail {
 

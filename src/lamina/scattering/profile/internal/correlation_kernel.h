@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-// The loop in which Hankel transforms spend their time, compiled for each instruction set and chosen
-// at run time. Results differ between processors by rounding only.
+// The loop in which Hankel transforms spend their time, compiled for each instruction set and
+// chosen at run time. Results differ between processors by rounding only.
 
 namespace lamina::detail {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/transport_profile/internal/transfer_profile_cost.h"
 

@@ -12,7 +12,7 @@
 #include <span>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/low_orders/diffuse_single_scattering.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/low_orders/unscattered_paths.h"
@@ -187,10 +187,10 @@ const Curves& BandSolver::lowest_curves(std::size_t node_step) {
       extinction_change(node_step) < same_extinction)
     return place->second = lowest_curves_.at(node_step - 1);
   if (is_spread_)
-    return place->second = diffuse_lowest_orders(
-               stack_, on_grid, options_.illumination, plan_,
-               is_diffuse_ && options_.error == ProfileError::mean ? straight_in_the_mean
-                                                                   : StraightLight{});
+    return place->second = diffuse_lowest_orders(stack_, on_grid, options_.illumination, plan_,
+                                                 is_diffuse_ && options_.error == ProfileError::mean
+                                                     ? straight_in_the_mean
+                                                     : StraightLight{});
   const OnceScattered light = make_once_scattered(stack_, std::move(on_grid));
   const std::size_t radii = plan_.r.size();
   const SingleScatteringTotals totals = single_scattering_totals(light);
@@ -515,8 +515,8 @@ void BandSolver::refine_by_photons(const Resolution& chosen, BandProfile& result
   PhotonRefinement refined = detail::refine_by_photons(
       stack_, {.is_diffuse = is_diffuse_}, plan_,
       {result.profile, result.error, changes_, known.reflected.grid.highest},
-      detail::lowest_orders(stack_, options_.illumination, plan_), events_for(stack_, options_.accuracy),
-      progress_);
+      detail::lowest_orders(stack_, options_.illumination, plan_),
+      events_for(stack_, options_.accuracy), progress_);
   result.profile = std::move(refined.profile);
   result.error = std::move(refined.error);
   result.photons = refined.photons;

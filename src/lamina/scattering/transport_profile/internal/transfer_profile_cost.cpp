@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
 namespace lamina::detail {

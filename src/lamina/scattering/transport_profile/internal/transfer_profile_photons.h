@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"

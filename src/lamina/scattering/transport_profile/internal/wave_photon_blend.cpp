@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/core/smooth_step.h"
+#include "lamina/base/core/smooth_step.h"
 
 namespace lamina::detail {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/image/blur.h"
+#include "lamina/base/image/blur.h"
 
 namespace lamina::skin_edits {
 namespace {

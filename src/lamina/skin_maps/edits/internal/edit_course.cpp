@@ -5,11 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/float_within.h"
-#include "lamina/core/number_text.h"
-#include "lamina/core/parallel_chunks.h"
-#include "lamina/image/resample.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/float_within.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/core/parallel_chunks.h"
+#include "lamina/base/image/resample.h"
 
 namespace lamina::skin_edits {
 namespace {

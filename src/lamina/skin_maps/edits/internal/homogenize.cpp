@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "lamina/core/error.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/skin_maps/edits/internal/pigment_statistics.h"
 
 namespace lamina::skin_edits {

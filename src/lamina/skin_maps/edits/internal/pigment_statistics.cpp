@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lamina/core/symmetric_eigen.h"
+#include "lamina/base/core/symmetric_eigen.h"
 
 namespace lamina::skin_edits {
 namespace {

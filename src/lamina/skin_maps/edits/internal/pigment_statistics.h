@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/dense_matrix.h"
+#include "lamina/base/core/dense_matrix.h"
 
 namespace lamina::skin_edits {
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <string_view>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
-#include "lamina/io/nearest_name.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
+#include "lamina/base/io/nearest_name.h"
 
 namespace lamina::skin_edits {
 namespace {

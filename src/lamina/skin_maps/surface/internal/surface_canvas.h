@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/core/parallel.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/parallel.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
 
 namespace lamina {

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 
 namespace lamina {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/core/small_matrix.h"
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/core/small_matrix.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/surface/point_grid.h"
 
 namespace lamina {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
 #include "lamina/surface/point_grid.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/mesh/mesh.h"
 
 namespace lamina {

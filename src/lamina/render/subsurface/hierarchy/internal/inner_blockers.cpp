@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/dense_matrix.h"
-#include "lamina/core/float_pi.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/dense_matrix.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/materials/material.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

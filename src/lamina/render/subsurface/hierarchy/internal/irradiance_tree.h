@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -5,12 +5,12 @@
 #include <functional>
 #include <memory>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/bodies/closed_bodies.h"
 #include "lamina/render/subsurface/bodies/distance_field.h"
 #include "lamina/render/subsurface/media/walk_path.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/core/lazy_values.h"
+#include "lamina/base/core/lazy_values.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/field_radiance.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

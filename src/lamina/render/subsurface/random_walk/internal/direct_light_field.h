@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "lamina/core/lazy_values.h"
+#include "lamina/base/core/lazy_values.h"
 #include "lamina/render/subsurface/depth_layers/node_lattice.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/vec.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 
 namespace lamina {
 

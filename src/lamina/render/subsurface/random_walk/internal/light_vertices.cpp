@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/optics/fresnel.h"
 
 namespace lamina {

@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/progress.h"
-#include "lamina/core/random.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/core/random.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

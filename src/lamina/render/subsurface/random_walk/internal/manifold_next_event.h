@@ -8,11 +8,11 @@
 #include <optional>
 #include <span>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 /// The power heuristic of multiple importance sampling: the MIS weight of the sample of one

@@ -8,8 +8,8 @@
 #include <functional>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/float_pi.h"
+#include "lamina/base/core/parallel.h"
 
 namespace lamina {
 namespace {

@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/core/progress.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/spectrum/band_values.h"
+#include "lamina/base/spectrum/brief_bands.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/random_walk/internal/direct_light_field.h"
 #include "lamina/render/subsurface/random_walk/internal/field_radiance.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
-#include "lamina/spectrum/band_values.h"
-#include "lamina/spectrum/brief_bands.h"
 
 namespace lamina {
 

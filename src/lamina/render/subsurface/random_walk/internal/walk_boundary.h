@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/vec.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/optics/layer_stack.h"
 #include "lamina/render/shading/dielectric_scattering.h"
 #include "lamina/surface/surface_point.h"

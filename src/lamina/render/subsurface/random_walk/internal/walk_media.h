@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/dielectric_scattering.h"
 #include "lamina/render/shading/refracted_entry.h"
@@ -17,7 +18,6 @@
 #include "lamina/render/subsurface/random_walk/internal/light_vertices.h"
 #include "lamina/render/subsurface/random_walk/internal/manifold_next_event.h"
 #include "lamina/render/subsurface/random_walk/internal/radiance_field.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

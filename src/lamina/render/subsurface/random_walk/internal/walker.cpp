@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "lamina/core/float_pi.h"
+#include "lamina/base/core/float_pi.h"
 #include "lamina/optics/henyey_greenstein.h"
 
 namespace lamina {

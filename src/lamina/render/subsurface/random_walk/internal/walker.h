@@ -3,13 +3,12 @@
 
 #include <optional>
 
-#include "lamina/surface/ray.h"
-
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/subsurface/media/walk_path.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_media.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/spectrum/band_values.h"
+#include "lamina/surface/ray.h"
 
 namespace lamina {
 

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
+#include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/lights/light_views.h"
-#include "lamina/spectrum/band_values.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/io/disk_cache.h"
+#include "lamina/base/io/disk_cache.h"
 #include "lamina/scattering/heterogeneous/surface_transport.h"
 #include "lamina/skin_patch/material_texels.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/core/parallel_chunks.h"
-#include "lamina/image/bilinear.h"
+#include "lamina/base/core/parallel_chunks.h"
+#include "lamina/base/image/bilinear.h"
 
 namespace lamina {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lamina/core/low_discrepancy.h"
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/low_discrepancy.h"
+#include "lamina/base/core/parallel_chunks.h"
 
 namespace lamina {
 namespace {

@@ -47,9 +47,9 @@ template <int N>
                                             std::span<const float> shares, float budget);
 
 /// Light that one of a texel's samples found by a rare path, as mirrored by one surface onto
-/// another, is spread over the texels around: where the samples of a texel differ five times as much
-/// as those of some sixty texels that lie together, and it is brighter than its neighbours, it gets
-/// their mean, and all of these texels share what is left. No light is lost.
+/// another, is spread over the texels around: where the samples of a texel differ five times as
+/// much as those of some sixty texels that lie together, and it is brighter than its neighbours, it
+/// gets their mean, and all of these texels share what is left. No light is lost.
 ///
 /// @param light  [texel], mean of the samples
 template <int N>

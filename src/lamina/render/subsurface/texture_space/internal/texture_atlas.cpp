@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "lamina/core/error.h"
-#include "lamina/core/number_text.h"
+#include "lamina/base/core/error.h"
+#include "lamina/base/core/number_text.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_neighborhood.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/surface_point.h"

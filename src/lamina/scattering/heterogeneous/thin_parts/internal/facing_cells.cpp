@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/core/parallel_chunks.h"
+#include "lamina/base/core/parallel_chunks.h"
 #include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
 
 namespace lamina::detail {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/core/vec.h"
+#include "lamina/base/core/vec.h"
 #include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 
 namespace lamina::detail {

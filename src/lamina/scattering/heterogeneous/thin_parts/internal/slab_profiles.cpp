@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/core/parallel.h"
+#include "lamina/base/core/parallel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/heterogeneous/tables/operator_totals.h"
