@@ -14,7 +14,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
 #include "material_bands.h"
 

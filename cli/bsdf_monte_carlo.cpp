@@ -11,7 +11,7 @@
 #include "degrees.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

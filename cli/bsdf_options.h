@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/optics/rough/rough_surface_scattering.h"
+#include "lamina/layers/optics/rough/rough_surface_scattering.h"
 #include "monte_carlo_method.h"
 
 namespace lamina::cli {

@@ -10,7 +10,7 @@
 #include "degrees.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/optics/rough/rough_surface_scattering.h"
+#include "lamina/layers/optics/rough/rough_surface_scattering.h"
 
 namespace lamina::cli {
 namespace {

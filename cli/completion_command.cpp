@@ -13,7 +13,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/materials/builtin_texts.h"
+#include "lamina/layers/materials/builtin_texts.h"
 
 namespace lamina::cli {
 namespace {

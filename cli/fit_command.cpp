@@ -11,7 +11,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/file_bytes.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "shard_option.h"
 
 namespace lamina::cli {

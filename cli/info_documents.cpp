@@ -13,7 +13,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/reproduction/item.h"
 #include "lamina/skin_maps/edits/editable_skin.h"
 #include "lamina/skin_maps/skin_features.h"

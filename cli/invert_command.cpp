@@ -17,7 +17,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/spectrum/srgb.h"
 #include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 // How derivatives by what layers are made of are written, for whatever they are of.

@@ -10,7 +10,7 @@
 
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/material_file.h"
 
 namespace lamina::cli {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "command.h"
 #include "lamina/base/io/json_output.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina::cli {
 

@@ -8,8 +8,8 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/materials/builtin_texts.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/builtin_texts.h"
+#include "lamina/layers/materials/material.h"
 #include "material_bands.h"
 #ifdef LAMINA_RENDER
 #include "render_swatch.h"

@@ -13,7 +13,7 @@
 #include "lamina/base/core/checked_size.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/nearest_name.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "material_bands.h"
 #include "photons_options.h"
 

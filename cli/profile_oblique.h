@@ -6,7 +6,7 @@
 
 #include "console.h"
 #include "lamina/base/io/json_output.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/profile/hankel.h"
 
 namespace lamina::cli {

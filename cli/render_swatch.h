@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina::cli {
 

@@ -8,7 +8,7 @@
 
 #include "lamina/base/io/json_output.h"
 #include "lamina/base/spectrum/color.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {

@@ -14,7 +14,7 @@
 #include "console.h"
 #include "incidence_option.h"
 #include "lamina/base/core/error.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "material_bands.h"

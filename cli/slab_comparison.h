@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {

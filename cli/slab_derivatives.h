@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"

@@ -12,7 +12,7 @@
 #include "lamina/exchange/export_format.h"
 #include "lamina/exchange/material_import.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "work.h"
 
 namespace lamina::python {

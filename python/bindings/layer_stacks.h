@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::python {
 

@@ -15,8 +15,8 @@
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/base/spectrum/cie_1931.h"
 #include "lamina/base/spectrum/color.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/mie.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/mie.h"
 #include "tables.h"
 
 namespace lamina::python {

@@ -9,8 +9,8 @@
 #include "arrays.h"
 #include "choices.h"
 #include "heard.h"
-#include "lamina/optics/rough/interface_reflectance.h"
-#include "lamina/optics/rough/rough_surface_scattering.h"
+#include "lamina/layers/optics/rough/interface_reflectance.h"
+#include "lamina/layers/optics/rough/rough_surface_scattering.h"
 #include "work.h"
 
 namespace lamina::python {

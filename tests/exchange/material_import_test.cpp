@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

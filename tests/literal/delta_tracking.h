@@ -11,8 +11,8 @@
 
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/phase_function.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina::reference {

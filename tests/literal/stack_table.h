@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::reference {
 

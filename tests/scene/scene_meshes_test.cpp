@@ -13,7 +13,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/material_file.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/file_materials.h"

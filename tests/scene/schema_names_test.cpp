@@ -12,8 +12,8 @@
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/materials/material.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 
 namespace lamina {

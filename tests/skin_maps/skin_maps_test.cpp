@@ -13,7 +13,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/materials/leaf.h"
+#include "lamina/layers/materials/leaf.h"
 #include "lamina/skin_maps/material_maps.h"
 #include "lamina/skin_maps/skin_features.h"
 

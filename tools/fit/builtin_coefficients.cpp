@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/materials/pigments.h"
-#include "lamina/optics/mie.h"
+#include "lamina/layers/materials/pigments.h"
+#include "lamina/layers/optics/mie.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace {

@@ -13,7 +13,7 @@
 
 #include "lamina/base/core/parallel.h"
 #include "lamina/exchange/albedo_inversion/internal/color_table.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 

@@ -21,7 +21,7 @@
 
 #include "lamina/base/core/quadrature.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace {

@@ -16,8 +16,8 @@
 #include <tuple>
 #include <vector>
 
-#include "lamina/materials/skin.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/materials/skin.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"
 

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "optics/facet_furnace.h"
+#include "layers/optics/facet_furnace.h"
 
 int main(int argc, char** argv) {
   using namespace lamina;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/scattering/monte_carlo/cylinder_photons.h"

@@ -11,7 +11,7 @@
 
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_patch/skin_patch.h"
 

@@ -12,7 +12,7 @@
 #include "lamina/base/io/json_output.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/fit/skin/number_unit.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/skin_maps/mapped_skin_json.h"
 
 namespace lamina {

@@ -13,7 +13,7 @@
 #include "lamina/base/image/image.h"
 #include "lamina/base/io/json_file.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

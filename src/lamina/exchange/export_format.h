@@ -10,8 +10,8 @@
 #include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina {
 

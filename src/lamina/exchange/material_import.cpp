@@ -11,7 +11,7 @@
 #include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina {
 namespace {

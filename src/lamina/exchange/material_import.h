@@ -8,7 +8,7 @@
 #include "lamina/base/core/enum_names.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/homogeneous_fit.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina {
 

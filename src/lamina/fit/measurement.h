@@ -15,7 +15,7 @@
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/integrating_sphere/integrating_sphere.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

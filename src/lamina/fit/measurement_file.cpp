@@ -13,8 +13,8 @@
 #include "lamina/fit/internal/decoded_series.h"
 #include "lamina/fit/internal/timed_prediction.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/materials/builtin_texts.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/builtin_texts.h"
+#include "lamina/layers/materials/material_file.h"
 #include "lamina/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {

@@ -5,7 +5,7 @@
 
 #include "lamina/base/core/estimate.h"
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

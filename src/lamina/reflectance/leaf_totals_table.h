@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/chebyshev_table.h"
 #include "lamina/base/core/progress.h"
-#include "lamina/materials/leaf.h"
+#include "lamina/layers/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "lamina/materials/material.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"
 
 namespace lamina {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 
 namespace lamina {
 

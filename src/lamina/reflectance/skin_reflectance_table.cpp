@@ -10,8 +10,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/optics/absorbing_sheet.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/absorbing_sheet.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/chebyshev_table.h"
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/progress.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 
 #include "lamina/base/io/json_output.h"
 #include "lamina/exchange/albedo_inversion/subsurface_color.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/reflectance/material_totals.h"
 
 namespace lamina {

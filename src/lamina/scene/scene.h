@@ -23,7 +23,7 @@
 #include "lamina/base/image/tone.h"
 #include "lamina/base/image/uv_placement.h"
 #include "lamina/base/io/json_file.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/scene/scene_method.h"
 #include "lamina/skin_maps/material_maps.h"

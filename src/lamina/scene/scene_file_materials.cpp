@@ -7,8 +7,8 @@
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/files_read.h"
 #include "lamina/base/io/nearest_name.h"
-#include "lamina/materials/builtin_texts.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/builtin_texts.h"
+#include "lamina/layers/materials/material_file.h"
 #include "lamina/scene/internal/scene_file.h"
 
 namespace lamina::scene_file {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "lamina/base/io/json_input.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/material_file.h"
 
 namespace lamina {
 

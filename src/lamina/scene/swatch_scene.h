@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/base/io/json_output.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina {
 

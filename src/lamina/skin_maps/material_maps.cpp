@@ -12,7 +12,7 @@
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/nearest_name.h"
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/material_file.h"
 
 namespace lamina {
 namespace {

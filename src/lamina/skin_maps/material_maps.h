@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/base/image/image.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 
 namespace lamina {
 

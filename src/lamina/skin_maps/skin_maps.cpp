@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "lamina/materials/material_file.h"
+#include "lamina/layers/materials/material_file.h"
 
 namespace lamina {
 

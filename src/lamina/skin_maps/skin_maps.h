@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/base/image/image.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/skin_maps/material_maps.h"
 
 namespace lamina {

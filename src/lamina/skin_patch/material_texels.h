@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {

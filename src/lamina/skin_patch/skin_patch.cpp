@@ -10,7 +10,7 @@
 #include "lamina/base/core/parallel_parts.h"
 #include "lamina/base/image/resample.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/reflectance/skin_colors.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/heterogeneous/oblique_light.h"

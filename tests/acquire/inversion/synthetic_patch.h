@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lamina/acquire/inversion/patch_capture.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/skin_patch/skin_patch.h"
 
 namespace lamina {

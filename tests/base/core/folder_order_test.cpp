@@ -81,7 +81,7 @@ void read_plan(const std::string& folder, Plan& plan) {
       std::regex_replace(call.substr(0, call.find('\n')), std::regex(R"(\)|\s)"), "");
   // What lies below a room is its foundation, but for optics, whose rough surfaces build on it.
   const std::vector<std::string> below = words_after(call, "FOLDERS");
-  const bool is_first = folder == "optics";
+  const bool is_first = folder == "layers/optics";
   if (is_first) plan.rooms.push_back({folder, target});
   for (const std::string& sub : below) plan.rooms.push_back({folder + "/" + sub, target});
   if (!is_first) plan.rooms.push_back({folder, target});

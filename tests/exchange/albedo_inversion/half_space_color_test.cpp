@@ -11,7 +11,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "literal/h_function.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"

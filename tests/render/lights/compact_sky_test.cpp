@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/paths/path_tracer.h"
 #include "render/small_scenes.h"
 

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "lamina/base/core/random.h"
-#include "lamina/optics/rough/gaussian_surface.h"
-#include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/layers/optics/rough/gaussian_surface.h"
+#include "lamina/layers/optics/rough/multiple_scattering.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

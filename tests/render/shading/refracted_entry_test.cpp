@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

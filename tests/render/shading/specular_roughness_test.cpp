@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scene/subsurface_methods.h"
 #include "render/small_scenes.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/layers/optics/rough/multiple_scattering.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

@@ -13,7 +13,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "literal/h_function.h"
 #include "literal/stack_table.h"

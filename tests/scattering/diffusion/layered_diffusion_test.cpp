@@ -13,8 +13,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "literal/diffusion_skin.h"
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/diffusion/dipole.h"
 #include "lamina/scattering/profile/layer_response.h"
 

@@ -9,7 +9,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/diffusion/pulsed_dipole.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/rough/interface_reflectance.h"
-#include "lamina/optics/rough/rough_surface_scattering.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/rough/interface_reflectance.h"
+#include "lamina/layers/optics/rough/rough_surface_scattering.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/layered_diffusion.h"

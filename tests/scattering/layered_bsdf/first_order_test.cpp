@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "literal/first_order_cases.h"
 
 namespace lamina {

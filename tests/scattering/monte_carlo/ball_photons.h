@@ -9,8 +9,8 @@
 
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/medium.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/medium.h"
 #include "scattering/monte_carlo/scalar_photons.h"
 
 namespace lamina::reference {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/medium.h"
+#include "lamina/layers/optics/medium.h"
 
 namespace lamina {
 

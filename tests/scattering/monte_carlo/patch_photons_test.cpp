@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

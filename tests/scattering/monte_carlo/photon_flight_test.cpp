@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/layer_stack.h"
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/layer_stack.h"
+#include "lamina/layers/optics/phase_function.h"
 
 // A slow and literal photon Monte Carlo in double precision: one photon at a time, as the papers
 // say it. It shares no code with the SIMD kernel but the stack's types, Fresnel's formula and the

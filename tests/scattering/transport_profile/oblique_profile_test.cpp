@@ -10,7 +10,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/scattering/profile/bessel.h"

@@ -11,7 +11,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"

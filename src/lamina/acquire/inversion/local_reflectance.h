@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 
 namespace lamina {
 

@@ -14,7 +14,7 @@
 #include "lamina/base/image/image.h"
 #include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
-#include "lamina/materials/leaf.h"
+#include "lamina/layers/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina {

@@ -10,8 +10,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/exchange/albedo_inversion/internal/color_table.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

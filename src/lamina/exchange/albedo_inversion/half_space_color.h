@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "lamina/base/core/enum_names.h"
-#include "lamina/optics/layer_stack.h"
-#include "lamina/optics/medium.h"
+#include "lamina/layers/optics/layer_stack.h"
+#include "lamina/layers/optics/medium.h"
 
 namespace lamina {
 

@@ -12,8 +12,8 @@
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/misfit_json.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/mesh/files/mesh_file.h"
-#include "lamina/optics/fresnel.h"
 
 // Names and meanings: [glTF2] with KHR_materials_ior, _diffuse_transmission, _volume, and drafts of
 // KHR_materials_scatter.

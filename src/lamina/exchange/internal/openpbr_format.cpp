@@ -8,7 +8,7 @@
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 // Names and meanings: [OpenPBR] 1.1.1 and the node open_pbr_surface of MaterialX 1.39.
 

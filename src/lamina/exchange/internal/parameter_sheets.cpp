@@ -10,7 +10,7 @@
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/internal/walk_medium.h"
 #include "lamina/exchange/misfit_json.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 // Values of the parameters of programs, to be typed in or set by a script; and of those whose files
 // are text, such a file.

@@ -5,7 +5,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 // Names and units: the input file format of pbrt-v4. Its facets are of Trowbridge and Reitz, which
 // lamina calls ggx.

@@ -8,8 +8,8 @@
 
 #include "lamina/base/core/enum_names.h"
 #include "lamina/base/core/progress.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/profile/profile.h"
 
 namespace lamina {

@@ -10,7 +10,7 @@
 #include "lamina/base/core/enum_names.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 namespace lamina::fit_detail {

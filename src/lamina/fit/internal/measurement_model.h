@@ -13,7 +13,7 @@
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/measurement.h"
 #include "lamina/fit/measurement_tables.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::fit_detail {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/fit/measurement.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 
 namespace lamina::fit_detail {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/diffusion/pulsed_diffusion.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

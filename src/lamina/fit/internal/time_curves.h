@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/progress.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::fit_detail {
 

@@ -11,7 +11,7 @@
 #include "lamina/base/core/progress.h"
 #include "lamina/fit/internal/time_curves.h"
 #include "lamina/fit/measurement.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::fit_detail {
 

@@ -10,7 +10,7 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/memory_budget.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 
 namespace lamina {
 

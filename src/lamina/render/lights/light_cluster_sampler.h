@@ -4,7 +4,7 @@
 #include <array>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/lights.h"
 
 namespace lamina {

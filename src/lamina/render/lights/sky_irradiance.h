@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/lights.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/paths/internal/direct_light.h"
 #include "lamina/render/paths/internal/path_step.h"

@@ -8,7 +8,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/materials_in_use.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "lamina/base/core/vec_precision.h"
-#include "lamina/optics/rough/gaussian_surface.h"
-#include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/layers/optics/rough/gaussian_surface.h"
+#include "lamina/layers/optics/rough/multiple_scattering.h"
 
 namespace lamina {
 namespace {

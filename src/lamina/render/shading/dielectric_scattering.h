@@ -3,7 +3,7 @@
 
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scene/scene.h"
 #include "lamina/surface/texture.h"
 

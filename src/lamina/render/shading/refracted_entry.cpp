@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina {
 namespace {

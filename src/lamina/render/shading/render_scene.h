@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/lights/lights.h"
 #include "lamina/scene/scene.h"

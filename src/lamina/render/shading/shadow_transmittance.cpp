@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina {
 

@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/sky_irradiance.h"
 #include "lamina/surface/surface_point.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_totals.h"
 
 namespace lamina {

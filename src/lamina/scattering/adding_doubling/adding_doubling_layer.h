@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/adding_doubling/direction_grid.h"
 

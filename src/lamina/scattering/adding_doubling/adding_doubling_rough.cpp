@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/internal/adding_doubling_facets.h"
 #include "lamina/scattering/adding_doubling/internal/adding_doubling_heights.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/adding_doubling/direction_grid.h"
 

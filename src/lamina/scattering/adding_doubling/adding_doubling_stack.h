@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_layer.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_rough.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
 

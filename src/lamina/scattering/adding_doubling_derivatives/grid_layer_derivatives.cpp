@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "lamina/optics/phase_function_derivative.h"
+#include "lamina/layers/optics/phase_function_derivative.h"
 
 namespace lamina::detail {
 namespace {

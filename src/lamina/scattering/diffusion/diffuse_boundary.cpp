@@ -8,7 +8,7 @@
 #include <mutex>
 #include <tuple>
 
-#include "lamina/optics/rough/interface_reflectance.h"
+#include "lamina/layers/optics/rough/interface_reflectance.h"
 
 namespace lamina {
 namespace {

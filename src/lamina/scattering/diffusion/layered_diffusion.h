@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/multipole.h"
 #include "lamina/scattering/profile/slab_totals.h"

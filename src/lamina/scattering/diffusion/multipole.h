@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/optics/medium.h"
+#include "lamina/layers/optics/medium.h"
 #include "lamina/scattering/profile/layer_response.h"
 
 namespace lamina {

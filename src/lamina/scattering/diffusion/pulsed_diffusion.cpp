@@ -11,7 +11,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/pulsed_dipole.h"
 

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 
 namespace lamina {

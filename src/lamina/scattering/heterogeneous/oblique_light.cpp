@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/optics/absorbing_sheet.h"
+#include "lamina/layers/optics/absorbing_sheet.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/heterogeneous/tables/operator_totals.h"

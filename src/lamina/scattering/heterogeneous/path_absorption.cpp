@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "lamina/optics/medium.h"
+#include "lamina/layers/optics/medium.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include "lamina/base/core/inline_vector.h"
 #include "lamina/base/core/vec.h"
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 // Everything here is written once for V = double, one band at full precision, and V =
 // BandValues<N>, the bands of a rendering pass side by side in single precision.

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {

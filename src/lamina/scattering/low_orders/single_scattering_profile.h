@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/optics/phase_function.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
 namespace lamina::detail {

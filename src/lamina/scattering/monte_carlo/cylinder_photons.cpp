@@ -12,8 +12,8 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/phase_function.h"
 #include "lamina/scattering/monte_carlo/internal/turned_direction.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/base/core/memory_budget.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina {

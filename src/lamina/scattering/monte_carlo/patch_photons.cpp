@@ -13,7 +13,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/monte_carlo/internal/turned_direction.h"
 
 namespace lamina {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 

@@ -8,7 +8,7 @@
 #include "lamina/base/core/enum_names.h"
 #include "lamina/base/core/progress.h"
 #include "lamina/base/core/shard.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 #include "lamina/scattering/profile/slab_totals.h"
 

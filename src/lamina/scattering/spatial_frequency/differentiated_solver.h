@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/adding_doubling_derivatives/grid_layer_derivatives.h"
 #include "lamina/scattering/spatial_frequency/frequency_solver.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "lamina/optics/absorbing_sheet.h"
+#include "lamina/layers/optics/absorbing_sheet.h"
 
 namespace lamina::detail {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 
 namespace lamina::detail {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
 #include "lamina/scattering/spatial_frequency/illumination.h"
 

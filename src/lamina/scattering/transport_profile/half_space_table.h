@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/progress.h"
 #include "lamina/base/io/disk_cache.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"
 

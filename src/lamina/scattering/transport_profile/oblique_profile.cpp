@@ -12,7 +12,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/low_orders/oblique_single_scattering.h"
 #include "lamina/scattering/low_orders/straight_ray.h"

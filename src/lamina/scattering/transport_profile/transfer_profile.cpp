@@ -8,7 +8,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/optics/absorbing_sheet.h"
+#include "lamina/layers/optics/absorbing_sheet.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/spatial_frequency/rough_inside.h"
 #include "lamina/scattering/transport_profile/internal/profile_input.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/profile/hankel.h"
 #include "lamina/scattering/profile/profile.h"
 #include "lamina/scattering/spatial_frequency/illumination.h"

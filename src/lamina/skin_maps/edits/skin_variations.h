@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/skin_maps/edits/skin_edits.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"

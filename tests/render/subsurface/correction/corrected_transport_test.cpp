@@ -12,7 +12,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/image/image.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/layered_bsdf/layered_bsdf.h"
 #include "render/small_scenes.h"

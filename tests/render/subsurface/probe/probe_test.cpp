@@ -9,7 +9,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/scattering/diffusion/diffusion_profile.h"

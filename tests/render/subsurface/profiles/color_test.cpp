@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"

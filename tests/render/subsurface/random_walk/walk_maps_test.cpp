@@ -10,8 +10,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/materials/material.h"
-#include "lamina/materials/skin.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/materials/skin.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

@@ -10,8 +10,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/rough/multiple_scattering.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/rough/multiple_scattering.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"

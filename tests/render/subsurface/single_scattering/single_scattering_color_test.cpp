@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
 #include "render/subsurface/single_scattering/light_once.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "render/subsurface/single_scattering/light_once.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "render/subsurface/single_scattering/light_once.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/skin_patch/skin_patch.h"
 #include "render/small_scenes.h"

@@ -12,7 +12,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
 #include "lamina/render/subsurface/irradiance_fireflies.h"

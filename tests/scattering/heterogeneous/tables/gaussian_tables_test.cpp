@@ -10,7 +10,7 @@
 #include <span>
 
 #include "lamina/base/io/file_bytes.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/scattering/diffusion/multipole.h"

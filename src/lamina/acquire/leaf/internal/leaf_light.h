@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/materials/leaf.h"
+#include "lamina/layers/materials/leaf.h"
 #include "lamina/scattering/profile/slab_totals.h"
 
 namespace lamina::detail {

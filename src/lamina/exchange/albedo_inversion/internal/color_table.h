@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::detail {
 

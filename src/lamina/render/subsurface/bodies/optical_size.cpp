@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina {
 namespace {

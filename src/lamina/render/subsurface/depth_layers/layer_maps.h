@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"
 #include "lamina/skin_maps/material_maps.h"
 

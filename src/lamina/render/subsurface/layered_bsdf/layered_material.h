@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/base/core/low_discrepancy.h"
-#include "lamina/optics/rough/surface_boundary.h"
+#include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/scattering/layered_bsdf/sampled_layers.h"

@@ -10,8 +10,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/float_pi.h"
-#include "lamina/optics/henyey_greenstein.h"
-#include "lamina/optics/same_ior.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/same_ior.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/bodies/closed_bodies.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"

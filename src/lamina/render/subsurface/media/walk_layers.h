@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/materials/material.h"
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/materials/material.h"
+#include "lamina/layers/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"

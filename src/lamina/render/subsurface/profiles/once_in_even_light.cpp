@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {

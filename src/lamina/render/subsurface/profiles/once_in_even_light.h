@@ -5,7 +5,7 @@
 #include <span>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina {
 

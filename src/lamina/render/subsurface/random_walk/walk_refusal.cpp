@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/render/subsurface/bodies/closed_bodies.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
 #include "lamina/reflectance/material_totals.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/mean_ior.h"

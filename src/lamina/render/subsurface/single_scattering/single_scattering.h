@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/inline_vector.h"
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/optics/phase_function.h"
+#include "lamina/layers/optics/phase_function.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/profiles/material_profiles.h"

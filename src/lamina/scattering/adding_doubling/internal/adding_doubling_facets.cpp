@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/optics/rough/facet_lattice.h"
+#include "lamina/layers/optics/rough/facet_lattice.h"
 
 namespace lamina::detail {
 namespace {

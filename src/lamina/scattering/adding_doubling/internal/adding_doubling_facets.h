@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 #include "lamina/scattering/adding_doubling/adding_doubling_matrix.h"
 #include "lamina/scattering/adding_doubling/direction_grid.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::detail {
 

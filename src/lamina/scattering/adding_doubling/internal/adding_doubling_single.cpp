@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
 
 namespace lamina::detail {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina {

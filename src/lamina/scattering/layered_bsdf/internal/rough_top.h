@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/optics/rough/interface_reflectance.h"
+#include "lamina/layers/optics/rough/interface_reflectance.h"
 #include "lamina/scattering/layered_bsdf/first_order.h"
 
 namespace lamina::detail {

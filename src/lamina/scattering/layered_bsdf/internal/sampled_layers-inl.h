@@ -13,7 +13,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
 #include "lamina/scattering/layered_bsdf/internal/first_order_beam-inl.h"
 #include "lamina/scattering/layered_bsdf/sampled_layers.h"
 

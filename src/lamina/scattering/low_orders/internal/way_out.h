@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/scattering/low_orders/single_scattering_profile.h"
 
 namespace lamina::detail {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina::photon {
 namespace {

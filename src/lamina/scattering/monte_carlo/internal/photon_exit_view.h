@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 
 namespace lamina::photon {

@@ -21,10 +21,10 @@
 #include <vector>
 
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/henyey_greenstein.h"
-#include "lamina/optics/rough/multiple_scattering.h"
-#include "lamina/optics/speed_of_light.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/rough/multiple_scattering.h"
+#include "lamina/layers/optics/speed_of_light.h"
 #include "lamina/scattering/monte_carlo/internal/photon_scene.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -8,7 +8,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/random.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina::photon {
 namespace {

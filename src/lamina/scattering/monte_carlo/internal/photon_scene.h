@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/monte_carlo/internal/photon_exit_view.h"
 #include "lamina/scattering/monte_carlo/photon_tracing.h"
 

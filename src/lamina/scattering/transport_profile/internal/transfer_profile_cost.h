@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 
 namespace lamina::detail {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/scattering/low_orders/diffuse_lowest_orders.h"
 #include "lamina/scattering/monte_carlo/photon_tallies.h"
 #include "lamina/scattering/profile/hankel.h"

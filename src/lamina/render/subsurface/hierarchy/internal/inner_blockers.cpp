@@ -9,7 +9,7 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/core/float_pi.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/vec.h"
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/materials/material.h"
+#include "lamina/layers/materials/material.h"
 #include "lamina/render/subsurface/hierarchy/internal/irradiance_tree.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <variant>
 
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 
 namespace lamina {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "lamina/base/core/parallel_chunks.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 
 namespace lamina {
 namespace {

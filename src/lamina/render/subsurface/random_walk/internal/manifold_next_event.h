@@ -9,7 +9,7 @@
 #include <span>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/optics/fresnel.h"
+#include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/random_walk/internal/body_interior.h"
 #include "lamina/render/subsurface/subsurface_method.h"

@@ -3,7 +3,7 @@
 
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/optics/layer_stack.h"
+#include "lamina/layers/optics/layer_stack.h"
 #include "lamina/render/shading/dielectric_scattering.h"
 #include "lamina/surface/surface_point.h"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <variant>
 
-#include "lamina/optics/rough/rough_interface.h"
-#include "lamina/optics/same_ior.h"
+#include "lamina/layers/optics/rough/rough_interface.h"
+#include "lamina/layers/optics/same_ior.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"

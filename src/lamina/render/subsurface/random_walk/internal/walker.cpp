@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
 
 namespace lamina {
 namespace {

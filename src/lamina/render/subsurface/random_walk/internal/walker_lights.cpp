@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
 
 namespace lamina {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/optics/fresnel.h"
-#include "lamina/optics/henyey_greenstein.h"
+#include "lamina/layers/optics/fresnel.h"
+#include "lamina/layers/optics/henyey_greenstein.h"
 #include "lamina/render/subsurface/random_walk/internal/walker.h"
 
 namespace lamina {
