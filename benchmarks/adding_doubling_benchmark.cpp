@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace {
 

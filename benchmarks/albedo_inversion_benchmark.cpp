@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "lamina/base/core/random.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/scattering/heterogeneous/transport_gradient.h"
+#include "lamina/solve/scattering/heterogeneous/transport_gradient.h"
 
 namespace lamina {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "lamina/base/core/random.h"
-#include "lamina/scattering/layered_bsdf/sampled_layers.h"
+#include "lamina/solve/scattering/layered_bsdf/sampled_layers.h"
 
 namespace {
 

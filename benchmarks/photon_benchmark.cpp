@@ -17,8 +17,8 @@
 #include <string>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "scattering/monte_carlo/scalar_photons.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
+#include "solve/scattering/monte_carlo/scalar_photons.h"
 
 namespace {
 

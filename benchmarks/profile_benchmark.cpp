@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
 
 namespace lamina {
 namespace {

@@ -11,7 +11,7 @@
 #include <map>
 #include <vector>
 
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 namespace {

@@ -15,7 +15,7 @@
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/base/plot/plot.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
+#include "lamina/solve/scattering/layered_bsdf/layered_bsdf.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

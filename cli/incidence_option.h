@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

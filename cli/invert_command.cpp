@@ -16,8 +16,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/spectrum/srgb.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
 #include "lamina/layers/materials/material.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
 
 namespace lamina::cli {
 namespace {

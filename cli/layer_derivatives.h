@@ -8,7 +8,7 @@
 #include "console.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 // How derivatives by what layers are made of are written, for whatever they are of.
 

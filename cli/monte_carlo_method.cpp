@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lamina/base/core/error.h"
-#include "lamina/scattering/photon_bands/band_photons.h"
+#include "lamina/solve/scattering/photon_bands/band_photons.h"
 
 namespace lamina::cli {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/profile/hankel.h"
-#include "lamina/scattering/profile/profile.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/profile/hankel.h"
+#include "lamina/solve/scattering/profile/profile.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

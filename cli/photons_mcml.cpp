@@ -7,8 +7,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/write_places.h"
-#include "lamina/scattering/monte_carlo/mcml_input.h"
-#include "lamina/scattering/monte_carlo/mcml_output.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_input.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_output.h"
 #include "photons_options.h"
 
 namespace lamina::cli {

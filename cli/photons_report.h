@@ -9,7 +9,7 @@
 #include "console.h"
 #include "lamina/base/core/memory_budget.h"
 #include "lamina/base/io/json_output.h"
-#include "lamina/scattering/monte_carlo/photon_tallies.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tallies.h"
 
 namespace lamina::cli {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/scattering/transport_profile/gaussian_profile.h"
-#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
+#include "lamina/solve/scattering/transport_profile/gaussian_profile.h"
+#include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
 #include "layer_derivatives.h"
 #include "material_bands.h"
 

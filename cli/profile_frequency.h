@@ -4,7 +4,7 @@
 #include "console.h"
 #include "lamina/base/io/json_output.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::cli {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "lamina/scattering/transport_profile/doubtful_profile.h"
-#include "lamina/scattering/transport_profile/oblique_profile.h"
+#include "lamina/solve/scattering/transport_profile/doubtful_profile.h"
+#include "lamina/solve/scattering/transport_profile/oblique_profile.h"
 #include "material_bands.h"
 
 namespace lamina::cli {

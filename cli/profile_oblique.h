@@ -7,7 +7,7 @@
 #include "console.h"
 #include "lamina/base/io/json_output.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/profile/hankel.h"
+#include "lamina/solve/scattering/profile/hankel.h"
 
 namespace lamina::cli {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/reflectance/skin_colors.h"
+#include "lamina/solve/reflectance/skin_colors.h"
 
 namespace lamina::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "lamina/base/io/json_output.h"
 #include "lamina/base/spectrum/color.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

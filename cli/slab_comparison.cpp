@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "lamina/base/core/error.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "material_bands.h"
 #include "monte_carlo_method.h"
 

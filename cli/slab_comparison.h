@@ -7,7 +7,7 @@
 
 #include "console.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::cli {
 

@@ -7,8 +7,8 @@
 #include "console.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 // `lamina slab --derivatives`.
 

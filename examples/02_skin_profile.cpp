@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 int main() {
   const lamina::Material skin = lamina::find_material("donner_jensen_skin");

@@ -2,11 +2,11 @@
 # no other.
 cmake_policy(VERSION 3.25)
 set(root ${WORK}/src)
-set(folder ${root}/lamina/scattering)
+set(folder ${root}/lamina/solve/scattering)
 file(REMOVE_RECURSE ${WORK})
-file(WRITE ${folder}/solver.cpp "#include \"lamina/scattering/solver.h\"\n")
+file(WRITE ${folder}/solver.cpp "#include \"lamina/solve/scattering/solver.h\"\n")
 file(WRITE ${folder}/solver.h "#include <vector>\n#include \"lamina/layers/optics/ray.h\"\n")
-file(WRITE ${root}/lamina/layers/optics/ray.h "#include \"lamina/scattering/solver.h\"  // a circle\n")
+file(WRITE ${root}/lamina/layers/optics/ray.h "#include \"lamina/solve/scattering/solver.h\"  // a circle\n")
 file(WRITE ${root}/lamina/layers/optics/ray.cpp "#include \"lamina/layers/optics/deep.h\"\n")
 file(WRITE ${root}/lamina/layers/optics/deep.h "")
 file(WRITE ${root}/lamina/layers/optics/other.h "")
@@ -38,9 +38,9 @@ if(NOT after STREQUAL before)
 endif()
 
 # Of the solver itself: what lies in private headers.
-file(GLOB sources ${SOURCE}/lamina/scattering/transport_profile/*.cpp
-  ${SOURCE}/lamina/scattering/low_orders/*.cpp
-  ${SOURCE}/lamina/scattering/spatial_frequency/*.cpp)
+file(GLOB sources ${SOURCE}/lamina/solve/scattering/transport_profile/*.cpp
+  ${SOURCE}/lamina/solve/scattering/low_orders/*.cpp
+  ${SOURCE}/lamina/solve/scattering/spatial_frequency/*.cpp)
 execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
   -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${WORK}/f.d files)

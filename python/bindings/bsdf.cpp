@@ -9,7 +9,7 @@
 #include "arrays.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
+#include "lamina/solve/scattering/layered_bsdf/layered_bsdf.h"
 #include "layer_stacks.h"
 #include "work.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "arrays.h"
-#include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 namespace lamina::python {
 

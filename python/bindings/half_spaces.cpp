@@ -6,7 +6,7 @@
 
 #include "arrays.h"
 #include "choices.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
 #include "tables.h"
 
 namespace lamina::python {

@@ -9,8 +9,8 @@
 
 #include "arrays.h"
 #include "lamina/base/core/error.h"
-#include "lamina/scattering/monte_carlo/cylinder_photons.h"
-#include "lamina/scattering/monte_carlo/patch_photons.h"
+#include "lamina/solve/scattering/monte_carlo/cylinder_photons.h"
+#include "lamina/solve/scattering/monte_carlo/patch_photons.h"
 #include "layer_stacks.h"
 #include "work.h"
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina::python {
 

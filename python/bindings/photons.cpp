@@ -11,8 +11,8 @@
 
 #include "arrays.h"
 #include "choices.h"
-#include "lamina/scattering/monte_carlo/mcml_input.h"
-#include "lamina/scattering/photon_bands/band_photons.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_input.h"
+#include "lamina/solve/scattering/photon_bands/band_photons.h"
 #include "layer_stacks.h"
 #include "photon_options.h"
 #include "work.h"

@@ -8,8 +8,8 @@
 
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/reflectance/leaf_totals_table.h"
 #include "lamina/skin_maps/material_maps.h"
+#include "lamina/solve/reflectance/leaf_totals_table.h"
 
 namespace lamina {
 namespace {

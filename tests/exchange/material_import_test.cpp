@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

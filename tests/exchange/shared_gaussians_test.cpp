@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/scattering/profile/gaussian_fit.h"
+#include "lamina/solve/scattering/profile/gaussian_fit.h"
 
 namespace lamina::detail {
 namespace {

@@ -17,7 +17,7 @@
 #include "lamina/render/film/film_shard.h"
 #include "lamina/render/film/internal/checkpoint.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "photons_report.h"
 
 namespace lamina {

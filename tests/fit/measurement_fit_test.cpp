@@ -12,9 +12,9 @@
 #include "fit/model_derivatives.h"
 #include "lamina/fit/internal/measurement_model.h"
 #include "lamina/fit/internal/series_prediction.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
 
 namespace lamina {
 namespace {

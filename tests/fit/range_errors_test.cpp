@@ -11,7 +11,7 @@
 #include "fit/normal_number.h"
 #include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

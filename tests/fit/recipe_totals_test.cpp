@@ -15,8 +15,8 @@
 #include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/fit/skin/skin_fit.h"
-#include "lamina/reflectance/leaf_totals_table.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/reflectance/leaf_totals_table.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

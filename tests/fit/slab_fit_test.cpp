@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/fit/least_squares/nonlinear_fit.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -8,8 +8,8 @@
 #include "fit/model_derivatives.h"
 #include "lamina/fit/internal/measurement_model.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/integrating_sphere/lost_light.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/integrating_sphere/lost_light.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

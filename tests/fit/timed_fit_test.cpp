@@ -10,7 +10,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina {
 namespace {

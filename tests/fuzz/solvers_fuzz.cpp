@@ -11,10 +11,10 @@
 #include <numbers>
 
 #include "fuzz_input.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/layers/optics/phase_function.h"
-#include "lamina/scattering/heterogeneous/tables/state_lattice.h"
+#include "lamina/solve/scattering/heterogeneous/tables/state_lattice.h"
 
 namespace lamina::reference {
 

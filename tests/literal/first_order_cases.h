@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina::reference {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/reflectance/material_totals.h"
+#include "lamina/solve/reflectance/material_totals.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

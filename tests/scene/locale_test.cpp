@@ -19,8 +19,8 @@
 #include "lamina/layers/optics/layer_stack.h"
 #include "lamina/mesh/files/mesh_file.h"
 #include "lamina/render/subsurface/internal/irradiance_cloud_file.h"
-#include "lamina/scattering/monte_carlo/mcml_input.h"
-#include "lamina/scattering/monte_carlo/mcml_output.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_input.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_output.h"
 
 namespace lamina {
 namespace {

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "lamina/base/io/json_input.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/planning/method_choice.h"
 #include "lamina/render/render.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/subsurface_methods.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "mesh/mesh_samples.h"
 #include "render/small_scenes.h"
 

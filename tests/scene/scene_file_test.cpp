@@ -14,10 +14,10 @@
 #include "base/io/bad_files.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/render/film/scene_fingerprint.h"
-#include "lamina/scattering/diffusion/dipole.h"
 #include "lamina/scene/common_bands.h"
 #include "lamina/scene/scene.h"
 #include "lamina/scene/studio_environment.h"
+#include "lamina/solve/scattering/diffusion/dipole.h"
 #include "mesh/mesh_samples.h"
 
 namespace lamina {

@@ -14,7 +14,7 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/materials/skin.h"
-#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
+#include "lamina/solve/scattering/heterogeneous/heterogeneous_transport.h"
 
 namespace lamina {
 namespace {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/reflectance/skin_colors.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/scene/method_settings.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

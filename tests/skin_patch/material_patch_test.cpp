@@ -9,7 +9,7 @@
 #include <string>
 
 #include "lamina/base/image/image_file.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "skin_patch/patch_files.h"
 
 namespace lamina {

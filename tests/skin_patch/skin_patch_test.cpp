@@ -11,14 +11,14 @@
 #include <numeric>
 
 #include "lamina/base/image/image_file.h"
-#include "lamina/reflectance/skin_colors.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
-#include "lamina/scattering/monte_carlo/patch_photons.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
 #include "lamina/skin_maps/skin_features.h"
 #include "lamina/skin_patch/patch_gradient.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
+#include "lamina/solve/scattering/monte_carlo/patch_photons.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "skin_patch/patch_files.h"
 
 namespace lamina {

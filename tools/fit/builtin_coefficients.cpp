@@ -10,7 +10,7 @@
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/materials/pigments.h"
 #include "lamina/layers/optics/mie.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace {
 

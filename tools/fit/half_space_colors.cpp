@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Colors of half-spaces by adding-doubling, as the table that lamina ships: prints
-// src/lamina/exchange/albedo_inversion/internal/color_table_data.cpp. Four CPU-minutes.
+// src/lamina/solve/albedo_inversion/internal/color_table_data.cpp. Four CPU-minutes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/exchange/albedo_inversion/internal/color_table.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_on_grid.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_stack.h"
+#include "lamina/solve/albedo_inversion/internal/color_table.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling_on_grid.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling_stack.h"
 
 namespace {
 

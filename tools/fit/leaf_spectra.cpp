@@ -22,7 +22,7 @@
 #include "lamina/base/core/quadrature.h"
 #include "lamina/fit/measurement_fit.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace {
 

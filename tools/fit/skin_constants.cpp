@@ -18,8 +18,8 @@
 
 #include "lamina/layers/materials/skin.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 
 #include "fit/normal_number.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
+#include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 int main() {
   using namespace lamina;

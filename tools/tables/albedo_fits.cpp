@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lamina/base/plot/plot.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
+#include "lamina/solve/albedo_inversion/renderer_albedos.h"
 
 namespace {
 

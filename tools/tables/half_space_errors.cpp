@@ -10,7 +10,7 @@
 
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
 
 namespace {
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "lamina/layers/materials/skin.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
-#include "lamina/scattering/monte_carlo/cylinder_photons.h"
-#include "lamina/scattering/monte_carlo/patch_photons.h"
-#include "scattering/monte_carlo/delta_tracking.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/heterogeneous/heterogeneous_transport.h"
+#include "lamina/solve/scattering/monte_carlo/cylinder_photons.h"
+#include "lamina/solve/scattering/monte_carlo/patch_photons.h"
+#include "solve/scattering/monte_carlo/delta_tracking.h"
 
 namespace {
 

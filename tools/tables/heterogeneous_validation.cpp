@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lamina/layers/materials/skin.h"
-#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
-#include "lamina/scattering/monte_carlo/patch_photons.h"
+#include "lamina/solve/scattering/heterogeneous/heterogeneous_transport.h"
+#include "lamina/solve/scattering/monte_carlo/patch_photons.h"
 
 namespace {
 

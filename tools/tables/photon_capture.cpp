@@ -17,7 +17,7 @@
 #include "acquire/inversion/synthetic_patch.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/layers/materials/skin.h"
-#include "lamina/scattering/monte_carlo/patch_photons.h"
+#include "lamina/solve/scattering/monte_carlo/patch_photons.h"
 
 int main(int argc, char** argv) {
   using namespace lamina;

@@ -23,10 +23,10 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/oblique_profile.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/transport_profile/oblique_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace {
 

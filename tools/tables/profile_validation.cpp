@@ -22,11 +22,11 @@
 #include <vector>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/diffusion/dipole_profile.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/diffusion/dipole_profile.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace {
 

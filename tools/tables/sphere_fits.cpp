@@ -13,8 +13,8 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/random.h"
 #include "lamina/fit/measurement_fit.h"
-#include "lamina/integrating_sphere/lost_light.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/integrating_sphere/lost_light.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace {
 

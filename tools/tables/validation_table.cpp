@@ -15,8 +15,8 @@
 #include <string>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 #include "literal/h_function.h"
 #include "literal/stack_table.h"
 

@@ -7,7 +7,7 @@
 
 #include "lamina/acquire/acquired_skin.h"
 #include "lamina/base/core/dense_matrix.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 

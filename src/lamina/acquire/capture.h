@@ -14,7 +14,7 @@
 #include "lamina/base/io/json_file.h"
 #include "lamina/fit/skin/skin_population.h"
 #include "lamina/layers/materials/skin.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina {
 

@@ -15,8 +15,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
 #include "lamina/skin_maps/skin_maps.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {

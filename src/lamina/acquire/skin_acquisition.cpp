@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/acquire/skin_color_table.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 

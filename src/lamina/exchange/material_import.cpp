@@ -7,11 +7,11 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/exchange/albedo_inversion/half_space_color.h"
-#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
-#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
 #include "lamina/layers/optics/fresnel.h"
+#include "lamina/solve/albedo_inversion/half_space_color.h"
+#include "lamina/solve/albedo_inversion/renderer_albedos.h"
+#include "lamina/solve/albedo_inversion/subsurface_color.h"
 
 namespace lamina {
 namespace {

@@ -14,9 +14,9 @@
 #include "lamina/base/spectrum/band_set.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/integrating_sphere/integrating_sphere.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/integrating_sphere/integrating_sphere.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina {
 

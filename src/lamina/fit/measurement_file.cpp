@@ -15,7 +15,7 @@
 #include "lamina/fit/measurement.h"
 #include "lamina/layers/materials/builtin_texts.h"
 #include "lamina/layers/materials/material_file.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/exchange/albedo_inversion/subsurface_color.h"
+#include "lamina/solve/albedo_inversion/subsurface_color.h"
 
 namespace lamina {
 

@@ -11,10 +11,10 @@
 #include <variant>
 #include <vector>
 
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/reflectance/skin_colors.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
 #include "lamina/scene/materials_in_use.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
 
 namespace lamina {
 namespace {

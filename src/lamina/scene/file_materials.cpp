@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "lamina/base/io/json_output.h"
-#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/reflectance/material_totals.h"
+#include "lamina/solve/albedo_inversion/subsurface_color.h"
+#include "lamina/solve/reflectance/material_totals.h"
 
 namespace lamina {
 namespace {

@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
-#include "lamina/scattering/diffusion/albedo_inversion.h"
 #include "lamina/scene/internal/scene_file.h"
+#include "lamina/solve/scattering/diffusion/albedo_inversion.h"
 
 namespace lamina::scene_file {
 

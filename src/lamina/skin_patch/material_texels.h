@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/heterogeneous/tables/gaussian_tables.h"
+#include "lamina/solve/scattering/heterogeneous/tables/gaussian_tables.h"
 
 namespace lamina {
 

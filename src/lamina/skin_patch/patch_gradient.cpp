@@ -9,9 +9,9 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/parallel_parts.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/heterogeneous/oblique_light.h"
-#include "lamina/scattering/heterogeneous/transport_gradient.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/heterogeneous/oblique_light.h"
+#include "lamina/solve/scattering/heterogeneous/transport_gradient.h"
 
 namespace lamina {
 namespace {

@@ -11,9 +11,9 @@
 #include "lamina/base/image/resample.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/reflectance/skin_colors.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/heterogeneous/oblique_light.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/heterogeneous/oblique_light.h"
 
 namespace lamina {
 namespace {

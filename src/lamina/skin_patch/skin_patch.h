@@ -13,9 +13,9 @@
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/io/json_file.h"
 #include "lamina/base/spectrum/band_set.h"
-#include "lamina/scattering/heterogeneous/heterogeneous_transport.h"
 #include "lamina/skin_maps/skin_maps.h"
 #include "lamina/skin_patch/material_texels.h"
+#include "lamina/solve/scattering/heterogeneous/heterogeneous_transport.h"
 
 namespace lamina {
 

@@ -14,8 +14,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/image/envi_file.h"
-#include "lamina/reflectance/leaf_totals_table.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/reflectance/leaf_totals_table.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/exchange/medium_fit/channel_light.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -14,7 +14,7 @@
 #include "lamina/layers/materials/pigments.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/layers/optics/mie.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

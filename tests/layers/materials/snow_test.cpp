@@ -13,7 +13,7 @@
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/mie.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

@@ -2,10 +2,10 @@
 #include <cstdio>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/diffusion/multipole.h"
-#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/diffusion/multipole.h"
+#include "lamina/solve/scattering/layered_bsdf/layered_bsdf.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 int main() {
   const lamina::LayerStack stack = lamina::layer_stack(lamina::find_material("jade"), 0);

@@ -11,10 +11,10 @@
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/materials/material_file.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/render/render.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

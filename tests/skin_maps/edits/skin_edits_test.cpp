@@ -14,9 +14,9 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/skin_maps/edits/skin_preview.h"
 #include "lamina/skin_maps/edits/skin_variations.h"
+#include "lamina/solve/reflectance/material_totals.h"
 
 namespace lamina {
 namespace {

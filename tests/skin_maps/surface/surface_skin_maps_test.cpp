@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/reflectance/skin_colors.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

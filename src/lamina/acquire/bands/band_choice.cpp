@@ -14,7 +14,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/symmetric_eigen.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {

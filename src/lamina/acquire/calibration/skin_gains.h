@@ -10,7 +10,7 @@
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/base/image/image.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 

@@ -10,7 +10,7 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/json_input.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::acquire_detail {
 

@@ -10,9 +10,9 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/parallel.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/heterogeneous/oblique_light.h"
 #include "lamina/skin_patch/skin_patch.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/heterogeneous/oblique_light.h"
 
 namespace lamina {
 namespace {

@@ -10,7 +10,7 @@
 #include "lamina/acquire/inversion/patch_capture.h"
 #include "lamina/base/core/dense_matrix.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/scattering/heterogeneous/transport_gradient.h"
+#include "lamina/solve/scattering/heterogeneous/transport_gradient.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {

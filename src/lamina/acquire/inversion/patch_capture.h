@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lamina/scattering/heterogeneous/blurs/gaussian_blurs.h"
+#include "lamina/solve/scattering/heterogeneous/blurs/gaussian_blurs.h"
 
 namespace lamina {
 

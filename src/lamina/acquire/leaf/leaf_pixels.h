@@ -15,7 +15,7 @@
 #include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/fit_parameter.h"
 #include "lamina/layers/materials/leaf.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/shared_gaussians.h"
 #include "lamina/exchange/misfit_json.h"
-#include "lamina/scattering/profile/gaussian_fit.h"
+#include "lamina/solve/scattering/profile/gaussian_fit.h"
 
 namespace lamina::detail {
 namespace {

@@ -7,13 +7,13 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/mesh/files/mesh_file.h"
+#include "lamina/solve/albedo_inversion/renderer_albedos.h"
 
 // Names and meanings: [glTF2] with KHR_materials_ior, _diffuse_transmission, _volume, and drafts of
 // KHR_materials_scatter.

@@ -6,7 +6,7 @@
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/photon_formats.h"
-#include "lamina/scattering/monte_carlo/mcml_input.h"
+#include "lamina/solve/scattering/monte_carlo/mcml_input.h"
 
 // Source: [Wang1995] §5.1.
 

@@ -8,7 +8,7 @@
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/photon_formats.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 // Source: MCX's JSON input of 2024 and its schema (mcxinput.json), lengths in voxels of LengthUnit
 // mm, coefficients in 1/mm; PyXOpto's mcml, in m and 1/m.

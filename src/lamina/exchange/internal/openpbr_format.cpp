@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/exchange/albedo_inversion/renderer_albedos.h"
-#include "lamina/exchange/albedo_inversion/subsurface_color.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/layers/optics/fresnel.h"
+#include "lamina/solve/albedo_inversion/renderer_albedos.h"
+#include "lamina/solve/albedo_inversion/subsurface_color.h"
 
 // Names and meanings: [OpenPBR] 1.1.1 and the node open_pbr_surface of MaterialX 1.39.
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina::detail {
 

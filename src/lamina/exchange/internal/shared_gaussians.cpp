@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lamina/scattering/profile/gaussian_fit.h"
+#include "lamina/solve/scattering/profile/gaussian_fit.h"
 
 namespace lamina::detail {
 namespace {

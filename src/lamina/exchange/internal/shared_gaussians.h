@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lamina/scattering/profile/profile.h"
+#include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina::detail {
 

@@ -8,8 +8,8 @@
 #include "lamina/base/io/npz_bytes.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling_bsdf.h"
 
 namespace lamina::detail {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/spectrum/band_color.h"
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/transport_profile/doubtful_profile.h"
-#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/transport_profile/doubtful_profile.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile_cache.h"
 
 namespace lamina {
 namespace {

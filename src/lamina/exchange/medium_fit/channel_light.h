@@ -10,7 +10,7 @@
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/profile/profile.h"
+#include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina {
 

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "lamina/fit/least_squares/nonlinear_fit.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/transport_profile/half_space_table.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/transport_profile/half_space_table.h"
 
 namespace lamina {
 namespace {

@@ -10,10 +10,10 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
 #include "lamina/fit/slab/slab_inversion.h"
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/transport_profile/half_space_table.h"
-#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/transport_profile/half_space_table.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile_cache.h"
 
 namespace lamina {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "lamina/integrating_sphere/integrating_sphere.h"
+#include "lamina/solve/integrating_sphere/integrating_sphere.h"
 
 namespace lamina::fit_detail {
 

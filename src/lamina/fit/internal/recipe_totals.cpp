@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/reflectance/leaf_totals_table.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/leaf_totals_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -9,13 +9,13 @@
 
 #include "lamina/base/core/quadrature.h"
 #include "lamina/fit/internal/sphere_totals.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/spatial_frequency/frequency_derivatives.h"
-#include "lamina/scattering/spatial_frequency/frequency_response.h"
-#include "lamina/scattering/transport_profile/spatial_frequency_response.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/spatial_frequency/frequency_derivatives.h"
+#include "lamina/solve/scattering/spatial_frequency/frequency_response.h"
+#include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::fit_detail {
 namespace {

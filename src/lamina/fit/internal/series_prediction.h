@@ -6,7 +6,7 @@
 
 #include "lamina/fit/measurement.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/adding_doubling_derivatives/layer_derivatives.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/layer_derivatives.h"
 
 namespace lamina::fit_detail {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "lamina/integrating_sphere/lost_light.h"
-#include "lamina/scattering/transport_profile/transfer_profile.h"
+#include "lamina/solve/integrating_sphere/lost_light.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile.h"
 
 namespace lamina::fit_detail {
 namespace {

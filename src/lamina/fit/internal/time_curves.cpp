@@ -10,8 +10,8 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/speed_of_light.h"
-#include "lamina/scattering/diffusion/pulsed_diffusion.h"
-#include "lamina/scattering/monte_carlo/photon_tracing.h"
+#include "lamina/solve/scattering/diffusion/pulsed_diffusion.h"
+#include "lamina/solve/scattering/monte_carlo/photon_tracing.h"
 
 namespace lamina::fit_detail {
 namespace {

@@ -7,7 +7,7 @@
 #include "lamina/fit/least_squares/band_misfit.h"
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/skin/skin_population.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lamina/fit/skin/internal/skin_population_table.h"
-#include "lamina/reflectance/skin_reflectance_table.h"
+#include "lamina/solve/reflectance/skin_reflectance_table.h"
 
 namespace lamina {
 namespace {

@@ -10,7 +10,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/fit/slab/internal/sample_model.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

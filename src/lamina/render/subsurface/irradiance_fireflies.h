@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "lamina/scattering/heterogeneous/blurs/cell_blurs.h"
+#include "lamina/solve/scattering/heterogeneous/blurs/cell_blurs.h"
 
 namespace lamina {
 

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "lamina/base/core/parallel.h"
-#include "lamina/reflectance/skin_colors.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/skin_maps/surface/surface_skin_maps.h"
+#include "lamina/solve/reflectance/skin_colors.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/surface/texture.h"
 
 namespace lamina {

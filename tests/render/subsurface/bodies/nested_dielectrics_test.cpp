@@ -9,8 +9,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -13,7 +13,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/image/image.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -12,8 +12,8 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/layered_bsdf/layered_bsdf.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/layered_bsdf/layered_bsdf.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -12,8 +12,8 @@
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/subsurface/profiles/gather_table.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/diffusion/layered_diffusion.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

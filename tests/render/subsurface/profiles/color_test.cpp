@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/profiles/radius_mixture.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -7,10 +7,10 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/absorption_series.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

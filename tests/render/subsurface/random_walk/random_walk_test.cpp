@@ -17,7 +17,7 @@
 #include "lamina/layers/optics/fresnel.h"
 #include "render/small_scenes.h"
 #include "render/subsurface/random_walk/walk_means.h"
-#include "scattering/monte_carlo/ball_photons.h"
+#include "solve/scattering/monte_carlo/ball_photons.h"
 
 namespace lamina {
 namespace {

@@ -14,8 +14,8 @@
 #include "lamina/layers/optics/rough/multiple_scattering.h"
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/adding_doubling/adding_doubling_bsdf.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling_bsdf.h"
 #include "render/small_scenes.h"
 #include "render/subsurface/random_walk/walk_means.h"
 

@@ -7,8 +7,8 @@
 
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
+#include "lamina/solve/reflectance/material_totals.h"
 #include "render/subsurface/single_scattering/light_once.h"
 
 namespace lamina {

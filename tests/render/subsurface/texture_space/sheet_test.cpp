@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/skin_patch/skin_patch.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 // Finite layers by texture_space: light that passes them leaves on their other side.

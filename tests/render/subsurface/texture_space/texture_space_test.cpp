@@ -18,7 +18,7 @@
 #include "lamina/render/subsurface/irradiance_fireflies.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_samples.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

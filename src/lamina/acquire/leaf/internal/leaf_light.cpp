@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lamina/reflectance/leaf_totals_table.h"
+#include "lamina/solve/reflectance/leaf_totals_table.h"
 
 namespace lamina::detail {
 namespace {

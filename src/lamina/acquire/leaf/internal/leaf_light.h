@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/progress.h"
 #include "lamina/layers/materials/leaf.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::detail {
 

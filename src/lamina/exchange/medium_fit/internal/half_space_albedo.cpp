@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 

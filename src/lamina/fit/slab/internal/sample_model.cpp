@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
-#include "lamina/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling_derivatives/adding_doubling_derivatives.h"
 
 namespace lamina::fit_detail {
 

@@ -8,7 +8,7 @@
 #include "lamina/fit/least_squares/nonlinear_fit.h"
 #include "lamina/fit/slab/slab_measurement.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/profile/slab_totals.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
 
 namespace lamina::fit_detail {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 

@@ -13,7 +13,7 @@
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
 #include "lamina/render/subsurface/surface_cells.h"
-#include "lamina/scattering/adding_doubling/adding_doubling.h"
+#include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {
 namespace {

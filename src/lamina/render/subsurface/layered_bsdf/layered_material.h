@@ -11,7 +11,7 @@
 #include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/scattering/layered_bsdf/sampled_layers.h"
+#include "lamina/solve/scattering/layered_bsdf/sampled_layers.h"
 
 namespace lamina {
 

@@ -6,8 +6,8 @@
 
 #include "lamina/base/core/vec_precision.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
-#include "lamina/scattering/layered_bsdf/layered_walk.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/scattering/layered_bsdf/layered_walk.h"
 
 namespace lamina {
 namespace {

@@ -12,11 +12,11 @@
 #include "lamina/base/core/float_pi.h"
 #include "lamina/layers/optics/henyey_greenstein.h"
 #include "lamina/layers/optics/same_ior.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/bodies/closed_bodies.h"
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {

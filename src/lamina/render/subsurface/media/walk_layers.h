@@ -14,7 +14,7 @@
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"
 #include "lamina/render/subsurface/depth_layers/layer_maps.h"
 #include "lamina/render/subsurface/media/walk_path.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 

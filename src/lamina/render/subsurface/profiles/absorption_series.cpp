@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lamina/reflectance/material_totals.h"
+#include "lamina/solve/reflectance/material_totals.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/profile/profile.h"
+#include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lamina/base/core/float_pi.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/nearby_point.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
 
 namespace lamina {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
+#include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/surface/map_range.h"
 
 namespace lamina {

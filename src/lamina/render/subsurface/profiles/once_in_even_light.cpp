@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {

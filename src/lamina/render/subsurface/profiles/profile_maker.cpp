@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/reflectance/material_totals.h"
-#include "lamina/scattering/diffusion/diffuse_boundary.h"
-#include "lamina/scattering/diffusion/diffusion_profile.h"
-#include "lamina/scattering/diffusion/dipole_profile.h"
-#include "lamina/scattering/transport_profile/half_space_table.h"
-#include "lamina/scattering/transport_profile/transfer_profile_cache.h"
 #include "lamina/scene/skin_totals.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/diffusion/diffusion_profile.h"
+#include "lamina/solve/scattering/diffusion/dipole_profile.h"
+#include "lamina/solve/scattering/transport_profile/half_space_table.h"
+#include "lamina/solve/scattering/transport_profile/transfer_profile_cache.h"
 
 namespace lamina {
 namespace {

@@ -10,8 +10,8 @@
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scattering/profile/profile.h"
 #include "lamina/scene/scene.h"
+#include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/scattering/profile/profile.h"
+#include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina {
 

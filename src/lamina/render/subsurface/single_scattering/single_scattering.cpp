@@ -9,11 +9,11 @@
 
 #include "lamina/base/core/float_pi.h"
 #include "lamina/layers/optics/henyey_greenstein.h"
-#include "lamina/reflectance/material_totals.h"
 #include "lamina/render/shading/refracted_entry.h"
 #include "lamina/render/subsurface/mean_ior.h"
 #include "lamina/render/subsurface/nearby_point.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/reflectance/material_totals.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 namespace {

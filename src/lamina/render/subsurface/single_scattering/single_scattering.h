@@ -13,7 +13,7 @@
 #include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/scattering/layered_bsdf/first_order.h"
+#include "lamina/solve/scattering/layered_bsdf/first_order.h"
 
 namespace lamina {
 

@@ -16,7 +16,7 @@
 #include "lamina/render/subsurface/texture_space/internal/band_layers.h"
 #include "lamina/render/subsurface/texture_space/internal/far_sides.h"
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
-#include "lamina/scattering/heterogeneous/surface_transport.h"
+#include "lamina/solve/scattering/heterogeneous/surface_transport.h"
 
 namespace lamina {
 

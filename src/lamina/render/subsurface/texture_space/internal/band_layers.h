@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lamina/base/io/disk_cache.h"
-#include "lamina/scattering/heterogeneous/surface_transport.h"
 #include "lamina/skin_patch/material_texels.h"
+#include "lamina/solve/scattering/heterogeneous/surface_transport.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
+#include "lamina/solve/scattering/heterogeneous/blurs/cell_graph.h"
 
 namespace lamina {
 

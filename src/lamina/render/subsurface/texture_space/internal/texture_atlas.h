@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/scattering/heterogeneous/blurs/cell_graph.h"
 #include "lamina/scene/scene.h"
+#include "lamina/solve/scattering/heterogeneous/blurs/cell_graph.h"
 #include "lamina/surface/surface_point.h"
 
 namespace lamina {

@@ -1,0 +1,72 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "lamina/layers/optics/medium.h"
+#include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
+#include "lamina/solve/scattering/diffusion/layered_diffusion.h"
+
+namespace lamina {
+
+/// The reduced albedo at which a model has a given total reflectance.
+struct AlbedoInversion {
+  double albedo_prime;  ///< in [0, 1]
+  double residual;      ///< of the reflectance there
+  bool converged;       ///< false if no albedo gives so much or so little: then the nearest end
+};
+
+/// Solves model(albedo_prime) = reflectance by Newton steps that are kept inside a bracket.
+///
+/// @param model        total reflectance for a reduced albedo in [0, 1], growing with it.
+/// @param reflectance  to be met within 1e-12.
+///
+/// The unknown is u = sqrt(1 - albedo'): over it a diffuse reflectance is smooth up to white, where
+/// its slope over the albedo is infinite.
+template <class Model>
+[[nodiscard]] AlbedoInversion invert_albedo(const Model& model, double reflectance) {
+  const auto excess = [&](double u) { return model(1.0 - u * u) - reflectance; };
+  double bright = 0.0, dark = 1.0;  // excess(bright) >= 0 >= excess(dark)
+  const double at_white = excess(bright), at_black = excess(dark);
+  if (at_white <= 0.0) return {1.0, at_white, at_white > -1e-12};
+  if (at_black >= 0.0) return {0.0, at_black, at_black < 1e-12};
+  double u = 0.5, value = excess(u);
+  for (int step = 0; step < 100 && std::abs(value) > 1e-13; ++step) {
+    (value > 0.0 ? bright : dark) = u;
+    const double h = 1e-6 * std::max(u, 1e-3);
+    const double newton = u - value * h / (excess(u + h) - value);
+    u = bright < newton && newton < dark ? newton : 0.5 * (bright + dark);
+    value = excess(u);
+  }
+  return {1.0 - u * u, value, std::abs(value) < 1e-12};
+}
+
+/// The same for the dipole, a half-space of index `ior_inside` under `ior_outside`.
+///
+/// Source: the inverse of [Jensen2001] Eq. 15, which [JensenBuhler2002] and [Hery2003] tabulate.
+[[nodiscard]] AlbedoInversion invert_dipole_albedo(double reflectance, double ior_inside,
+                                                   double ior_outside,
+                                                   const DiffusionOptions& options = {});
+
+/// A medium as artists ask for it, by its look.
+struct DiffuseLook {
+  double reflectance;  ///< total diffuse reflectance per entered flux, in [0, 1)
+  double diffuse_mfp;  ///< 1 / sigma_tr, how far diffused light spreads [mm], > 0
+};
+
+/// The medium whose half-space has that look by the dipole.
+///
+/// @param g    mean cosine that it shall have, in (-1, 1); ior its index.
+/// @throws InvalidInput if the look cannot be: a white medium spreads without end.
+///
+/// Source: [JensenBuhler2002] §5, [Hery2003] §2.
+[[nodiscard]] Medium medium_from_look(const DiffuseLook& look, double g, double ior,
+                                      double ior_outside, const DiffusionOptions& options = {});
+
+/// The half-space that looks most like a stack of layers if one layer must do: of the same total
+/// reflectance, and falling to half of it at the same spatial frequency.
+[[nodiscard]] Medium equivalent_half_space(const LayerStack& stack,
+                                           const DiffusionOptions& options = {});
+
+}  // namespace lamina
