@@ -16,8 +16,6 @@
 #include "acquire_page.h"
 #include "commands.h"
 #include "console.h"
-#include "lamina/acquire/acquired_files.h"
-#include "lamina/acquire/skin_acquisition.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/hash.h"
 #include "lamina/base/core/number_text.h"
@@ -26,6 +24,8 @@
 #include "lamina/base/io/file_bytes.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/plot/html_page.h"
+#include "lamina/skin/acquire/acquired_files.h"
+#include "lamina/skin/acquire/skin_acquisition.h"
 #include "picture_files.h"
 #include "shard_option.h"
 

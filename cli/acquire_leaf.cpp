@@ -14,7 +14,7 @@
 #include "lamina/base/plot/html_page.h"
 #include "lamina/base/plot/map_picture.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/fit/least_squares/nonlinear_fit.h"
+#include "lamina/skin/fit/least_squares/nonlinear_fit.h"
 
 namespace lamina::cli {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "lamina/acquire/leaf_acquisition.h"
 #include "lamina/base/io/json_output.h"
+#include "lamina/skin/acquire/leaf_acquisition.h"
 
 namespace lamina::cli {
 

@@ -14,7 +14,7 @@
 #include "lamina/base/plot/html_page.h"
 #include "lamina/base/plot/map_picture.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/fit/skin/number_unit.h"
+#include "lamina/skin/fit/skin/number_unit.h"
 
 namespace lamina::cli {
 namespace {

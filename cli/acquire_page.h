@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/acquire/acquisition_check.h"
 #include "lamina/base/io/json_output.h"
+#include "lamina/skin/acquire/acquisition_check.h"
 
 namespace lamina::cli {
 

@@ -11,13 +11,13 @@
 #include "commands.h"
 #include "console.h"
 #include "edit_steps.h"
-#include "lamina/acquire/bands/band_choice.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/io/write_places.h"
-#include "lamina/skin_maps/edits/skin_preview.h"
-#include "lamina/skin_maps/edits/skin_variations.h"
+#include "lamina/skin/acquire/bands/band_choice.h"
+#include "lamina/skin/maps/edits/skin_preview.h"
+#include "lamina/skin/maps/edits/skin_variations.h"
 
 namespace lamina::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "command.h"
 #include "lamina/base/core/memory_budget.h"
 #include "lamina/base/io/json_output.h"
-#include "lamina/skin_maps/edits/skin_edits.h"
+#include "lamina/skin/maps/edits/skin_edits.h"
 
 namespace lamina::cli {
 

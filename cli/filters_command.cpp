@@ -10,11 +10,11 @@
 
 #include "commands.h"
 #include "console.h"
-#include "lamina/acquire/bands/band_choice.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/io/csv_table.h"
 #include "lamina/base/plot/plot.h"
+#include "lamina/skin/acquire/bands/band_choice.h"
 
 namespace lamina::cli {
 namespace {

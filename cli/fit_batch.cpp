@@ -24,7 +24,7 @@
 #include "lamina/base/io/files_read.h"
 #include "lamina/base/io/folder_names.h"
 #include "lamina/base/spectrum/spectrum_table.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "shard_option.h"
 
 namespace lamina::cli {

@@ -10,8 +10,8 @@
 #include "fit_report.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/file_bytes.h"
-#include "lamina/fit/measurement_fit.h"
 #include "lamina/layers/materials/material.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "shard_option.h"
 
 namespace lamina::cli {

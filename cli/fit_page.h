@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 
 namespace lamina::cli {
 

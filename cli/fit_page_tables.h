@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/plot/html_page.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 
 // Tables of the page of a fit, as HTML.
 

@@ -7,7 +7,7 @@
 
 #include "lamina/base/io/json_output.h"
 #include "lamina/base/plot/plot.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 
 namespace lamina::cli {
 

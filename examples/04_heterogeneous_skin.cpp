@@ -8,8 +8,8 @@
 
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/disk_cache.h"
-#include "lamina/skin_maps/skin_features.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "lamina/skin/maps/skin_features.h"
+#include "lamina/skin/patch/skin_patch.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 #include "arrays.h"
 #include "json_files.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "work.h"
 
 namespace lamina::python {

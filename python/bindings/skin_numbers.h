@@ -8,7 +8,7 @@
 #include "choices.h"
 #include "images.h"
 #include "lamina/base/core/error.h"
-#include "lamina/skin_maps/skin_maps.h"
+#include "lamina/skin/maps/skin_maps.h"
 
 namespace lamina::python {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 
 namespace {
 

@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "lamina/base/core/quadrature.h"
-#include "lamina/fit/measurement_fit.h"
 #include "lamina/layers/optics/fresnel.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Fits measured spectra of skin, prints the table of docs/fit.md, and what forearm_population
-// knows, as src/lamina/fit/skin/internal/skin_population_table.h.
+// knows, as src/lamina/skin/fit/skin/internal/skin_population_table.h.
 //
 //   skin_spectra SPECTRA.csv [TABLE|POPULATION.json] [--others OTHERS.csv]
 //
@@ -24,7 +24,7 @@
 #include "lamina/base/core/symmetric_eigen.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/base/spectrum/color.h"
-#include "lamina/fit/skin/skin_fit.h"
+#include "lamina/skin/fit/skin/skin_fit.h"
 
 namespace {
 

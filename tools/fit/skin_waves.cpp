@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "fit/normal_number.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "lamina/solve/scattering/transport_profile/spatial_frequency_response.h"
+#include "skin/fit/normal_number.h"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "lamina/skin_maps/skin_features.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "lamina/skin/maps/skin_features.h"
+#include "lamina/skin/patch/skin_patch.h"
 
 namespace {
 

@@ -20,11 +20,11 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/acquire/leaf/leaf_pixels.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/envi_file.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/spectrum/band_color.h"
+#include "lamina/skin/acquire/leaf/leaf_pixels.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 // SIZE is the side in texels, a multiple of 16; SAMPLES are those of the standard deviations. Noise
 // is .005 of the mean of each image, constants of skin are those of the paper unless "calibrated".
 // The cache of the user keeps the tables.
-#include "lamina/acquire/inversion/patch_inversion.h"
+#include "lamina/skin/acquire/inversion/patch_inversion.h"
 
 #include <algorithm>
 #include <chrono>
@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "acquire/inversion/synthetic_patch.h"
 #include "lamina/base/core/parallel.h"
+#include "skin/acquire/inversion/synthetic_patch.h"
 
 namespace {
 

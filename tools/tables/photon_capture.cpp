@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "acquire/inversion/synthetic_patch.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/layers/materials/skin.h"
 #include "lamina/solve/scattering/monte_carlo/patch_photons.h"
+#include "skin/acquire/inversion/synthetic_patch.h"
 
 int main(int argc, char** argv) {
   using namespace lamina;

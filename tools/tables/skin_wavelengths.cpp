@@ -12,8 +12,8 @@
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/layers/materials/material.h"
-#include "lamina/skin_maps/skin_features.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "lamina/skin/maps/skin_features.h"
+#include "lamina/skin/patch/skin_patch.h"
 
 namespace {
 

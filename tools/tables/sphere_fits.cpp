@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "fit/normal_number.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/base/core/random.h"
-#include "lamina/fit/measurement_fit.h"
+#include "lamina/skin/fit/measurement_fit.h"
 #include "lamina/solve/integrating_sphere/lost_light.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
+#include "skin/fit/normal_number.h"
 
 namespace {
 

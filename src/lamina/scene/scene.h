@@ -26,7 +26,7 @@
 #include "lamina/layers/materials/material.h"
 #include "lamina/mesh/mesh.h"
 #include "lamina/scene/scene_method.h"
-#include "lamina/skin_maps/material_maps.h"
+#include "lamina/skin/maps/material_maps.h"
 
 namespace lamina {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "lamina/fit/least_squares/nonlinear_fit.h"
+#include "lamina/skin/fit/least_squares/nonlinear_fit.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/transport_profile/half_space_table.h"
 

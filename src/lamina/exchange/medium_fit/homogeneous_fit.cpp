@@ -9,7 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
 #include "lamina/exchange/medium_fit/internal/half_space_albedo.h"
-#include "lamina/fit/slab/slab_inversion.h"
+#include "lamina/skin/fit/slab/slab_inversion.h"
 #include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/transport_profile/half_space_table.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/skin_patch/skin_patch.h"
+#include "lamina/skin/patch/skin_patch.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "render/small_scenes.h"
 

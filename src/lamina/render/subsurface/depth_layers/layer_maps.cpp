@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/image/resample.h"
-#include "lamina/skin_patch/material_texels.h"
+#include "lamina/skin/patch/material_texels.h"
 
 namespace lamina {
 namespace {

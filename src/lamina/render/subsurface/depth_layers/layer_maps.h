@@ -8,7 +8,7 @@
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/render/subsurface/depth_layers/depth_layers.h"
-#include "lamina/skin_maps/material_maps.h"
+#include "lamina/skin/maps/material_maps.h"
 
 namespace lamina {
 

@@ -14,7 +14,7 @@
 #include "lamina/render/subsurface/surface_cells.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_samples.h"
-#include "lamina/skin_patch/material_texels.h"
+#include "lamina/skin/patch/material_texels.h"
 
 namespace lamina {
 namespace {

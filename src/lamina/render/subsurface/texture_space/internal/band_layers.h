@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/io/disk_cache.h"
-#include "lamina/skin_patch/material_texels.h"
+#include "lamina/skin/patch/material_texels.h"
 #include "lamina/solve/scattering/heterogeneous/surface_transport.h"
 
 namespace lamina {

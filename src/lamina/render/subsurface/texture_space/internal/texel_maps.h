@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lamina/render/subsurface/texture_space/internal/texture_atlas.h"
-#include "lamina/skin_maps/material_maps.h"
-#include "lamina/skin_patch/material_texels.h"
+#include "lamina/skin/maps/material_maps.h"
+#include "lamina/skin/patch/material_texels.h"
 
 namespace lamina {
 

@@ -1,0 +1,40 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lamina/base/core/vec.h"
+#include "lamina/base/image/image_file.h"
+#include "lamina/base/io/json_input.h"
+#include "lamina/skin/acquire/calibration/color_chart.h"
+#include "lamina/skin/acquire/calibration/develop.h"
+#include "lamina/skin/acquire/internal/decoded_sensor.h"
+#include "lamina/solve/scattering/profile/slab_totals.h"
+
+namespace lamina::acquire_detail {
+
+/// One entry of "images": what it reflects in its bands, and how its channels see.
+struct DecodedPhotograph {
+  Developed developed;  ///< of the channels that are measured
+  DecodedSensor sensor;
+  Image light;                     ///< its pattern, "Y"; empty: even
+  std::string light_file;          ///< that it is from
+  std::vector<double> errors;      ///< [band] of the calibration, relative
+  std::vector<std::string> notes;  ///< what was done, in sentences
+};
+/// @param incidence  of the light on the white
+[[nodiscard]] DecodedPhotograph decode_photograph(const JsonInput& value,
+                                                  const Incidence& incidence);
+
+/// Excludes the pixels of a color chart, which are no skin.
+void leave_out_chart(const ChartCorners& corners, PixelMask& mask);
+
+/// An image without infinities and NaN.
+[[nodiscard]] Image load_finite(const JsonInput& file, ColorEncoding encoding);
+
+/// Corners in pixels from the upper left corner. @param fewest,most  of them
+[[nodiscard]] std::vector<Vec2> decode_corners(const JsonInput& value, std::size_t fewest,
+                                               std::size_t most);
+
+}  // namespace lamina::acquire_detail
