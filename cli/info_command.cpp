@@ -17,11 +17,11 @@
 #include "info_kinds.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/io/nearest_name.h"
-#include "lamina/mesh/files/mesh_file.h"
-#include "lamina/mesh/mesh_report.h"
-#include "lamina/scene/file_materials.h"
-#include "lamina/scene/plausible_size.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/file_materials.h"
+#include "lamina/scene/description/plausible_size.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/mesh/files/mesh_file.h"
+#include "lamina/scene/mesh/mesh_report.h"
 
 namespace lamina::cli {
 namespace {

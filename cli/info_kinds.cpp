@@ -18,7 +18,7 @@
 #include "lamina/base/io/file_bytes.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/base/spectrum/spectrum_table.h"
-#include "lamina/mesh/files/materialx_file.h"
+#include "lamina/scene/mesh/files/materialx_file.h"
 #include "lamina/solve/scattering/monte_carlo/mcml_input.h"
 
 namespace lamina::cli {

@@ -13,9 +13,9 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/io/write_places.h"
+#include "lamina/scene/skin_surface/surface_skin_maps.h"
 #include "lamina/skin/maps/mapped_skin_json.h"
 #include "lamina/skin/maps/skin_features.h"
-#include "lamina/skin/maps/surface/surface_skin_maps.h"
 #include "picture_files.h"
 
 namespace lamina::cli {

@@ -14,7 +14,7 @@
 #include "lamina/base/image/tone.h"
 #include "lamina/base/plot/picture_sheet.h"
 #include "lamina/render/render.h"
-#include "lamina/scene/method_settings.h"
+#include "lamina/scene/description/method_settings.h"
 
 namespace lamina::cli {
 namespace {

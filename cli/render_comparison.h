@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina::cli {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 #include "picture_files.h"
 #include "picture_look.h"
 #include "shard_option.h"

@@ -15,7 +15,7 @@
 #include "lamina/base/image/denoise.h"
 #include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
-#include "lamina/scene/skin_totals.h"
+#include "lamina/scene/description/skin_totals.h"
 #include "render_options.h"
 #include "shard_option.h"
 

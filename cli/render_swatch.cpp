@@ -5,7 +5,7 @@
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/render/render.h"
-#include "lamina/scene/swatch_scene.h"
+#include "lamina/scene/description/swatch_scene.h"
 
 namespace lamina::cli {
 

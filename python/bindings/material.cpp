@@ -12,7 +12,7 @@
 #include "lamina/layers/materials/builtin_texts.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/materials/material_file.h"
-#include "lamina/scene/swatch_scene.h"
+#include "lamina/scene/description/swatch_scene.h"
 #include "layer_stacks.h"
 #include "natives.h"
 

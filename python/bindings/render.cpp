@@ -22,10 +22,10 @@
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/render/light_layers.h"
 #include "lamina/render/render.h"
-#include "lamina/scene/method_settings.h"
-#include "lamina/scene/plausible_size.h"
-#include "lamina/scene/scene.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/method_settings.h"
+#include "lamina/scene/description/plausible_size.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/description/subsurface_methods.h"
 #include "work.h"
 
 namespace lamina::python {

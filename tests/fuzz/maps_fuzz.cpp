@@ -1,8 +1,8 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // Recipes of maps, flat and over meshes.
 #include "fuzz_input.h"
+#include "lamina/scene/skin_surface/surface_skin_maps.h"
 #include "lamina/skin/maps/skin_features.h"
-#include "lamina/skin/maps/surface/surface_skin_maps.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lamina;

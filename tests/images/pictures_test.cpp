@@ -20,7 +20,7 @@
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/spectrum/color.h"
 #include "lamina/render/render.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/subsurface_methods.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lamina/render/render.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

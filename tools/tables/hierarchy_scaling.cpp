@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "lamina/base/plot/plot.h"
-#include "lamina/mesh/mesh.h"
-#include "lamina/mesh/mesh_shapes.h"
 #include "lamina/render/render.h"
+#include "lamina/scene/mesh/mesh.h"
+#include "lamina/scene/mesh/mesh_shapes.h"
 #include "run_apart.h"
 
 namespace lamina {

@@ -35,10 +35,10 @@
 #include "lamina/render/subsurface/methods/make_methods.h"
 #include "lamina/render/subsurface/preparation.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
-#include "lamina/scene/common_bands.h"
-#include "lamina/scene/material_layer_maps.h"
-#include "lamina/scene/materials_in_use.h"
-#include "lamina/scene/method_settings.h"
+#include "lamina/scene/description/common_bands.h"
+#include "lamina/scene/description/material_layer_maps.h"
+#include "lamina/scene/description/materials_in_use.h"
+#include "lamina/scene/description/method_settings.h"
 
 namespace lamina {
 namespace {

@@ -10,8 +10,8 @@
 #include "lamina/base/image/image.h"
 #include "lamina/base/image/image_file.h"
 #include "lamina/base/image/image_frame.h"
-#include "lamina/scene/render_options.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/render_options.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lamina/base/core/random.h"
-#include "lamina/scene/studio_environment.h"
+#include "lamina/scene/description/studio_environment.h"
 
 namespace lamina {
 namespace {

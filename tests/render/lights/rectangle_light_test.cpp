@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/render/lights/lights.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 namespace {

@@ -9,7 +9,7 @@
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/core/random.h"
 #include "lamina/render/lights/internal/environment.h"
-#include "lamina/surface/noise.h"
+#include "lamina/scene/surface/noise.h"
 
 namespace lamina {
 namespace {

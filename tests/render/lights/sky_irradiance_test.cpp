@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/subsurface_methods.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

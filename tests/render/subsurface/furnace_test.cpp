@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scene/method_settings.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/method_settings.h"
+#include "lamina/scene/description/subsurface_methods.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -12,7 +12,7 @@
 #include "lamina/exchange/internal/thin_sheet.h"
 #include "lamina/exchange/misfit_json.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/mesh/files/mesh_file.h"
+#include "lamina/scene/mesh/files/mesh_file.h"
 #include "lamina/solve/albedo_inversion/renderer_albedos.h"
 
 // Names and meanings: [glTF2] with KHR_materials_ior, _diffuse_transmission, _volume, and drafts of

@@ -6,7 +6,7 @@
 
 #include "lamina/base/image/cryptomatte.h"
 #include "lamina/render/film/camera_sample.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

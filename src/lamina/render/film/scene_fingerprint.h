@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "lamina/scene/render_options.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/render_options.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -5,8 +5,8 @@
 
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/core/vec.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

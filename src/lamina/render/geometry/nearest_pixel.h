@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "lamina/render/geometry/camera_rays.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -9,8 +9,8 @@
 #include <span>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/mesh/mesh.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/mesh/mesh.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -11,8 +11,8 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/render/lights/internal/environment.h"
 #include "lamina/render/lights/internal/light_shapes.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

@@ -10,7 +10,7 @@
 #include "lamina/render/shading/thin_sheet.h"
 #include "lamina/render/subsurface/layered_bsdf/layered_material.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

@@ -10,9 +10,9 @@
 #include "lamina/render/subsurface/bodies/optical_size.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/random_walk/walk_refusal.h"
-#include "lamina/scene/materials_in_use.h"
-#include "lamina/scene/method_settings.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/materials_in_use.h"
+#include "lamina/scene/description/method_settings.h"
+#include "lamina/scene/description/subsurface_methods.h"
 
 namespace lamina {
 namespace {

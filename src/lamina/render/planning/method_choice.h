@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lamina/scene/render_options.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/render_options.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -9,7 +9,7 @@
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
-#include "lamina/scene/materials_in_use.h"
+#include "lamina/scene/description/materials_in_use.h"
 #include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 

@@ -4,8 +4,8 @@
 #include "lamina/base/core/low_discrepancy.h"
 #include "lamina/base/core/vec.h"
 #include "lamina/layers/optics/rough/rough_interface.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/texture.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/texture.h"
 
 namespace lamina {
 

@@ -8,7 +8,7 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/render/lights/lights.h"
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lamina/base/core/error.h"
-#include "lamina/scene/materials_in_use.h"
+#include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {
 namespace {

@@ -8,9 +8,9 @@
 #include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/geometry/ray_geometry.h"
 #include "lamina/render/lights/lights.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/surface_point.h"
-#include "lamina/surface/texture.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/surface_point.h"
+#include "lamina/scene/surface/texture.h"
 
 namespace lamina {
 

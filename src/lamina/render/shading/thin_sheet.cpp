@@ -9,7 +9,7 @@
 #include "lamina/base/core/quadrature.h"
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/shading/internal/cosine_table.h"
-#include "lamina/scene/materials_in_use.h"
+#include "lamina/scene/description/materials_in_use.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 
 namespace lamina {

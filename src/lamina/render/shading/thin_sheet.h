@@ -7,8 +7,8 @@
 
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/render/shading/internal/cosine_table.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/texture.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/texture.h"
 
 namespace lamina {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lamina/render/subsurface/irradiance_cloud.h"
-#include "lamina/scene/render_options.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/render_options.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "lamina/render/shading/render_scene.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

@@ -10,7 +10,7 @@
 #include "lamina/render/subsurface/light_cache.h"
 #include "lamina/render/subsurface/seen_surface.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/scene/render_options.h"
+#include "lamina/scene/description/render_options.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

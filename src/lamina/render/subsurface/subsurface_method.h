@@ -9,7 +9,7 @@
 #include "lamina/base/spectrum/band_values.h"
 #include "lamina/layers/optics/rough/surface_boundary.h"
 #include "lamina/render/lights/sky_irradiance.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

@@ -12,7 +12,7 @@
 #include "lamina/base/core/hash.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/base/core/random.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 namespace {

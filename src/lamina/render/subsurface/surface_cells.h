@@ -7,7 +7,7 @@
 
 #include "lamina/base/core/vec.h"
 #include "lamina/render/subsurface/spacing_field.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lamina/scene/scene.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

@@ -11,7 +11,7 @@
 #include "lamina/render/render.h"
 #include "lamina/render/subsurface/leaving_fraction.h"
 #include "lamina/render/subsurface/methods/make_methods.h"
-#include "lamina/scene/method_settings.h"
+#include "lamina/scene/description/method_settings.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

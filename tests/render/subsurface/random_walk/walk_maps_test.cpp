@@ -14,7 +14,7 @@
 #include "lamina/layers/materials/skin.h"
 #include "lamina/render/shading/band_conversion.h"
 #include "lamina/render/subsurface/media/walk_layers.h"
-#include "lamina/scene/common_bands.h"
+#include "lamina/scene/description/common_bands.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "lamina/solve/scattering/monte_carlo/patch_photons.h"
 #include "render/small_scenes.h"

@@ -9,7 +9,7 @@
 #include "lamina/render/lights/light_views.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/shadow_map/internal/shadow_buffer.h"
-#include "lamina/scene/studio_environment.h"
+#include "lamina/scene/description/studio_environment.h"
 #include "render/small_scenes.h"
 
 namespace lamina {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/scene/scene.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 namespace {

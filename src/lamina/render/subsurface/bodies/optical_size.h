@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

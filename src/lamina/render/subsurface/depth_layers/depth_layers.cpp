@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 namespace {

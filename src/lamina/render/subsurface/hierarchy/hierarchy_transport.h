@@ -13,7 +13,7 @@
 #include "lamina/render/subsurface/profiles/gather_profiles.h"
 #include "lamina/render/subsurface/profiles/material_profiles.h"
 #include "lamina/render/subsurface/spacing_field.h"
-#include "lamina/surface/point_grid.h"
+#include "lamina/scene/surface/point_grid.h"
 
 namespace lamina {
 

@@ -9,7 +9,7 @@
 #include "lamina/base/core/float_within.h"
 #include "lamina/base/core/parallel.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
-#include "lamina/surface/map_range.h"
+#include "lamina/scene/surface/map_range.h"
 
 namespace lamina {
 namespace {

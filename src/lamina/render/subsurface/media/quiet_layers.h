@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lamina/layers/materials/material.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

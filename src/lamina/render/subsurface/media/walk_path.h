@@ -7,7 +7,7 @@
 #include "lamina/base/core/random.h"
 #include "lamina/base/core/vec.h"
 #include "lamina/base/spectrum/band_values.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

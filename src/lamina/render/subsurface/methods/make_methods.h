@@ -8,9 +8,9 @@
 #include "lamina/render/shading/render_scene.h"
 #include "lamina/render/subsurface/profiles/profile_maker.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/scene/materials_in_use.h"
-#include "lamina/scene/render_options.h"
-#include "lamina/scene/subsurface_methods.h"
+#include "lamina/scene/description/materials_in_use.h"
+#include "lamina/scene/description/render_options.h"
+#include "lamina/scene/description/subsurface_methods.h"
 
 namespace lamina {
 

@@ -11,8 +11,8 @@
 #include "lamina/layers/optics/fresnel.h"
 #include "lamina/render/subsurface/profiles/colored_transport.h"
 #include "lamina/render/subsurface/profiles/once_in_even_light.h"
+#include "lamina/scene/surface/map_range.h"
 #include "lamina/solve/reflectance/material_totals.h"
-#include "lamina/surface/map_range.h"
 
 namespace lamina {
 namespace {

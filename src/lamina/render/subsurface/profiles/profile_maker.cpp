@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/scene/skin_totals.h"
+#include "lamina/scene/description/skin_totals.h"
 #include "lamina/solve/reflectance/material_totals.h"
 #include "lamina/solve/scattering/diffusion/diffuse_boundary.h"
 #include "lamina/solve/scattering/diffusion/diffusion_profile.h"

@@ -10,7 +10,7 @@
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/layers/materials/material.h"
 #include "lamina/layers/optics/layer_stack.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 #include "lamina/solve/scattering/profile/profile.h"
 
 namespace lamina {

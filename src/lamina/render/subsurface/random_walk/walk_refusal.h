@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
 
 namespace lamina {
 

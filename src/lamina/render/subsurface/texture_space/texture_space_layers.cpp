@@ -6,7 +6,7 @@
 #include "lamina/base/core/number_text.h"
 #include "lamina/render/subsurface/texture_space/internal/texel_maps.h"
 #include "lamina/render/subsurface/texture_space/texture_space_transport.h"
-#include "lamina/scene/skin_totals.h"
+#include "lamina/scene/description/skin_totals.h"
 
 namespace lamina {
 namespace {

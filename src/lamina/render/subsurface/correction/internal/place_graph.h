@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lamina/base/core/parallel_chunks.h"
-#include "lamina/surface/point_grid.h"
+#include "lamina/scene/surface/point_grid.h"
 
 namespace lamina {
 

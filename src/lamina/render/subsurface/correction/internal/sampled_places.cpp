@@ -8,7 +8,7 @@
 #include "lamina/base/core/parallel_chunks.h"
 #include "lamina/render/geometry/hemisphere.h"
 #include "lamina/render/subsurface/correction/internal/zones_by_creases.h"
-#include "lamina/surface/point_grid.h"
+#include "lamina/scene/surface/point_grid.h"
 
 namespace lamina {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/mesh/mesh.h"
+#include "lamina/scene/mesh/mesh.h"
 
 namespace lamina {
 

@@ -5,7 +5,7 @@
 #include "lamina/base/core/vec.h"
 #include "lamina/layers/optics/layer_stack.h"
 #include "lamina/render/shading/dielectric_scattering.h"
-#include "lamina/surface/surface_point.h"
+#include "lamina/scene/surface/surface_point.h"
 
 namespace lamina {
 

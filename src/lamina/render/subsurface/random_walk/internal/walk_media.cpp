@@ -11,7 +11,7 @@
 #include "lamina/render/subsurface/media/quiet_layers.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/random_walk.h"
-#include "lamina/scene/materials_in_use.h"
+#include "lamina/scene/description/materials_in_use.h"
 
 namespace lamina {
 namespace {

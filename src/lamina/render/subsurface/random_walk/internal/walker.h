@@ -8,7 +8,7 @@
 #include "lamina/render/subsurface/random_walk/internal/walk_boundary.h"
 #include "lamina/render/subsurface/random_walk/internal/walk_media.h"
 #include "lamina/render/subsurface/subsurface_method.h"
-#include "lamina/surface/ray.h"
+#include "lamina/scene/surface/ray.h"
 
 namespace lamina {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/scene/scene.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/scene/surface/surface_point.h"
 #include "lamina/solve/scattering/heterogeneous/blurs/cell_graph.h"
-#include "lamina/surface/surface_point.h"
 
 namespace lamina {
 

@@ -1,0 +1,137 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lamina/base/core/memory_budget.h"
+#include "lamina/base/core/progress.h"
+#include "lamina/base/image/image.h"
+#include "lamina/base/io/json_file.h"
+#include "lamina/scene/description/scene.h"
+#include "lamina/skin/maps/skin_features.h"
+
+namespace lamina {
+
+/// Where on a surface a feature is: around points, less and less up to their radius. No points:
+/// everywhere.
+struct SurfacePlaces {
+  struct Place {
+    Vec3f at;  ///< [mm]
+    float radius = 10.0f;
+  };
+  std::vector<Place> places;
+  /// In [0, 1].
+  [[nodiscard]] float weight(const Vec3f& position) const;
+};
+
+/// More of something around some places: a flush, lips, shadows under the eyes.
+struct Flush {
+  double melanin = 0.0, hemoglobin_epidermis = 0.0, hemoglobin_dermis = 0.0;  ///< added
+};
+
+/// A net of vessels, where smooth noise in space passes 0.
+struct VesselNet {
+  double size = 12.0;        ///< typical width of a mesh of the net [mm]
+  double width = 0.8;        ///< of a vessel as it is seen [mm]
+  double hemoglobin = 0.03;  ///< of the dermis, added at its middle
+  double saturation = 0.45;  ///< of that blood
+};
+
+/// Melanin, blood and its oxygen that make uniform skin look like an image of the surface.
+struct ColorOfSkin {
+  Image image;
+  /// Factor on the image. A photograph knows reflectances but for such a factor, and skin does not
+  /// get as bright as textures are painted. Absent: by match_exposure.
+  std::optional<double> exposure = std::nullopt;
+};
+
+/// Ink at a place of the surface.
+struct SurfaceTattoo {
+  Tattoo ink;         ///< its image, width and absorbance
+  Vec3f at;           ///< [mm]
+  double turn = 0.0;  ///< [rad], counterclockwise; the image stands upright, +y of the mesh up
+};
+
+/// Blood pressed out of a disc at a place of the surface.
+struct SurfacePress {
+  PressedDisc disc;  ///< its diameter and share
+  Vec3f at;          ///< [mm]
+};
+
+/// A tube of blood that wanders along the surface, and its branches, which have half as many.
+struct SurfaceVein {
+  Veins look;      ///< its diameter where it begins (the larger one), levels, depth, blood
+  Vec3f from, to;  ///< [mm]
+  int branches = 3;
+};
+
+/// A feature on a surface.
+struct SurfaceFeature {
+  std::variant<MelaninSpots, VesselNet, Flush, Unevenness, ColorOfSkin, Synthesis, SurfaceTattoo,
+               SurfacePress, SurfaceVein>
+      kind;
+  SurfacePlaces where;
+};
+
+/// What `lamina maps` makes maps of, on a mesh: images over its texture coordinates.
+struct SurfaceMapRecipe {
+  int width = 1024, height = 1024;
+  std::uint64_t seed = 0;
+  std::vector<Mesh> meshes;  ///< one, of one material
+  SkinMaps base;             ///< numbers only
+  std::vector<SurfaceFeature> features;
+};
+
+/// Reads a recipe with "surface"; docs/heterogeneous_skin.md has the format. Absent: the file has
+/// none, it is for a flat patch.
+/// @throws FileError, InvalidInput
+[[nodiscard]] std::optional<SurfaceMapRecipe> load_surface_map_recipe(
+    const JsonFile& file, MemoryBudget memory = {}, std::span<const std::string> settings = {});
+
+/// The maps of the parameters that vary. What lies next to the charts goes on as their borders do.
+/// @throws Interrupted if progress asks to stop.
+[[nodiscard]] std::vector<SkinMap> make_surface_maps(const SurfaceMapRecipe& recipe,
+                                                     const Progress& progress = {});
+
+/// Melanin, and blood and its oxygen, for a color: by adding-doubling of uniform skin in eight
+/// bands.
+class SkinOfColor {
+ public:
+  explicit SkinOfColor(const SkinParameters& base);
+  struct Value {
+    SkinParameters skin;  ///< `base`, other melanin, blood and saturations
+    /// How far the look of that skin is from what was asked for: the distance of the logarithms of
+    /// luminance, red over green, and blue over green.
+    double error;
+  };
+  /// The nearest that skin gets to a reflectance, linear Rec.709, of all shares of melanin from
+  /// .002 to .45, of blood from .0008 to .09, and saturations from .4 to 1; where those are not red
+  /// enough, as for lips, of blood in the epidermis up to .03. Hues count twice as much as
+  /// luminance. Saturation stays close to that of `base` where it matters little.
+  [[nodiscard]] Value at(const Vec3f& reflectance) const;
+
+ private:
+  /// Between the nodes: logarithms of luminance, redness, blueness, the last two with their weight.
+  [[nodiscard]] Vec3 look_at(const std::array<double, 3>& places) const;
+  SkinParameters base_;
+  std::vector<Vec3> looks_;  ///< [redder][melanin][blood]
+};
+
+/// How well colors are those of skin.
+struct ColorMatch {
+  double exposure = 1.0;  ///< factor on the colors
+  double error = 0.0;     ///< median over the colors, as of SkinOfColor::Value
+};
+
+/// The exposure, in eighths of a stop from -3 to 1, at which colors are most like skin.
+[[nodiscard]] ColorMatch match_exposure(const SkinOfColor& table, std::span<const Vec3f> colors);
+/// The same for the image of a feature, where the surface of the recipe shows it.
+[[nodiscard]] ColorMatch match_exposure(const SurfaceMapRecipe& recipe, const ColorOfSkin& color);
+
+}  // namespace lamina

@@ -1,0 +1,21 @@
+// Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lamina/scene/description/scene.h"
+
+namespace lamina {
+
+/// The lowest and the highest value that a sum of terms can have; of noise, all but one point in a
+/// thousand.
+[[nodiscard]] std::pair<float, float> range_of(const std::vector<Image>& images,
+                                               std::span<const ScalarParameter> terms);
+
+/// The same of a color, each channel by itself.
+[[nodiscard]] std::pair<Vec3f, Vec3f> range_of(const std::vector<Image>& images,
+                                               const ColorParameter& color);
+
+}  // namespace lamina
