@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/plot/plot.h"
 #include "lamina/render/render.h"
 #include "light_error.h"

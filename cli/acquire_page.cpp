@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/plot/correlation_picture.h"
 #include "lamina/base/plot/html_page.h"
 #include "lamina/base/plot/map_picture.h"

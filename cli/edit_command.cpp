@@ -12,7 +12,7 @@
 #include "console.h"
 #include "edit_steps.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/skin/acquire/bands/band_choice.h"

@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 
 namespace lamina::cli {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/envi_file.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/envi_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/csv_table.h"
 #include "lamina/base/io/file_bytes.h"
 #include "lamina/base/io/json_input.h"

@@ -8,7 +8,7 @@
 
 #include "lamina/base/core/memory_budget.h"
 #include "lamina/base/core/progress.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/solve/albedo_inversion/half_space_color.h"
 
 namespace lamina::cli {

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/write_places.h"
 #include "lamina/scene/skin_surface/surface_skin_maps.h"
 #include "lamina/skin/maps/mapped_skin_json.h"

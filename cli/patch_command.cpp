@@ -13,7 +13,7 @@
 #include "commands.h"
 #include "console.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/base/plot/plot.h"

@@ -27,7 +27,7 @@ struct PictureFiles {
 /// @throws InvalidInput for standard input, and for what leaves no name, as "...json"
 [[nodiscard]] std::string named_after(const std::string& source, const std::string& what);
 
-/// "1.20 % noise, 3.41 % root mean square, ": what is known of image/compare.h's.
+/// "1.20 % noise, 3.41 % root mean square, ": what is known of base/image/compare.h's.
 [[nodiscard]] std::string describe_noise(const std::optional<double>& median,
                                          const std::optional<double>& rms);
 

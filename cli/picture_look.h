@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "console.h"
-#include "lamina/base/image/image_file.h"
-#include "lamina/base/image/image_frame.h"
-#include "lamina/base/image/ocio_view.h"
+#include "lamina/base/image/files/image_file.h"
+#include "lamina/base/image/files/image_frame.h"
+#include "lamina/base/image/files/ocio_view.h"
 #include "lamina/base/image/tone.h"
 #include "picture_files.h"
 

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
-#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/files/image_file.h"
+#include "lamina/base/image/files/image_frame.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/base/plot/picture_sheet.h"
 #include "lamina/render/render.h"

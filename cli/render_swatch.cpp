@@ -2,7 +2,7 @@
 #include "render_swatch.h"
 
 #include "console.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/description/swatch_scene.h"

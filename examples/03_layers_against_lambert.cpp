@@ -10,7 +10,7 @@
 #include <iostream>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/render/render.h"
 

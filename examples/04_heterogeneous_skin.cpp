@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/disk_cache.h"
 #include "lamina/skin/maps/skin_features.h"
 #include "lamina/skin/patch/skin_patch.h"

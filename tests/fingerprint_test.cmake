@@ -44,11 +44,11 @@ file(GLOB sources ${SOURCE}/lamina/solve/scattering/transport_profile/*.cpp
 execute_process(COMMAND ${CMAKE_COMMAND} -D "SOURCES=${sources}" -D ROOT=${SOURCE} -D NAME=F
   -D HEADER=${WORK}/f.h -D DEPFILE=${WORK}/f.d -P ${SCRIPT} COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${WORK}/f.d files)
-foreach(file IN ITEMS scattering/low_orders/straight_ray.h
-    scattering/transport_profile/internal/transfer_profile_band.h
-    scattering/profile/bessel.cpp scattering/profile/hankel.cpp
-    scattering/adding_doubling/adding_doubling_matrix.cpp optics/fresnel.h
-    optics/phase_function.cpp core/quadrature.cpp)
+foreach(file IN ITEMS solve/scattering/low_orders/straight_ray.h
+    solve/scattering/transport_profile/internal/transfer_profile_band.h
+    solve/scattering/profile/bessel.cpp solve/scattering/profile/hankel.cpp
+    solve/scattering/adding_doubling/adding_doubling_matrix.cpp layers/optics/fresnel.h
+    layers/optics/phase_function.cpp base/core/quadrature.cpp)
   string(FIND "${files}" "/lamina/${file}" at)
   if(at EQUAL -1)
     message(FATAL_ERROR "the fingerprint of transfer profiles lacks ${file}")

@@ -1,7 +1,7 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 // An ENVI image: its header up to a zero byte, then its numbers.
 #include "fuzz_input.h"
-#include "lamina/base/image/envi_file.h"
+#include "lamina/base/image/files/envi_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lamina;

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 
 namespace lamina {
 namespace {

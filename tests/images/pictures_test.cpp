@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "lamina/base/image/compare.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/spectrum/color.h"
 #include "lamina/render/render.h"
 #include "lamina/scene/description/scene.h"

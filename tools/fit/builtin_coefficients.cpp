@@ -48,7 +48,7 @@ constexpr Sand sands[] = {
     {"white_sand", 1.52, 0.15, {0.4681, 0.5407, 0.6035, 0.6486, 0.6952, 0.7435, 0.7642, 0.7728}},
 };
 
-/// Grains that are packed at random: extinction as of snow's (materials/snow.h), the mean
+/// Grains that are packed at random: extinction as of snow's (layers/materials/snow.h), the mean
 /// cosine of spheres, and the absorption that makes a deep bed reflect what was measured.
 void print_sand(const Sand& sand) {
   constexpr double packing = 0.6;

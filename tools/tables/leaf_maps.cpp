@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/envi_file.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/envi_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/skin/acquire/leaf/leaf_pixels.h"
 

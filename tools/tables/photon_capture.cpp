@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/layers/materials/skin.h"
 #include "lamina/solve/scattering/monte_carlo/patch_photons.h"
 #include "skin/acquire/inversion/synthetic_patch.h"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "lamina/base/core/progress.h"
+#include "lamina/base/image/files/image_file.h"
+#include "lamina/base/image/files/image_frame.h"
 #include "lamina/base/image/image.h"
-#include "lamina/base/image/image_file.h"
-#include "lamina/base/image/image_frame.h"
 #include "lamina/scene/description/render_options.h"
 #include "lamina/scene/description/scene.h"
 
@@ -29,7 +29,7 @@ struct RenderStatistics {
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;                  ///< of all threads of the process while rendering
   double samples_per_pixel = 0.0;            ///< mean; fewer than asked for after an early stop
-  std::optional<double> relative_noise;      ///< see image/compare.h, of the pixels that show
+  std::optional<double> relative_noise;      ///< see base/image/compare.h, of the pixels that show
                                              ///< nothing but translucent surfaces, or, where there
                                              ///< are none, nothing but surfaces
   std::optional<double> relative_noise_rms;  ///< of the same, with outliers

@@ -12,7 +12,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/csv_table.h"
 #include "lamina/base/io/file_bytes.h"
 #include "lamina/base/io/json_output.h"

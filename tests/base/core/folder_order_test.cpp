@@ -139,6 +139,26 @@ TEST(Rooms, IncludeOnlyRoomsAboveThem) {
   }
 }
 
+// Rooms of one wing stand together, and wings in the order of the page for newcomers.
+TEST(Wings, StandInTheirOrder) {
+  const std::vector<std::string> expected = {"base",  "layers", "solve",    "skin",
+                                             "scene", "render", "exchange", "reproduction"};
+  std::vector<std::string> wings;
+  for (const Room& room : plan().rooms) {
+    const std::string wing = room.folder.substr(0, room.folder.find('/'));
+    if (wings.empty() || wings.back() != wing) wings.push_back(wing);
+  }
+  EXPECT_EQ(wings, expected);
+  const std::string page = text_of(fs::path(LAMINA_SOURCE_DIR) / "docs/architecture.md");
+  std::size_t last = 0;
+  for (const std::string& wing : expected) {
+    const std::size_t at = page.find("| `" + wing + "` | ");
+    ASSERT_NE(at, std::string::npos) << wing;
+    EXPECT_GT(at, last) << wing;
+    last = at;
+  }
+}
+
 TEST(Rooms, LinkWhatTheyInclude) {
   for (const Source& source : sources()) {
     const std::string& target = plan().rooms[*plan().place_of(source.room)].target;
@@ -161,10 +181,12 @@ TEST(Rooms, KeepTheirInternalFilesToThemselves) {
 
 TEST(Rooms, KnowOfOtherLibrariesOnlyWhatIsTheirs) {
   const std::map<std::string, std::set<std::string>> owners = {
-      {"embree", {"render/geometry"}}, {"OpenEXR/", {"base/image"}}, {"Imath/", {"base/image"}},
-      {"png.h", {"base/image"}},       {"tiff", {"base/image"}},     {"libraw/", {"base/image"}},
-      {"lcms2", {"base/image"}},       {"zlib.h", {"base/image"}},   {"tbb/", {"base/core"}},
-      {"nlohmann/", {"base/io"}},
+      {"embree", {"render/geometry"}},   {"OpenEXR/", {"base/image/files"}},
+      {"Imath/", {"base/image/files"}},  {"png.h", {"base/image/files"}},
+      {"tiff", {"base/image/files"}},    {"libraw/", {"base/image/files"}},
+      {"lcms2", {"base/image/files"}},   {"zlib.h", {"base/image/files"}},
+      {"tbb/", {"base/core"}},           {"OpenColorIO/", {"base/image/files"}},
+      {"jpeglib", {"base/image/files"}}, {"nlohmann/", {"base/io"}},
   };
   for (const Source& source : sources())
     for (const std::string& other : source.others)

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 
 namespace lamina {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/image/scratch_folder.h"
 #include "lamina/base/core/error.h"
 #include "lamina/base/image/color_space.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/spectrum/rgb_encoding.h"
 #include "lamina/base/spectrum/rgb_space.h"
 #include "lamina/base/spectrum/srgb.h"

@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "base/io/bad_files.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/render/film/scene_fingerprint.h"
 #include "lamina/scene/description/common_bands.h"
 #include "lamina/scene/description/scene.h"

@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/material_file.h"
 #include "lamina/scene/description/file_materials.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lamina/base/core/enum_names.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/material.h"

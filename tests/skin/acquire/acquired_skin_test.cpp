@@ -11,7 +11,7 @@
 #include <string>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/acquire/acquired_files.h"
 #include "lamina/skin/acquire/acquisition_check.h"

@@ -9,7 +9,7 @@
 
 #include "base/io/bad_files.h"
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/spectrum/band_color.h"
 #include "lamina/base/spectrum/srgb.h"
 #include "lamina/skin/acquire/capture.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/maps/material_maps.h"
 #include "lamina/solve/reflectance/leaf_totals_table.h"

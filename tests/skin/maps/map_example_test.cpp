@@ -10,7 +10,7 @@
 #include <numeric>
 #include <string>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/skin/maps/skin_features.h"
 
 namespace lamina {

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/layers/materials/leaf.h"
 #include "lamina/skin/maps/material_maps.h"

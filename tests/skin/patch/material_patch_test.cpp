@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"
 #include "skin/patch/patch_files.h"
 

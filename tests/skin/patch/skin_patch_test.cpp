@@ -10,7 +10,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/skin/maps/skin_features.h"
 #include "lamina/skin/patch/patch_gradient.h"
 #include "lamina/solve/reflectance/skin_colors.h"

@@ -1,10 +1,12 @@
 // Copyright 2026 the lamina authors. SPDX-License-Identifier: Apache-2.0
 #include "lamina/base/core/parallel.h"
 
+#ifdef LAMINA_THREADS
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
+#endif
 
 #include <algorithm>
 #include <atomic>
@@ -18,7 +20,7 @@
 
 namespace lamina {
 
-#ifdef __SANITIZE_THREAD__
+#if defined(LAMINA_THREADS) && defined(__SANITIZE_THREAD__)
 namespace {
 
 /// The sanitizer does not see into oneTBB and takes its loops for races; it knows these threads.
@@ -53,7 +55,8 @@ void run_all(std::size_t count, const std::function<void(std::size_t)>& body) {
     for (std::size_t i = 0; i < count; ++i) body(i);
     return;
   }
-#ifdef __SANITIZE_THREAD__
+#if !defined(LAMINA_THREADS)
+#elif defined(__SANITIZE_THREAD__)
   run_on_own_threads(count, body);
 #else
   // Isolated: else an exception in one iteration of a loop around this one would end it half done.
@@ -75,6 +78,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   });
 }
 
+#ifdef LAMINA_THREADS
 void set_thread_count(int threads) {
   static std::mutex mutex;
   static std::unique_ptr<tbb::global_control> control;
@@ -89,5 +93,10 @@ int thread_count() {
   return static_cast<int>(
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
+#else
+void set_thread_count(int) {}
+
+int thread_count() { return 1; }
+#endif
 
 }  // namespace lamina

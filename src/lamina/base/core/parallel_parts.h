@@ -8,7 +8,7 @@
 
 namespace lamina {
 
-/// parallel_for of core/progress.h for few calls that take long: each is handed what it reports its
+/// parallel_for of base/core/progress.h for few calls that take long: each is handed what it reports its
 /// own finished fraction to, now and then and from any thread. `progress` is told their mean.
 /// @throws Interrupted if asked to stop; calls of `body` that have not begun are left out
 void parallel_parts(std::size_t count,

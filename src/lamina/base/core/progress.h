@@ -39,7 +39,7 @@ inline void report_or_throw(const Progress& progress, double finished) {
   return part_of(progress, 0.0, 0.0);
 }
 
-/// parallel_for of core/parallel.h for work that has nothing to hand over before its end: reports
+/// parallel_for of base/core/parallel.h for work that has nothing to hand over before its end: reports
 /// after each call of `body`.
 /// @throws Interrupted if asked to stop; calls of `body` that have not begun are left out
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body,

@@ -11,9 +11,9 @@ namespace lamina {
 /// of the new primaries.
 enum class Negative { kept, none };
 
-/// Turns the colors of an image into those of other primaries (spectrum/rgb_space.h): the channels
+/// Turns the colors of an image into those of other primaries (base/spectrum/rgb_space.h): the channels
 /// R, G and B, and those of layers, "light.sun.R" and so on, wherever all three are there, but for
-/// mattes (image/cryptomatte.h).
+/// mattes (base/image/cryptomatte.h).
 [[nodiscard]] Image converted_colors(Image image, const Matrix3& conversion,
                                      Negative negative = Negative::kept);
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lamina/base/image/image.h"
-#include "lamina/base/image/image_file.h"
 
 // ID mattes with coverage, as compositing programs read them: [Friedman2015].
 namespace lamina {

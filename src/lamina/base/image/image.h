@@ -49,4 +49,10 @@ struct Image {
 /// @throws InvalidInput if it has neither.
 [[nodiscard]] Image rgb_image(const Image& image);
 
+/// What an EXR file says of itself, as its attributes.
+struct ImageNote {
+  std::string name;  ///< of the attribute: ASCII, not one that OpenEXR has a meaning for
+  std::string text;
+};
+
 }  // namespace lamina

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "lamina/base/core/vec.h"
+#include "lamina/base/image/color_encoding.h"
 #include "lamina/base/image/image.h"
-#include "lamina/base/image/image_file.h"
 #include "lamina/base/image/uv_placement.h"
 #include "lamina/base/io/json_input.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/base64.h"
 #include "lamina/base/plot/internal/svg_canvas.h"
 #include "lamina/base/spectrum/srgb.h"

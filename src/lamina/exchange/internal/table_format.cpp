@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "lamina/base/core/number_text.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/image.h"
-#include "lamina/base/image/image_file.h"
 #include "lamina/base/io/npz_bytes.h"
 #include "lamina/exchange/internal/format_text.h"
 #include "lamina/exchange/internal/formats.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "lamina/base/core/shard.h"
-#include "lamina/base/image/image_file.h"
-#include "lamina/base/image/image_frame.h"
+#include "lamina/base/image/files/image_file.h"
+#include "lamina/base/image/files/image_frame.h"
 #include "lamina/base/image/tone.h"
 #include "lamina/base/io/file_parts.h"
 #include "lamina/render/film/film_accumulator.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/scene/mesh/files/mesh_file.h"
 #include "lamina/scene/mesh/mesh.h"

@@ -9,7 +9,7 @@
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/float_within.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/map_description.h"
 #include "lamina/base/io/nearest_name.h"
 #include "lamina/layers/materials/material_file.h"

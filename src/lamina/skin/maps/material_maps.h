@@ -18,7 +18,7 @@ struct MaterialMap {
   Image values;
 };
 
-/// Decodes one number that is a map, as image/map_description.h has the syntax. An image that has
+/// Decodes one number that is a map, as base/image/map_description.h has the syntax. An image that has
 /// the number's channels, one for each band, gives it by band unless a channel is named; of others
 /// it is the first channel. Values outside the range are clamped, with a warning that counts them.
 /// @throws InvalidInput naming the field; FileError naming the first texel that is not finite.

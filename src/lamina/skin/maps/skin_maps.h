@@ -42,7 +42,7 @@ struct SkinMaps {
 };
 
 /// Decodes the recipe; lengths are in mm. A map is an image that
-/// image/map_description.h has the syntax of, of its first channel unless one is named.
+/// base/image/map_description.h has the syntax of, of its first channel unless one is named.
 ///
 /// Values outside the parameter's range are clamped, with a warning that counts them.
 /// @param channels  one for each band: an image that has them gives the absorption of the junction

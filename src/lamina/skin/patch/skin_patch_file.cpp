@@ -6,7 +6,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/number_text.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/image/resample.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/patch/skin_patch.h"

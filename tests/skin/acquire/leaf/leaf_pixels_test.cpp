@@ -12,7 +12,7 @@
 
 #include "lamina/base/core/error.h"
 #include "lamina/base/core/random.h"
-#include "lamina/base/image/envi_file.h"
+#include "lamina/base/image/files/envi_file.h"
 #include "lamina/skin/acquire/leaf/internal/leaf_light.h"
 #include "lamina/solve/reflectance/leaf_totals_table.h"
 #include "lamina/solve/scattering/adding_doubling/adding_doubling.h"

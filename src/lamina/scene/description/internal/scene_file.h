@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lamina/base/core/error.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/scene/description/scene.h"
 

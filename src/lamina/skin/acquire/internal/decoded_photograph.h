@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lamina/base/core/vec.h"
-#include "lamina/base/image/image_file.h"
+#include "lamina/base/image/files/image_file.h"
 #include "lamina/base/io/json_input.h"
 #include "lamina/skin/acquire/calibration/color_chart.h"
 #include "lamina/skin/acquire/calibration/develop.h"

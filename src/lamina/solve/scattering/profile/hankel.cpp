@@ -18,7 +18,7 @@ using std::numbers::pi;
 
 // The series of k: its step is at most this. Half of its Nyquist rate, pi / 0.08 = 39 per unit of
 // log k, and the width of the soft band limit there are chosen for the least error over profiles
-// from a point source to a Gaussian; see tests/scattering/profile/hankel_test.cpp.
+// from a point source to a Gaussian; see tests/solve/scattering/profile/hankel_test.cpp.
 constexpr double largest_k_step = 0.08;
 constexpr double limit_width = 5.0;
 // The kernel is below 1e-14 beyond k r = exp(5.8), and equal to k r within 1e-6 below 1e-3.
