@@ -2,7 +2,7 @@
 #include "lamina/base/core/internal/row_sums.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/core/internal/row_sums.cpp"
+#define HWY_TARGET_INCLUDE "lamina/base/core/internal/row_sums.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 

@@ -2,7 +2,7 @@
 #include "lamina/scene/surface/internal/near_places.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/surface/internal/near_places.cpp"
+#define HWY_TARGET_INCLUDE "lamina/scene/surface/internal/near_places.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 

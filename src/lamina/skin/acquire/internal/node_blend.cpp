@@ -2,7 +2,7 @@
 #include "lamina/skin/acquire/internal/node_blend.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/acquire/internal/node_blend.cpp"
+#define HWY_TARGET_INCLUDE "lamina/skin/acquire/internal/node_blend.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 // Functions of Highway's own, which come after it.

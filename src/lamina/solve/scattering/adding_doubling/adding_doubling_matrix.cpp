@@ -6,7 +6,7 @@
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/adding_doubling/adding_doubling_matrix.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/adding_doubling/adding_doubling_matrix.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //

@@ -5,7 +5,7 @@
 #include "lamina/solve/scattering/adding_doubling/adding_doubling_matrix.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/adding_doubling/slab_derivatives.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/adding_doubling/slab_derivatives.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //

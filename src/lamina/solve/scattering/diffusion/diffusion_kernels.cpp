@@ -6,7 +6,7 @@
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/diffusion/diffusion_kernels.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/diffusion/diffusion_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 

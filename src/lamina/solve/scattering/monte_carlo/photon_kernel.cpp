@@ -5,7 +5,7 @@
 // whose photon has ended takes the next photon at once.
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/monte_carlo/photon_kernel.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/monte_carlo/photon_kernel.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //

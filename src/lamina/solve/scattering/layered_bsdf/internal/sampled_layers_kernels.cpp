@@ -6,7 +6,7 @@
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/layered_bsdf/internal/sampled_layers_kernels.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/layered_bsdf/internal/sampled_layers_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 //

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "lamina/scattering/profile/internal/correlation_kernel.cpp"
+#define HWY_TARGET_INCLUDE "lamina/solve/scattering/profile/internal/correlation_kernel.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 

@@ -3,7 +3,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE \
-  "lamina/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.cpp"
+  "lamina/solve/scattering/heterogeneous/blurs/internal/gaussian_blur_kernels.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once per instruction set
 #include <hwy/highway.h>
 
